@@ -164,7 +164,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
 
     if values["emit_openjd"]:
         batch_job.refuse(values)
-    out_dir = _place(values["out_dir"])
+    out_dir = _folder(values["out_dir"])
     found = _found(inputs, values, out_dir, tasks)
     whole = _manifest(values, out_dir)
     if values["emit_openjd"]:
@@ -239,15 +239,15 @@ def _conversion(values: dict[str, Any]) -> Tasks:
     tolerance = TOLERANCE if values["tolerance"] is None else values["tolerance"]
     task = ConvertTask(f".{values['convert_to']}", values["verify"], values["strict"], tolerance)
 
-    def alike(own: tuple[tuple[str, str], ...]) -> Task:
+    def same_for_all(own: tuple[tuple[str, str], ...]) -> Task:
         if own:
             raise UsageError("variables are for a spec, and --convert-to has none")
         return task
 
-    return alike
+    return same_for_all
 
 
-def _place(name: str | None) -> Path | str | None:
+def _folder(name: str | None) -> Path | str | None:
     """A folder that an option names: a path, or as text a URL."""
     from rigtri.pipeline.batch import urls
 
@@ -261,7 +261,7 @@ def _found(
     from rigtri.pipeline.batch import output_checks
     from rigtri.pipeline.batch.inputs import entries
 
-    job, base = Path(values["job"]) if values["job"] else None, _place(values["base"])
+    job, base = Path(values["job"]) if values["job"] else None, _folder(values["base"])
     suffix = f".{values['convert_to']}" if values["convert_to"] else ""
     found = entries(inputs, job=job, out_dir=out_dir, base=base, suffix=suffix, fits=tasks)
     task = tasks(found.entries[0].variables)

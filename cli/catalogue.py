@@ -83,7 +83,7 @@ GROUPS = {
 COMMANDS = {name: words for group in GROUPS.values() for name, words in group.items()}
 PAGES = {name: page for entries in _ENTRIES.values() for name, (_, page) in entries.items()}
 # How alike, from 0 to 1, a word is to the command that was meant; of words of five letters four agree.
-ALIKE = 0.75
+SIMILAR = 0.75
 
 
 def page_of(command: str) -> str:
@@ -115,4 +115,4 @@ def similar_commands(name: str) -> list[str]:
         return SequenceMatcher(None, name, known).ratio()
 
     likely = sorted(COMMANDS, key=lambda known: (likeness(known), whole(known)), reverse=True)
-    return [known for known in likely[:3] if likeness(known) >= max(ALIKE, likeness(likely[0]) - 0.05)]
+    return [known for known in likely[:3] if likeness(known) >= max(SIMILAR, likeness(likely[0]) - 0.05)]

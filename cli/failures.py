@@ -108,13 +108,13 @@ def _fault_lines(faults: Sequence[Fault]) -> list[str]:
     for first, *others in faults_by_text(faults).values():
         line, advised = without_advice(str(first))
         advice |= dict.fromkeys(advised)
-        places = dict.fromkeys(_place(other, first) for other in others)
-        places.pop(_place(first, first), None)
+        places = dict.fromkeys(_position(other, first) for other in others)
+        places.pop(_position(first, first), None)
         lines.append(f"{line}{', also at ' if places else ''}{', '.join(places)}")
     return [*lines, *advice]
 
 
-def _place(fault: Fault, first: Fault) -> str:
+def _position(fault: Fault, first: Fault) -> str:
     """Where a fault is; with its file where that is another than that of the first."""
     found, file = fault.as_json(), first.as_json()["file"]
     place = f"{found['line']}:{found['column']}"

@@ -72,7 +72,7 @@ class NameNotFoundError(RigtriError):
         every = list(dict.fromkeys(word for word in known if word))
         verb = "matches" if pattern and re.search(r"[*?\[]", name) else "is named"
         # Clips are few, and have names beside their numbers: all are listed.
-        hint = ("" if kind.startswith("clip") else _range(name, every)) or _meant(name, every)
+        hint = ("" if kind.startswith("clip") else _range(name, every)) or _suggestion(name, every)
         if re.search(r"[*?]", name) and not pattern:
             hint = " Give one name here, not a pattern." + hint
         super().__init__(f"No {kind} {verb} '{name}'.{hint} {LIST_NAMES}")
@@ -156,7 +156,7 @@ def did_you_mean(word: str, known: Iterable[object], most: int = 1) -> str:
     return f" Did you mean {_quoted(close)}?" if close else ""
 
 
-def _meant(name: str, known: Sequence[str]) -> str:
+def _suggestion(name: str, known: Sequence[str]) -> str:
     if "/" not in name:  # a path says no more than the name that is its end
         named = set(known)
         known = [word for word in known if word[:1] != "/" or word.rpartition("/")[2] not in named]

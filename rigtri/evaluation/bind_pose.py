@@ -16,7 +16,7 @@ from rigtri.model.skin import Skin
 # Spaces that exporters bind in differ by quarter turns: what a topmost joint leans is less than half of one.
 _LEAN = np.pi / 4
 # Radians, and shares: inverses of float32 leave as much, so that spaces that differ by less turn alike.
-_ALIKE = 3e-5
+_ROUNDING = 3e-5
 # Sizes that differ by a larger share are meant: smaller ones are noise of exporters.
 _UNEVEN = 0.01
 
@@ -82,8 +82,8 @@ def placed_bind_worlds(rig: Rig, number: int) -> Floats:
     if not angles.min() <= _LEAN:
         return bound
     moves = length(frames[:, 3, :3] - bound[top, 3, :3])
-    near = int(np.argmin(np.where(angles <= angles.min() + _ALIKE, moves, np.inf)))
-    if angles[near] <= _ALIKE and moves[near] <= _ALIKE * np.abs(bound[skin.joints, 3, :3]).max():
+    near = int(np.argmin(np.where(angles <= angles.min() + _ROUNDING, moves, np.inf)))
+    if angles[near] <= _ROUNDING and moves[near] <= _ROUNDING * np.abs(bound[skin.joints, 3, :3]).max():
         return bound  # as it rests
     turn = from_frame(to_axes(turns[near]), np.zeros(3))
     sizes = length(frames[near][:3, :3]) / length(bound[top, :3, :3])

@@ -22,7 +22,7 @@ from rigtri.evaluation.pole_lean import NEARLY_STRAIGHT, SAME_SIDE, lean_at_rest
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver_steps import weighted
 from rigtri.evaluation.two_bone_ik import NOWHERE, Solved, bone_frame, distance_for, sides, two_bone
-from rigtri.evaluation.zero_pose import SAME_PLACE, ControlsAtZero, IkLimb
+from rigtri.evaluation.zero_pose import SAME_POSITION, ControlsAtZero, IkLimb
 from rigtri.maths.arrays import level
 from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions, transform_points
 from rigtri.maths.quaternions import conjugate, rotate, to_axes
@@ -145,7 +145,7 @@ class Ik:
         The target is the control, but the end joint, where but rounding parts the two.
         """
         target, end = self.reference.world[self.limb.control, 3, :3], self._points[2]
-        if length(end - target) <= SAME_PLACE * float(np.abs(self.rig.world[:, 3, :3]).max(initial=0.0)):
+        if length(end - target) <= SAME_POSITION * float(np.abs(self.rig.world[:, 3, :3]).max(initial=0.0)):
             target = end
         holder = self.limb.holder
         turn = conjugate(self.reference.world_rotation(holder))

@@ -98,7 +98,7 @@ def _narrow(times: Floats, turns: Floats, keys: Integers) -> Integers:
     # The cosine of half the angle is cheaper than the angle.
     start, end = turns[keys[:-1]], turns[keys[1:]]
     wide = np.flatnonzero((np.abs(dot(start, end)) < _LEAST_COSINE) & (np.diff(keys) > 1))
-    angles = _apart(start[wide], end[wide])
+    angles = _difference(start[wide], end[wide])
     more: list[int] = []
     for k, angle in zip(wide[angles > most].tolist(), angles[angles > most].tolist(), strict=True):
         at, end_ = int(keys[k]), int(keys[k + 1])
@@ -111,7 +111,7 @@ def _narrow(times: Floats, turns: Floats, keys: Integers) -> Integers:
 
 def _constant(rows: Floats, values: Floats, bound: float) -> bool:
     """Whether some of the values are what the first one is."""
-    return bool((_apart(rows, values[:1]) <= bound).all())
+    return bool((_difference(rows, values[:1]) <= bound).all())
 
 
 def _off_their_neighbours(times: Floats, values: Floats, bound: float) -> Booleans:
@@ -155,13 +155,13 @@ def is_reduction_of(times: Floats, values: Floats, there: Floats, bound: float, 
 
     same: how far what rounding alone parts may be off where nothing moves. All else is as for `reduce_keys`.
     """
-    off, near = _apart(there, values), _rounded(times, values, bound, same)
+    off, near = _difference(there, values), _rounded(times, values, bound, same)
     keys, last = np.flatnonzero(off <= near), len(times) - 1
     if len(keys) < 2 or keys[0] > 0 or keys[-1] < last or not bool((off <= bound + near).all()):
         return False
     right = np.clip(np.searchsorted(keys, np.arange(len(times)), side="right"), 1, len(keys) - 1)
     line = _line(times, values, keys[right - 1], keys[right], np.arange(len(times)))
-    return bool((_apart(line, there) <= np.maximum(near[keys[right - 1]], near[keys[right]])).all())
+    return bool((_difference(line, there) <= np.maximum(near[keys[right - 1]], near[keys[right]])).all())
 
 
 def _rounded(times: Floats, values: Floats, bound: float, same: float) -> Floats:
@@ -169,7 +169,7 @@ def _rounded(times: Floats, values: Floats, bound: float, same: float) -> Floats
     what they go while float32 cannot distinguish times; but never more than the bound.
     """
     unclear = _UNCLEAR * float(np.spacing(np.float32(np.abs(times).max(initial=0.0))))
-    speed = _apart(values[1:], values[:-1]) / np.diff(times)
+    speed = _difference(values[1:], values[:-1]) / np.diff(times)
     fastest = np.maximum(np.append(speed, 0.0), np.append(0.0, speed))
     return np.asarray(same + np.minimum(unclear * fastest, bound))
 
@@ -183,7 +183,7 @@ def _gaps(kept: Booleans) -> Integers:
 
 def _off(times: Floats, values: Floats, left: Integers, right: Integers, at: Integers) -> Floats:
     """How far values are from the line between two others, (m,)."""
-    return _apart(_line(times, values, left, right, at), np.take(values.T, at, axis=1).T)
+    return _difference(_line(times, values, left, right, at), np.take(values.T, at, axis=1).T)
 
 
 def _line(times: Floats, values: Floats, left: Integers, right: Integers, at: Integers) -> Floats:
@@ -195,7 +195,7 @@ def _line(times: Floats, values: Floats, left: Integers, right: Integers, at: In
     return np.asarray(start + (end - start) * share[:, np.newaxis])
 
 
-def _apart(a: Floats, b: Floats) -> Floats:
+def _difference(a: Floats, b: Floats) -> Floats:
     """How far values are apart, (m,): turns in radians."""
     if a.shape[1] == 4:
         return angle_between(a, b)

@@ -40,7 +40,7 @@ from rigtri.model.metadata import (
 from rigtri.model.rig import Rig
 
 # Offsets are float32 and some nodes deep; a pose that anybody has set is farther off than this.
-SAME_PLACE = 2e-6
+SAME_POSITION = 2e-6
 _WORLD = np.eye(4)
 
 
@@ -160,8 +160,8 @@ class ControlsAtZero:
             turned = orthonormal_axes(there)
             if own.axes is not None:
                 turned = to_axes(product(from_axes(turned), np.array(own.axes)))
-            apart = float(length(there[3, :3] - here[3, :3])) > SAME_PLACE * size
-            if apart or np.abs(turned - axes).max() > 4.0 * SAME_PLACE:
+            apart = float(length(there[3, :3] - here[3, :3])) > SAME_POSITION * size
+            if apart or np.abs(turned - axes).max() > 4.0 * SAME_POSITION:
                 stretch = multiply(here, inverse(from_frame(axes, here[3, :3])))
                 found[joint] = multiply(stretch, from_frame(turned, there[3, :3]))
         return found
@@ -211,7 +211,7 @@ def with_stored_scales(rig: Rig, before: Rig) -> Rig:
             continue
         was, now = (decompose(each.normalised_local[joint])[2] for each in (before, rig))
         zero = np.asarray(stored.get(joint, was))
-        apart = bool((now != was).any() and np.abs(now - zero).max() > SAME_PLACE * np.abs(zero).max())
+        apart = bool((now != was).any() and np.abs(now - zero).max() > SAME_POSITION * np.abs(zero).max())
         if (now != was).any():
             metadata[node] = replace(record, scale=triple(zero) if apart else None).to_dict()
     return rig if metadata == rig.metadata else replace(rig, metadata=metadata)

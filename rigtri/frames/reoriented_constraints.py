@@ -92,17 +92,15 @@ def _kept(node: int) -> NodeConstraint:
 
 def broken(rig: Rig, delta: Floats) -> list[NodeConstraint]:
     """What compares axes and would not do the same after the deltas, (n, 4)."""
-    return [
-        c for c in axes_compared(rig) if not (_keeps_alike(rig, c, delta) and axis_fits(c, delta[c.node]))
-    ]
+    return [c for c in axes_compared(rig) if not (_ends_agree(rig, c, delta) and axis_fits(c, delta[c.node]))]
 
 
-def _keeps_alike(rig: Rig, constraint: NodeConstraint, delta: Floats) -> bool:
+def _ends_agree(rig: Rig, constraint: NodeConstraint, delta: Floats) -> bool:
     pair = coupled_nodes(rig, constraint)
     if pair is None:
         return True
     a, b = (delta[node] if node >= 0 else IDENTITY for node in pair)
-    return _alike(a, b)
+    return _equal_rotations(a, b)
 
 
 def axis_fits(constraint: NodeConstraint, delta: Floats) -> bool:
@@ -245,7 +243,7 @@ def _touched(rig: Rig, rule: Constraint, delta: Floats) -> bool:
     return any((_of(delta, node) != IDENTITY).any() for node in nodes)
 
 
-def _alike(a: Floats, b: Floats) -> bool:
+def _equal_rotations(a: Floats, b: Floats) -> bool:
     return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) <= _SAME)
 
 

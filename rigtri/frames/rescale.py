@@ -35,7 +35,7 @@ from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
 
 # Sizes of joints that differ by no more are one, with what float32 has left of products along a chain.
-ALIKE = 1e-4
+SAME_SIZE = 1e-4
 
 
 def rescale(rig: Rig, size: Floats) -> Rig:
@@ -63,7 +63,7 @@ def rescale(rig: Rig, size: Floats) -> Rig:
         if (sizes == 1.0).all():
             continue
         points = 1.0
-        if rig.rules.sized_binding and skin.stored and (np.abs(sizes / sizes[0] - 1.0) <= ALIKE).all():
+        if rig.rules.sized_binding and skin.stored and (np.abs(sizes / sizes[0] - 1.0) <= SAME_SIZE).all():
             points = 1.0 / float(sizes[0])
             bound_sizes[number] = bound_sizes.get(number, 1.0) * points
         bind = multiply(_scaling(np.array([1.0 / points])), skin.inverse_bind)

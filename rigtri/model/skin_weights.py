@@ -10,7 +10,7 @@ from rigtri.maths.vectors import dot
 from rigtri.model.skin import WeightLimit, WeightRedistribution
 
 # A share this near to none or all is none or all: it would cost an influence and show nothing.
-WHOLE = 1e-3
+NEGLIGIBLE_SHARE = 1e-3
 # Weights that differ by less are the ones that were there.
 SAME = 1e-6
 
@@ -167,7 +167,7 @@ def _neighbours(spread: WeightRedistribution, t: Floats) -> tuple[Integers, Inte
     near, far = np.clip(after - 1, 0, last), np.clip(after, 0, last)
     span = spread.at[far] - spread.at[near]
     share = np.where(span > 0, (t - spread.at[near]) / np.where(span > 0, span, 1.0), 0.0)
-    share = np.where(share < WHOLE, 0.0, np.where(share > 1.0 - WHOLE, 1.0, share))
+    share = np.where(share < NEGLIGIBLE_SHARE, 0.0, np.where(share > 1.0 - NEGLIGIBLE_SHARE, 1.0, share))
     return spread.joints[near], spread.joints[far], share
 
 

@@ -79,7 +79,7 @@ def _with_poles(rig: Rig, options: AddPolevectorOptions, report: Report) -> Rig:
         if found is None:
             undecided.append(limb)
             continue
-        rig = _place(rig, limb, ref, found, options, report)
+        rig = _pole_position(rig, limb, ref, found, options, report)
     if undecided:
         raise GeometryError(_straight_message(rig, undecided, ref, facing))
     return rig
@@ -186,7 +186,7 @@ def _warn_unheard(rig: Rig, limb: Limb, found: Bend, report: Report) -> None:
     report.warn("facing-unused", f"--facing does not change the pole vector of {title}: {why}.", joint=title)
 
 
-def _place(
+def _pole_position(
     rig: Rig, limb: Limb, ref: ReferencePose, found: Bend, options: AddPolevectorOptions, report: Report
 ) -> Rig:
     points = ref.world[list(limb.triple), 3, :3]

@@ -52,7 +52,7 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
             merging.take(node)
     if options.still:
         excluded = rig.with_ancestors([node for glob in options.exclude for node in rig.match(glob)])
-        _report_kept(rig, [node for node in merging.take_still() if node not in excluded], report)
+        _warn_unmerged(rig, [node for node in merging.take_still() if node not in excluded], report)
     if options.max_joints is not None:
         merging.take_least(options.max_joints)
     gone = merging.gone
@@ -67,7 +67,7 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
     return less
 
 
-def _report_kept(rig: Rig, still: Sequence[int], report: Report) -> None:
+def _warn_unmerged(rig: Rig, still: Sequence[int], report: Report) -> None:
     if still:
         names = listed([rig.title(node) for node in still], 6)
         why = "they or joints below have a mesh, camera or light, or the file or rigtri's metadata name them"

@@ -22,7 +22,7 @@ from rigtri.model.rig import Rig
 from rigtri.report import Report
 
 # float32 readers see no difference below this share; a second run must change no byte.
-_SAME_PLACE = 1e-7
+_SAME_POSITION = 1e-7
 # The fields of a rig that hold its rest pose.
 _REST = ("translation", "rotation", "scale", "matrix")
 
@@ -142,7 +142,7 @@ def seen_from(above: Floats, position: Floats, axes: Floats) -> tuple[Floats, fl
     """A place in the world as seen from a matrix, (4, 4), and what rounding leaves uncertain about it."""
     place = multiply(from_frame(axes, position), inverse(above))
     # A place near its parent's keeps the rounding of both in the world.
-    return place, _SAME_PLACE * max(float(length(position)), float(length(above[3, :3])))
+    return place, _SAME_POSITION * max(float(length(position)), float(length(above[3, :3])))
 
 
 def unposed(rig: Rig, node: int) -> Floats:
@@ -154,9 +154,9 @@ def settled(was: tuple[Floats, Floats], place: Floats, noise: float = 0.0) -> tu
     """Translation and rotation of a local matrix without shear, (4, 4), but for bits of ``noise`` alone."""
     translation, rotation = was
     new = from_axes(orthonormal_axes(place))
-    least = max(_SAME_PLACE * float(length(place[3, :3])), noise, 1e-30)
+    least = max(_SAME_POSITION * float(length(place[3, :3])), noise, 1e-30)
     # q and −q are one rotation; of a half turn, rounding picks either.
-    turned = min(np.abs(new - rotation).max(), np.abs(new + rotation).max()) > _SAME_PLACE
+    turned = min(np.abs(new - rotation).max(), np.abs(new + rotation).max()) > _SAME_POSITION
     return place[3, :3] if length(place[3, :3] - translation) > least else translation, (
         new if turned else rotation
     )
@@ -174,7 +174,7 @@ def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Ri
         size = length(matrix[node, :3, :3])
         moved = from_frame(orthonormal_axes(place) * size[:, np.newaxis], place[3, :3])
         # An element of a matrix moves by up to four times as much as those of a quaternion.
-        if np.abs(moved - matrix[node]).max() > 4.0 * _SAME_PLACE * max(1.0, float(np.abs(moved).max())):
+        if np.abs(moved - matrix[node]).max() > 4.0 * _SAME_POSITION * max(1.0, float(np.abs(moved).max())):
             matrix[node] = moved
         return replace(rig, matrix=matrix)
     if all(np.array_equal(a, b) for a, b in zip(was, now, strict=True)):

@@ -24,7 +24,7 @@ from rigtri.operations.rigtri_nodes import add, stand
 # Inverse binds that differ by less, as a share of the largest number, differ by float32 rounding.
 _SAME_BIND = 1e-6
 # Places and axes, too: of the distances from the origin and the parent, and absolute.
-_SAME_PLACE, _SAME_AXES = 5e-7, 2e-6
+_SAME_POSITION, _SAME_AXES = 5e-7, 2e-6
 # A track that is off the rest pose by no more holds it: float32 rounding, as a share.
 _STILL = 1e-6
 
@@ -158,7 +158,7 @@ def _stands(rig: Rig, moved: Rig, node: int, position: Floats) -> bool:
     far = max(float(length(position)), float(length(above[3, :3]))) / float(length(above[:3, :3]).max())
     size = max(far, float(length(rig.local[node, 3, :3])))
     axes = float(length(rig.local[node, :3, :3]).max())
-    return bool(off[:3].max() <= _SAME_AXES * axes and off[3].max() <= _SAME_PLACE * size)
+    return bool(off[:3].max() <= _SAME_AXES * axes and off[3].max() <= _SAME_POSITION * size)
 
 
 def _grown(rig: Rig, skin: Skin, node: int) -> Skin:

@@ -235,7 +235,7 @@ class _Limb:
         assert timeline is not None
         now = PoseCache(self.rig, sample_parts(self.rig, timeline.clip, self.times))
         size = skeleton_size(self.rig)
-        if all(_alike(now.part(node), parts, size) for node, parts in channels.items()):
+        if all(_is_close(now.part(node), parts, size) for node, parts in channels.items()):
             return self.rig
         clips, target = list(self.rig.clips), _channel_values(channels)
         for k in self.timeline.members if self.timeline else ():
@@ -297,7 +297,7 @@ class _Limb:
         solvers = self._solver(self.rig), self._solver(rig)
         joints = _joints_moved(rig, changed, solvers)
         far, elsewhere = (
-            self._apart(solvers, joints, each) for each in (self.times, keys_and_between(times))
+            self._deviation(solvers, joints, each) for each in (self.times, keys_and_between(times))
         )
         name = self.rig.title(self.chain[2])
         if not far <= NEAR:
@@ -316,7 +316,7 @@ class _Limb:
             }
         )
 
-    def _apart(self, solvers: tuple[Solver, Solver], joints: Sequence[int], times: Floats) -> float:
+    def _deviation(self, solvers: tuple[Solver, Solver], joints: Sequence[int], times: Floats) -> float:
         """How far joints are from where they were, at most, as a share of the size."""
         before, after = (self._posed(solver, times, joints) for solver in solvers)
         far = 0.0
@@ -354,7 +354,7 @@ def _part(rig: Rig, node: int, path: Path) -> Floats:
     return PoseCache(rig).part(node)[PATHS.index(path)]
 
 
-def _alike(now: Parts, target: Parts, size: float) -> bool:
+def _is_close(now: Parts, target: Parts, size: float) -> bool:
     """Whether the two differ by no more than rounding."""
     moved = float(np.abs(target.translation - now.translation).max())
     turned = float(angle_between(now.rotation, target.rotation).max())

@@ -16,7 +16,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.solver_steps import ConstraintStep, RootStep, Step
 from rigtri.evaluation.timelines import Timeline
 from rigtri.evaluation.two_bone_ik import BEYOND
-from rigtri.evaluation.zero_pose import SAME_PLACE
+from rigtri.evaluation.zero_pose import SAME_POSITION
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.quaternions import rotate
 from rigtri.maths.trigonometry import Floats
@@ -130,7 +130,7 @@ def _limb(ik: Ik, posed: PoseCache, at: Moment) -> Iterator[Notice]:
     solved, lengths = ik.solve(posed, target, place), ik.lengths(posed)
     longest, shortest = lengths[0] + lengths[1], np.abs(lengths[0] - lengths[1])
     end = rig.title(limb.chain[2])
-    if longest.max() <= SAME_PLACE * float(np.abs(rig.world[:, 3, :3]).max()):
+    if longest.max() <= SAME_POSITION * float(np.abs(rig.world[:, 3, :3]).max()):
         control = rig.title(limb.control)
         text = f"The limb that ends in '{end}' has no length in {at(0)}, so '{control}' does not move it"
         yield Notice("ik-no-length", text, end, geometry=True)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
-from rigtri.recognition.body_shape import ALIKE, LEG, Body, Limbs, stands_too, within
+from rigtri.recognition.body_shape import LEG, SIMILAR, Body, Limbs, stands_too, within
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
@@ -148,7 +148,7 @@ def _is_further(draft: Draft, body: Body, limbs: Limbs) -> bool:
     if body.form != "quadruped" or body.arms is None or len(limbs.at) < 3 or limbs.kind == "other":
         return False
     high = (limbs.starts - body.arms.starts).dot(body.up) > 0.0
-    return high and limbs.quality > LEG and limbs.size > ALIKE * body.arms.size and limbs.lead > TIE
+    return high and limbs.quality > LEG and limbs.size > SIMILAR * body.arms.size and limbs.lead > TIE
 
 
 def _shaped(body: Body, limbs: Limbs) -> LimbKind:

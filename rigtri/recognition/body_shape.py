@@ -39,7 +39,7 @@ _ALONE = 0.76
 # What a body loses beside which another pair stands on the ground.
 _LEFT_OVER = 0.1
 # Of many legs each is so long a part of the longest, and so limb-like.
-ALIKE, LEG = 0.6, 0.2
+SIMILAR, LEG = 0.6, 0.2
 # Legs that go down by this (a cosine), as the file has it, or a trunk that goes up leave no doubt what is up.
 _STANDS = 0.7
 # Legs go aside from a trunk that lies, or leans as a dinosaur does (cosines). How long its tail is at least,
@@ -210,7 +210,7 @@ def _longest(limbs: Limbs, others: Sequence[Limbs]) -> float:
 def _with_arms(tree: Tree, legs: Limbs, others: Sequence[Limbs]) -> list[Body]:
     """A pair as legs, with each other that is apart from it as arms."""
     longest = _longest(legs, others)
-    arms = [k for k in others if k is not legs and _apart(tree, legs, k)]
+    arms = [k for k in others if k is not legs and _are_disjoint(tree, legs, k)]
     return [_both(tree, legs, k, others, longest) for k in arms]
 
 
@@ -248,7 +248,7 @@ def _has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
     return max(behind, default=0.0) > _TAIL * legs.size
 
 
-def _apart(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
+def _are_disjoint(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
     """Whether neither pair is a part of the other."""
     if legs.pair.nodes & arms.pair.nodes:
         return False
@@ -312,7 +312,7 @@ def stands_too(tree: Tree, body: Body, limbs: Sequence[Limbs]) -> bool:
         and k not in (legs, body.arms)
         and k.kind in ("leg", "")
         and k.quality > LEG
-        and k.size > ALIKE * legs.size
+        and k.size > SIMILAR * legs.size
         and k.pair.above not in legs.pair.nodes
         and k.pair.above != legs.pair.above
         and lowest(tree, k, body.up) < ground + LEVEL * legs.size

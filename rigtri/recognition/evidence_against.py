@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import AGREED, Found
-from rigtri.recognition.body_shape import ALIKE, Limbs, lowest
+from rigtri.recognition.body_shape import SIMILAR, Limbs, lowest
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.layout import CONFIDENT
@@ -311,7 +311,7 @@ def _skirt(draft: Draft, each: Found) -> str:
         if other is mine or other.pair.above != mine.pair.above or len(other.at) != len(mine.at):
             continue
         apart, like = abs(lowest(draft.tree, other, body.up) - ground), abs(other.size - mine.size)
-        if like < _TWINS * mine.size or (other.size > ALIKE * mine.size and apart < _TWINS * mine.size):
+        if like < _TWINS * mine.size or (other.size > SIMILAR * mine.size and apart < _TWINS * mine.size):
             return f"the chain from {_title(draft, other.joints(0)[0])} is as long: both may be a skirt"
     return ""
 

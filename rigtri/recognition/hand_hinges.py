@@ -28,7 +28,7 @@ THUMB_BENT = radians_below(10)
 # Of fingers whose own hinges agree to this part the common one counts.
 AGREEMENT = 0.7
 # Hands whose fingers, or thumbs, bend alike within this (radians) are two sides of one body in one pose.
-ALIKE = radians_below(10)
+SIMILAR_BEND = radians_below(10)
 # A thumb points by more than this to the side of the fingers (a cosine).
 THUMB_APART = cosine_below(20)
 # … and at rest by this to the side of the palm (cosine and sine of 20°).
@@ -74,9 +74,9 @@ def hand_hinges(
     """
     found = (_posed_hand(chains, side, is_left, at, body) for side, is_left in sides.items())
     hands = [hand for hand in found if hand is not None]
-    palms = [hand.palm(curl) for hand, curl in zip(hands, _alike([hand.curl for hand in hands]), strict=True)]
+    palms = [hand.palm(curl) for hand, curl in zip(hands, _mean([hand.curl for hand in hands]), strict=True)]
     closing = [(hand, palm) for hand, palm in zip(hands, palms, strict=True) if palm is not None]
-    thumbs = _alike([hand.thumb_curl(palm.direction) for hand, palm in closing])
+    thumbs = _mean([hand.thumb_curl(palm.direction) for hand, palm in closing])
     for (hand, palm), thumb in zip(closing, thumbs, strict=True):
         # A further finger closes with the others, whichever it is.
         for joint in hand.joints:
@@ -100,9 +100,9 @@ class _Curl(NamedTuple):
     closes: float = 0.0
 
 
-def _alike(curls: Sequence[_Curl]) -> list[_Curl]:
+def _mean(curls: Sequence[_Curl]) -> list[_Curl]:
     """The same, with the mean numbers of two hands that are bent alike, so that one rule applies to both."""
-    if len(curls) != 2 or abs(curls[0].bend - curls[1].bend) > ALIKE:
+    if len(curls) != 2 or abs(curls[0].bend - curls[1].bend) > SIMILAR_BEND:
         return list(curls)
     mean = [0.5 * (one + other) for one, other in zip(curls[0][1:], curls[1][1:], strict=True)]
     return [_Curl(curl.hinge, *mean) for curl in curls]

@@ -18,7 +18,7 @@ _LONGEST = 15
 # A segment of a bone bends no further than this, as a cosine (25°): rest poses are not quite straight.
 _IN_LINE = 0.9
 # Nearer than this part of the bone that it is in, a node stands where the joint does.
-_SAME_PLACE = 1e-3
+_SAME_POSITION = 1e-3
 
 
 class Tree:
@@ -181,7 +181,7 @@ def _may_be_bone(rig: Rig, node: int, below: Sequence[int], joints: Collection[i
     ends = [over, *below] if len(below) == 1 else [over]
     apart = length(rig.world[ends, 3, :3] - rig.world[node, 3, :3])
     span = max(float(length(rig.world[k, 3, :3] - rig.world[over, 3, :3])) for k in below)
-    return bool((apart > _SAME_PLACE * span).all()) and (len(below) > 1 or is_bone(rig.names[node]))
+    return bool((apart > _SAME_POSITION * span).all()) and (len(below) > 1 or is_bone(rig.names[node]))
 
 
 def _unplaced_joints(rig: Rig) -> frozenset[int]:

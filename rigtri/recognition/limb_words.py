@@ -70,7 +70,7 @@ def limb_words(name: str) -> LimbWords:
     >>> sorted(limb_words("LeftShoulder").levels), limb_words("spine_01").levels
     (['before', 'upper'], {})
     """
-    table, found = _table(), _apart(words(spread(name)))
+    table, found = _table(), _split(words(spread(name)))
     said = [table.clear[word] for word in found if word in table.clear]
     weight = 1.0
     if not said:
@@ -147,7 +147,7 @@ def _in_order(names: Sequence[LimbWords]) -> Iterator[Mapping[Level, float]]:
         yield levels
 
 
-def _apart(found: Sequence[str]) -> list[str]:
+def _split(found: Sequence[str]) -> list[str]:
     """The words, with those together that riggers write as two, and those apart that they write as one."""
     apart: list[str] = []
     for word in found:

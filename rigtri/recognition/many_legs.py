@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.body_shape import ALIKE, LEG, LEVEL, Limbs, across, lowest
+from rigtri.recognition.body_shape import LEG, LEVEL, SIMILAR, Limbs, across, lowest
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.symmetry import Plane, pairs_of
 
@@ -31,13 +31,13 @@ def many_legs(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> tuple[
     even = [k for k in even if k.quality > LEG and not any(k.pair.above in o.pair.nodes for o in even)]
     total, longest = Vector(), max((k.size for k in even), default=0.0)
     for k in even:
-        if k.size > ALIKE * longest:
+        if k.size > SIMILAR * longest:
             total = total + k.starts - k.ends
     legs = (total - plane.normal * total.dot(plane.normal)).unit
     up = standing if legs.dot(standing) > _STANDS else legs
     for first in sorted(even, key=lambda k: -k.size) if len(even) > 2 else ():
         ground = lowest(tree, first, up)
-        alike = [k for k in even if k.size > ALIKE * first.size]
+        alike = [k for k in even if k.size > SIMILAR * first.size]
         alike = [k for k in alike if abs(lowest(tree, k, up) - ground) < LEVEL * first.size]
         least = min(tree.at[k].dot(up) for k in tree.nodes)
         if len(alike) >= 3 and least > ground - LEVEL * first.size:

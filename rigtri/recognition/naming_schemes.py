@@ -115,7 +115,7 @@ def parse_name(name: str) -> ParsedName:
     >>> parse_name("Bip01 L UpperArm").key, parse_name("spine_01").key, parse_name("DEF-shin.R.001").plain
     ('upperarm', 'spine1', 'shin')
     """
-    apart = _apart(spread(unicodedata.normalize("NFKC", name)))
+    apart = _split(spread(unicodedata.normalize("NFKC", name)))
     found = words(apart)
     kept = []
     for before, word in zip(["", *found], found, strict=False):
@@ -131,7 +131,7 @@ def _parsed(which: Side, kept: tuple[str, ...], found: frozenset[str]) -> Parsed
     return ParsedName(which, "".join(kept), "".join(short), "".join(letters), found, kept)
 
 
-def _apart(name: str) -> str:
+def _split(name: str) -> str:
     """``leftarm`` is two words, though nothing stands between them."""
     for which in ("left", "right"):
         at = name.lower().find(which)

@@ -13,7 +13,7 @@ from rigtri.recognition.naming_schemes import parse_name
 # Where a twist joint parts a bone that has one, as a part of the bone before.
 _PARTED = 0.7
 # Parts of one bone are as long as each other up to this part of their length.
-_ALIKE = 0.25
+_SIMILAR_LENGTH = 0.25
 # How Blender numbers the further parts of a bone that was split.
 _PART = re.compile(r"(.+)\.\d{3}")
 
@@ -71,7 +71,7 @@ def further_part(draft: Draft, each: Found) -> str:
     above, size = tree.above[start], (tree.at[middle] - tree.at[start]).length / max(upper, 1)
     before = tree.at[start] - tree.at[above] if above >= 0 else Vector()
     in_line = before.unit.dot((tree.at[middle] - tree.at[start]).unit) > STRAIGHT
-    goes_on = upper > 1 and in_line and abs(before.length - size) < _ALIKE * size
+    goes_on = upper > 1 and in_line and abs(before.length - size) < _SIMILAR_LENGTH * size
     goes_on = goes_on and not _at_the_trunk(draft, each)
     if upper > lower or goes_on:
         return f"'{tree.rig.title(end)}' may be a twist joint, as the upper bone has more of them"

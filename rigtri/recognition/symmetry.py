@@ -21,7 +21,7 @@ from rigtri.recognition.joint_tree import Tree
 # Branches shorter than this part of the whole are no limbs.
 SHORT = 0.06
 # Bones are alike up to this part of their length: hand-made characters are not quite even.
-ALIKE = 0.15
+SIMILAR_LENGTH = 0.15
 # Short bones may differ by this part of the whole branch.
 SLACK = 0.02
 # Pairs shorter than this part of the longest have no say in where the plane is.
@@ -70,13 +70,13 @@ def pairs_of(tree: Tree) -> list[Pair]:
         long = [k for k in below if tree.bone[k] + tree.reach[k] > SHORT * whole]
         long.sort(key=lambda k: -(tree.bone[k] + tree.reach[k]))
         for a, b in combinations(long[:_MOST], 2):
-            pair = _alike(tree, above, a, b)
+            pair = _mirrored_pair(tree, above, a, b)
             if pair is not None and pair.reach > SHORT * whole:
                 found.append(pair)
     return sorted(found, key=lambda pair: -pair.reach)
 
 
-def _alike(tree: Tree, above: int, a: int, b: int) -> Pair | None:
+def _mirrored_pair(tree: Tree, above: int, a: int, b: int) -> Pair | None:
     if above >= 0 and not _near(tree.bone[a], tree.bone[b], max(tree.reach[a], tree.reach[b])):
         return None
     same, reach = 1, 0.0
@@ -93,7 +93,7 @@ def _alike(tree: Tree, above: int, a: int, b: int) -> Pair | None:
 
 
 def _near(a: float, b: float, reach: float) -> bool:
-    return abs(a - b) <= ALIKE * max(a, b) + SLACK * reach
+    return abs(a - b) <= SIMILAR_LENGTH * max(a, b) + SLACK * reach
 
 
 def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:

@@ -14,7 +14,7 @@ import numpy as np
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.pole_lean import STRAIGHT, turning_way
 from rigtri.evaluation.twist_joints import twist_joints
-from rigtri.evaluation.zero_pose import SAME_PLACE, FkControl
+from rigtri.evaluation.zero_pose import SAME_POSITION, FkControl
 from rigtri.export.blender.plan import Plan, Share, armature_of, frame
 from rigtri.maths.matrices import from_frame, transform_directions, transform_points
 from rigtri.maths.quaternions import rotate
@@ -60,7 +60,7 @@ def _copy(plan: Plan, joint: int, control: int) -> None:
     place, armature = world[control].copy(), armature_of(plan.rig, joint)
     if armature >= 0:
         place[:3, :3] *= length(plan.rig.world[armature, 0, :3])
-    same = np.abs(world[joint] - place).max() <= SAME_PLACE * max(1.0, np.abs(world[joint]).max())
+    same = np.abs(world[joint] - place).max() <= SAME_POSITION * max(1.0, np.abs(world[joint]).max())
     target = word if same else plan.ride("drive", word, joint)
     plan.constrain(plan.node(joint), "COPY_TRANSFORMS", target, f"Follow {plan.called(control)}")
 

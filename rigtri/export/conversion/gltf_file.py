@@ -73,7 +73,7 @@ class GltfWriter:
             if self.index[k] < 0:
                 continue
             node: dict[str, Any] = {"name": rig.names[k]} if rig.names[k] else {}
-            node |= self._place(k)
+            node |= self._transform(k)
             if k in scene.extras:
                 node["extras"] = scene.extras[k]
             if k in scene.hidden and int(rig.parents[k]) not in scene.hidden:
@@ -98,7 +98,7 @@ class GltfWriter:
         holder.setdefault("extensions", {})[name] = value
         self._used.add(name)
 
-    def _place(self, k: int) -> dict[str, Any]:
+    def _transform(self, k: int) -> dict[str, Any]:
         """Translation, rotation and scale of a node; its matrix where it is none of these."""
         rig = self.rig
         parts = rig.translation[k], unit(rig.rotation[k]), rig.scale[k]

@@ -283,7 +283,7 @@ class _Rivet:
             except GeometryError as error:
                 raise GeometryError(f"{error}. Or allow more with --between") from None
         values = self._whole(seats(times), timeline, times)
-        if (self._apart(values, np.broadcast_to(values[0], values.shape)) <= STILL * self.size).all():
+        if (self._deviation(values, np.broadcast_to(values[0], values.shape)) <= STILL * self.size).all():
             times, values = times[:1], values[:1]
         values = as_float32(values)  # as what follows the rivet will read them
         way: Interpolation = "STEP" if holds or len(times) == 1 else "LINEAR"
@@ -319,9 +319,9 @@ class _Rivet:
         with np.errstate(invalid="ignore"):
             place = left[:, :3] + (right[:, :3] - left[:, :3]) * share[:, np.newaxis]
             between = np.concatenate([place, slerp(left[:, 3:], right[:, 3:], share)], axis=1)
-            return np.nan_to_num(self._apart(values, between), nan=0.0)
+            return np.nan_to_num(self._deviation(values, between), nan=0.0)
 
-    def _apart(self, values: Floats, others: Floats) -> Floats:
+    def _deviation(self, values: Floats, others: Floats) -> Floats:
         """How far the end of what is attached to the rivet is moved, (f,), in file units."""
         turned = angle_between(values[:, 3:], others[:, 3:])
         return np.asarray(length(values[:, :3] - others[:, :3]) + ARM * self.size * turned)

@@ -90,7 +90,7 @@ def _difference(
 ) -> str:
     """Where what a solver makes of a pose is not what is kept of it, in words; "" where it is."""
     rig, posed = solver.rig, solver.run(sampled)
-    found = {node: _apart(kept, posed, node, size) for node in _joints(rig, set(solver.sets) - rig.own)}
+    found = {node: _deviation(kept, posed, node, size) for node in _joints(rig, set(solver.sets) - rig.own)}
     worst = max(found, key=lambda node: found[node], default=-1)
     if worst < 0 or found[worst] <= bound:
         return ""
@@ -102,7 +102,7 @@ def _joints(rig: Rig, nodes: Iterable[int]) -> list[int]:
     return sorted(node for node in nodes if rig.is_joint[node] or not rig.is_joint.any())
 
 
-def _apart(own: PoseCache, posed: PoseCache, node: int, size: float) -> float:
+def _deviation(own: PoseCache, posed: PoseCache, node: int, size: float) -> float:
     """How far a node is from where its own keys have it: its position by the size, or its axes."""
     off = np.abs(posed.world(node) - own.world(node)).max(axis=0)
     return float(np.nan_to_num(max(off[3, :3].max() / size, off[:3, :3].max()), nan=np.inf))

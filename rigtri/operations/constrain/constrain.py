@@ -83,7 +83,7 @@ def follow(
     keep: with the offset that leaves the child where it is. vrm: also as VRMC_node_constraint. keys: of the
     weights, which only then can have keys in clips. match: the child does not jump at them.
     """
-    place = _place(rig, rule, report)
+    place = _replaced_node(rig, rule, report)
     _refuse_cycles(rig, rule, place)
     with np.errstate(all="ignore"):
         rule = measured(rig, rule, keep=keep)
@@ -202,7 +202,7 @@ def _chain(rig: Rig, options: ConstrainOptions) -> tuple[int, ...]:
     return chains.pop()
 
 
-def _place(rig: Rig, rule: Constraint, report: Report) -> int | None:
+def _replaced_node(rig: Rig, rule: Constraint, report: Report) -> int | None:
     """The node of the constraint that this one replaces; None where it is a new one."""
     of_child = {node: old for node, old in constraints_of(rig).items() if old.child == rule.child}
     same = next((node for node, old in of_child.items() if old.kind == rule.kind), None)

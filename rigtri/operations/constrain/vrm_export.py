@@ -125,12 +125,12 @@ def _why_elsewhere(rig: Rig, rule: Constraint) -> str:
     local = rig.normalised_local[np.newaxis]
     own = local[:, rule.child]
     found = constrained_local(rig, rule, worlds(rig, local), local, own)
-    if _apart(found[0], own[0]) > _SAME:
+    if _angle_between(found[0], own[0]) > _SAME:
         return "it would turn the child at rest"
     return ""
 
 
-def _apart(a: Floats, b: Floats) -> float:
+def _angle_between(a: Floats, b: Floats) -> float:
     return float(angle_between(nearest_rotation_of(a), nearest_rotation_of(b)))
 
 

@@ -140,13 +140,13 @@ def _numbers(where: str, values: Any, count: int | None = None) -> Floats:
 
 
 def _number_of(words: Sequence[str], word: str, where: str) -> int:
-    place = _place(words, word)
+    place = _index(words, word)
     if place is None:
         raise UsageError(f"{where} is not one of the drivers: {', '.join(words)}")
     return place
 
 
-def _place(words: Sequence[str], name: str) -> int | None:
+def _index(words: Sequence[str], name: str) -> int | None:
     """The number of the driver or space called so, None for none; world and root have any case."""
     if name not in words and name.lower() in ("world", "root"):
         name = name.lower()
@@ -161,7 +161,7 @@ def _from_switches(
     for text in texts:
         # Names may hold = themselves.
         ends = [k for k, letter in enumerate(text) if letter == "="]
-        cuts = [(k, place) for k in ends if (place := _place(words, text[k + 1 :])) is not None]
+        cuts = [(k, place) for k in ends if (place := _index(words, text[k + 1 :])) is not None]
         if not cuts:
             raise UsageError(f"--switch {text}: give CLIP@TIME=NODE, NODE one of {', '.join(words)}")
         try:
@@ -217,7 +217,7 @@ def _from_channels(
 def _channel(rig: Rig, words: Sequence[str], text: str) -> tuple[int, int, str, int]:
     """What ``DRIVER=NODE.tx`` names: the number of the driver, the node, the path, the component."""
     ends = [k for k, letter in enumerate(text) if letter == "="]
-    end, place = next(((k, place) for k in ends if (place := _place(words, text[:k])) is not None), (0, None))
+    end, place = next(((k, place) for k in ends if (place := _index(words, text[:k])) is not None), (0, None))
     name, dot, channel = text.rpartition(".")
     channel = channel.lower()
     if place is None or not dot or len(channel) != 2 or channel[0] not in "ts" or channel[1] not in "xyz":

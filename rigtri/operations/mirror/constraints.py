@@ -17,7 +17,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import follow
 from rigtri.operations.constrain.weight_keys import WeightKeys
 from rigtri.operations.mirror.counterparts import (
-    ALIKE,
+    SAME_NUMBER,
     NotMirroredError,
     direction,
     farthest_joint,
@@ -39,7 +39,7 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         mirrored = None if rule is None else _mirrored(rig, rule, options)
         if rule is None or mirrored is None:
             raise NotMirroredError("the other side lacks a node that it is about")
-        keep = bool(np.abs(rule.offsets - identity(len(rule.offsets))).max() > ALIKE)
+        keep = bool(np.abs(rule.offsets - identity(len(rule.offsets))).max() > SAME_NUMBER)
         vrm = rig.records(ConstraintRecord)[node].vrm is not None
         keys: list[WeightKeys] | None = [] if rule.weight_nodes else None
         built = follow(rig, mirrored, keep=keep, vrm=vrm, report=report, keys=keys)
@@ -132,4 +132,4 @@ def _joint_orient(rig: Rig, rule: Constraint, child: int, options: MirrorOptions
 
 
 def _same(one: Floats, two: Floats) -> bool:
-    return bool(angle_between(one, two) <= ALIKE)
+    return bool(angle_between(one, two) <= SAME_NUMBER)

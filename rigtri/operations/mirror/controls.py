@@ -17,7 +17,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.control_frames import stored_style
 from rigtri.operations.mirror.counterparts import (
-    ALIKE,
+    SAME_NUMBER,
     NotMirroredError,
     existing_twin_record,
     farthest_joint,
@@ -114,7 +114,7 @@ def _frame(rig: Rig, node: int, before: int | None, joint: str, options: MirrorO
     axes = mirrored_axes(orthonormal_axes(unposed(rig, node)), options.mode, options.across)
     if before is not None:
         apart = angle_between(from_axes(orthonormal_axes(unposed(rig, before))), from_axes(axes))
-        if float(apart) <= ALIKE:
+        if float(apart) <= SAME_NUMBER:
             return {}
     return {"axes": {joint: axes}}
 

@@ -60,7 +60,7 @@ OTHER: Mapping[Side, Side] = {"left": "right", "right": "left", "": ""}
 SUFFIX = {"left": "_R", "right": "_L", "": ""}
 _DEEPEST = 4
 # Numbers of a record that differ by less are what float32 and a re-oriented parent leave of the same.
-ALIKE = 4e-6
+SAME_NUMBER = 4e-6
 
 
 class NotMirroredError(GeometryError):
@@ -195,7 +195,7 @@ def direction(rig: Rig, here: int, there: int, own: Iterable[float], options: Mi
     found = np.array([dot(seen, row) for row in twins])
     # What is an axis up to rounding is that axis.
     whole = np.rint(found)
-    return triple(np.where(np.abs(found - whole) < ALIKE, whole, found) + 0.0)
+    return triple(np.where(np.abs(found - whole) < SAME_NUMBER, whole, found) + 0.0)
 
 
 def same_values(one: Any, other_one: Any, size: float) -> bool:
@@ -211,15 +211,15 @@ def same_values(one: Any, other_one: Any, size: float) -> bool:
         return all(same_values(a, b, size) for a, b in zip(one, other_one, strict=True))
     number = isinstance(one, float | int) and isinstance(other_one, float | int)
     if number and not isinstance(one, bool):
-        return bool(abs(one - other_one) <= ALIKE * max(1.0, abs(one)))
+        return bool(abs(one - other_one) <= SAME_NUMBER * max(1.0, abs(one)))
     return bool(one == other_one)
 
 
 def _matrices_alike(one: Floats, two: Floats, size: float) -> bool:
     a, b = one.reshape(-1, 4, 4), two.reshape(-1, 4, 4)
     longest = max(1.0, float(length(a[:, :3, :3]).max()))
-    near = np.abs(a[:, :3] - b[:, :3]).max() <= ALIKE * longest
-    return bool(near and np.abs(a[:, 3] - b[:, 3]).max() <= ALIKE * max(size, 1e-30) * longest)
+    near = np.abs(a[:, :3] - b[:, :3]).max() <= SAME_NUMBER * longest
+    return bool(near and np.abs(a[:, 3] - b[:, 3]).max() <= SAME_NUMBER * max(size, 1e-30) * longest)
 
 
 def farthest_joint(rig: Rig) -> float:

@@ -41,7 +41,7 @@ def refuse_other_motion(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable,
     for was, now in zip(timelines(rig), timelines(after), strict=True):
         if controls_at_work(rig, was).isdisjoint(limb.control for limb, _ in limbs):
             continue
-        far, joint, time = _apart((rig, was), (after, now), joints)
+        far, joint, time = _deviation((rig, was), (after, now), joints)
         if far > tolerance:
             uneven = {k: float(scales.noise[k]) for _, above in limbs for k in above}
             most = max(uneven.values())
@@ -55,7 +55,7 @@ def refuse_other_motion(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable,
             )
 
 
-def _apart(
+def _deviation(
     one: tuple[Rig, Timeline], other: tuple[Rig, Timeline], joints: Sequence[int]
 ) -> tuple[float, int, float]:
     """How far joints that controls move are apart in two rigs, as a share of the size; which, and when."""

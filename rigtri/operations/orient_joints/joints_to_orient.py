@@ -141,7 +141,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         options.end,
         aim_at,
         known,
-        frozenset(_apart(tree, fingers, joints)),
+        frozenset(_fingers_of_one_joint(tree, fingers, joints)),
         {} if options.branch else heads,
         _feet(rig, characters, ref.world, options),
         frozenset(_lone_hands(characters)),
@@ -152,7 +152,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     return Targets(tree, ref, joints, skipped, styles, limbs, aim_targets(tree, ref, joints, rules))
 
 
-def _apart(tree: Skeleton, fingers: Iterable[Chain], joints: Collection[int]) -> Iterator[int]:
+def _fingers_of_one_joint(tree: Skeleton, fingers: Iterable[Chain], joints: Collection[int]) -> Iterator[int]:
     """Fingers of one joint without the axes of their hand: thumbs, and where the hand keeps its own."""
     for finger in fingers:
         own = [node for node in finger.joints if node in tree.above]  # a bone may be no joint of a skin

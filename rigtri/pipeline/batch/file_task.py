@@ -33,7 +33,7 @@ _NAMES = ("name not found", "ambiguous name")
 _NOT_THERE = re.compile(r"No \w+ (?:is named|matches) '.*'|\d+ \w+s are named '.*?'")
 _COUNT = re.compile(r"(?<= )\d+(?=[ ,.;]|$)")
 _HINT = re.compile(r"(?<=')\. .*")
-_MEANT = re.compile(r"Did you mean [^?]*\?")
+_SUGGESTION = re.compile(r"Did you mean [^?]*\?")
 
 
 class Task(Protocol):
@@ -135,7 +135,7 @@ def faults(record: Record, entry: Entry) -> Sequence[tuple[str, str]]:
         first = _COUNT.sub("N", first)  # so that files that are cut off are, wherever that is
     if record.kind not in _NAMES:
         return [(first, first)] if first else ()
-    found = ((_HINT.sub("", fault), _MEANT.search(fault)) for fault in first.split("; "))
+    found = ((_HINT.sub("", fault), _SUGGESTION.search(fault)) for fault in first.split("; "))
     return [(bare, f"{bare}. {meant[0]}" if meant else bare) for bare, meant in found]
 
 
@@ -171,7 +171,7 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
     try:
         if why := no_file(entry.source):
             raise FileError(why)
-        with _place(entry, dry_run) as target:
+        with _output_path(entry, dry_run) as target:
             request = EditRequest(
                 Path(entry.source),
                 target,
@@ -191,7 +191,7 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
 
 
 @contextmanager
-def _place(entry: Entry, dry_run: bool) -> Iterator[Path]:
+def _output_path(entry: Entry, dry_run: bool) -> Iterator[Path]:
     """The output's path, in a folder that is there; with dry_run in one that is thrown away."""
     target = Path(entry.target)
     if dry_run:

@@ -31,7 +31,7 @@ class Shard:
         if self.count == 1:
             return tuple(entries)
         own = range(self.number - 1, max(self.number, self.last))
-        return tuple(e for e in entries if _place(e.target, folder) % self.count in own)
+        return tuple(e for e in entries if _path_hash(e.target, folder) % self.count in own)
 
     @property
     def numbers(self) -> str:
@@ -42,7 +42,7 @@ class Shard:
         return f"{self.numbers}/{self.count}"
 
 
-def _place(target: str, folder: str) -> int:
+def _path_hash(target: str, folder: str) -> int:
     name = target if urls.is_url(target) else relative_path(os.path.abspath(target), os.path.abspath(folder))
     return int.from_bytes(hashlib.sha256(os.fsencode(name)).digest()[:8], "big")
 

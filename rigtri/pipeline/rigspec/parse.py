@@ -146,7 +146,7 @@ class _Yaml:
 
     def value(self, node: Any, around: tuple[int, ...]) -> tuple[Any, Spot]:
         """A node's value and spot. around: what it stands in, for an alias may lead back there."""
-        spot = self._spots.spot(self._place(node), len(around))
+        spot = self._spots.spot(self._position(node), len(around))
         if node.tag and not node.tag.startswith(_OWN):
             raise self._wrong(node, f"the tag {node.tag} means nothing in a spec")
         if id(node) in around:
@@ -177,7 +177,7 @@ class _Yaml:
             elif key.value in own:
                 raise self._wrong(key, f"found duplicate key '{key.value}'")
             else:
-                own[key.value] = (key.value, self._place(key), item)
+                own[key.value] = (key.value, self._position(key), item)
         for other in merged:
             if other.id != "mapping" or id(other) in merging:
                 raise self._wrong(other, "<< takes other mappings in")
@@ -188,16 +188,16 @@ class _Yaml:
     def _scalar(self, node: Any) -> Any:
         """A number or truth value as such, dates and all else as the text that they are."""
         if node.tag in _NUMBERS:
-            self._spots.check_number(node.value, self._place(node))
+            self._spots.check_number(node.value, self._position(node))
             return self._yaml.constructor.construct_object(node)
         return None if node.tag == f"{_OWN}null" else str(node.value)
 
-    def _place(self, node: Any) -> Place:
+    def _position(self, node: Any) -> Place:
         mark = node.start_mark
         return Place(self._file, mark.line + 1, mark.column + 1)
 
     def _wrong(self, node: Any, text: str) -> SpecError:
-        return SpecError([Fault(self._place(node), "", f"not valid YAML: {text}")])
+        return SpecError([Fault(self._position(node), "", f"not valid YAML: {text}")])
 
 
 def _first_line(error: Exception) -> str:

@@ -43,7 +43,7 @@ def _vectors(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Floats, F
     there = {bound.key: bound for bound in after.bound}
     for bound in before.bound:
         now = there.pop(bound.key, None)
-        place = f"{_place(bound.key)} of {before.title(bound.node)}"
+        place = f"{_location(bound.key)} of {before.title(bound.node)}"
         if now is not None and int(m.node[bound.node]) != now.node:
             yield f"{place} belongs to {after.title(now.node)} now"
             continue
@@ -53,7 +53,7 @@ def _vectors(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Floats, F
     for now in there.values():
         seen = _seen(now, worlds[1])
         if not _same(np.zeros(3), seen):
-            yield f"{_place(now.key)} of {after.title(now.node)} is {_row(seen)} in the world, was none"
+            yield f"{_location(now.key)} of {after.title(now.node)} is {_row(seen)} in the world, was none"
 
 
 def _seen(bound: Bound, world: Floats) -> Floats:
@@ -65,7 +65,7 @@ def _same(was: Floats, now: Floats) -> bool:
     return bool(length(was - now) <= SAME_VECTOR * size) or bool(np.isnan([was, now]).any(axis=1).all())
 
 
-def _place(key: Any) -> str:
+def _location(key: Any) -> str:
     """A place in a file in words: its last names and numbers."""
     return " ".join(str(part) for part in key if part != "extensions") if isinstance(key, tuple) else str(key)
 
@@ -90,9 +90,9 @@ def _constraints(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Float
             continue  # exported from a constraint of ours before, and no longer
         if now is None:
             yield f"{title} by {before.title(c.source)} is gone"
-        elif not _axis_kept(c, now, axes):
+        elif not _same_axis(c, now, axes):
             yield f"the axis of {title} points in another direction"
-        elif not _turn_alike(before, c, m, axes):
+        elif not _same_rotation(before, c, m, axes):
             yield f"{title} compares axes that no longer correspond"
 
     was = {(c.kind, int(m.node[c.node]), int(m.node[c.source])) for c in before.node_constraints}
@@ -101,13 +101,13 @@ def _constraints(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Float
             yield f"the {c.kind} constraint of {after.title(c.node)} by {after.title(c.source)} is new"
 
 
-def _axis_kept(c: NodeConstraint, now: NodeConstraint, axes: tuple[Floats, Floats]) -> bool:
+def _same_axis(c: NodeConstraint, now: NodeConstraint, axes: tuple[Floats, Floats]) -> bool:
     was, seen = c.axis @ axes[0][c.node], now.axis @ axes[1][now.node]
     ways = (seen, -seen) if c.kind == "roll" else (seen,)
     return any(not length(was - way) > SAME_AXES for way in ways)
 
 
-def _turn_alike(before: Rig, c: NodeConstraint, m: Correspondence, axes: tuple[Floats, Floats]) -> bool:
+def _same_rotation(before: Rig, c: NodeConstraint, m: Correspondence, axes: tuple[Floats, Floats]) -> bool:
     pair = coupled_nodes(before, c)
     if pair is None:
         return True

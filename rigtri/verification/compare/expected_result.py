@@ -244,9 +244,9 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
     stay = labels
     lost = [f"node {name}" for name in (Counter(stay) - Counter(written.rig.names)).elements()]
     # A mesh without a name is called by the number of its node, which is another one now.
-    there = Counter(_place(mesh, written.rig) for mesh in written.meshes())
+    there = Counter(_mesh_key(mesh, written.rig) for mesh in written.meshes())
     for mesh in source.meshes():
-        place = _place(mesh, source.rig)
+        place = _mesh_key(mesh, source.rig)
         there[place] -= 1
         if mesh.node not in removed and there[place] < 0:
             lost.append(f"mesh {mesh.name}")
@@ -255,7 +255,7 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
     return replace(result, different=different, lost=(*result.lost, *unit))
 
 
-def _place(mesh: Mesh, rig: Rig) -> tuple[str, str]:
+def _mesh_key(mesh: Mesh, rig: Rig) -> tuple[str, str]:
     """Where a mesh is: the name of its node, and which of the node's meshes it is."""
     return rig.names[mesh.node], mesh.name.rpartition("/")[2]
 

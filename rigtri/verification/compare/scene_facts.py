@@ -46,19 +46,19 @@ class _Sides:
         """Name and words of each fact that is not the same."""
         for name in dict.fromkeys((*mine, *theirs)):
             was, now = mine.get(name), theirs.get(name)
-            if not self.alike(was, now):
+            if not self.equal(was, now):
                 texts = (
                     _short_text(value, rig) for value, rig in zip((now, was), self.rigs[::-1], strict=True)
                 )
                 yield name, f"{name}{of} is {', was '.join(texts)}"
 
-    def alike(self, was: Any, now: Any) -> bool:
+    def equal(self, was: Any, now: Any) -> bool:
         if isinstance(was, Reference) and isinstance(now, Reference):
             return now.node == (self.m.showing(was.node) if was.shows else int(self.m.node[was.node]))
         if isinstance(was, float | int) and isinstance(now, float | int):
             return was == now or abs(was - now) <= max(self.share * max(abs(was), abs(now)), self.apart)
         if isinstance(was, list | tuple) and isinstance(now, list | tuple):
-            return len(was) == len(now) and all(map(self.alike, was, now))
+            return len(was) == len(now) and all(map(self.equal, was, now))
         return bool(was == now)
 
 

@@ -71,10 +71,10 @@ def _track(track: Track, now: Track, where: str, tolerance: float) -> Iterator[C
     if track.values.shape != now.values.shape:
         return
     if not same_numbers(track.values, now.values, tolerance):
-        yield Change(GROUP, "changed", where, f"values: {_apart(track, now)}")
+        yield Change(GROUP, "changed", where, f"values: {_largest_difference(track, now)}")
 
 
-def _apart(track: Track, now: Track) -> str:
+def _largest_difference(track: Track, now: Track) -> str:
     """How far the keys of two tracks are apart, rotations in degrees."""
     text = furthest(track.values, now.values)
     if track.path != "rotation" or not len(track.times):

@@ -163,7 +163,7 @@ def _accessors(before: _Side, after: _Side, contents: Callable[[int, int], str])
         title = f"accessor {index}{users.get(index, '')}"
         if text := contents(index, index):
             yield Change("accessors", "changed", title, text)
-        elif one != other and _place(one) != _place(other):
+        elif one != other and _buffer_offset(one) != _buffer_offset(other):
             yield Change("accessors", "moved", title, "equal content")
 
 
@@ -175,7 +175,7 @@ def _same_view(before: _Side, after: _Side, accessor: Any) -> bool:
     return _same_bytes(before.view(view), after.view(view))
 
 
-def _place(accessor: Any) -> Any:
+def _buffer_offset(accessor: Any) -> Any:
     found = accessor if isinstance(accessor, dict) else {}
     return found.get("bufferView"), found.get("byteOffset", 0)
 

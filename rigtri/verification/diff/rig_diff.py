@@ -228,7 +228,7 @@ def _attachments(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]
 def _bound(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iterator[Change]:
     there = {b.key: b for b in after.bound}
     for bound in before.bound:
-        title, now = f"{_place(bound.key)} on {before.title(bound.node)}", there.pop(bound.key, None)
+        title, now = f"{_key_text(bound.key)} on {before.title(bound.node)}", there.pop(bound.key, None)
         if now is None:
             yield Change("colliders and offsets", "removed", title, row(bound.vector))
         elif int(m.node[bound.node]) != now.node:
@@ -236,7 +236,7 @@ def _bound(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iter
         elif not same_numbers(bound.vector, now.vector, tolerance):
             yield Change("colliders and offsets", "changed", title, rows(bound.vector, now.vector))
     for now in there.values():
-        title = f"{_place(now.key)} on {after.title(now.node)}"
+        title = f"{_key_text(now.key)} on {after.title(now.node)}"
         yield Change("colliders and offsets", "added", title, row(now.vector))
 
 
@@ -259,7 +259,7 @@ def _scene_facts(
             yield Change("shown and said", "changed", text)
 
 
-def _place(key: Any) -> str:
+def _key_text(key: Any) -> str:
     return " ".join(map(str, key)) if isinstance(key, tuple) else str(key)
 
 

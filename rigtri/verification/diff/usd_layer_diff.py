@@ -25,7 +25,7 @@ from rigtri.verification.diff.change import (
 
 _SAMPLES = "timeSamples"
 # Fields that are gone through in their own way; Python has no type for a list of offsets.
-_APART = (_SAMPLES, "subLayers", "subLayerOffsets")
+_COMPARED_SEPARATELY = (_SAMPLES, "subLayers", "subLayerOffsets")
 # Numbers up to this many are shown.
 FEW = 4
 
@@ -99,7 +99,7 @@ def _description(spec: Any) -> str:
 def _fields(path: Any, spec: Any, other: Any, name: str, tolerance: float) -> Iterator[Change]:
     keys = (set(spec.ListInfoKeys()), set(other.ListInfoKeys()))
     for key in sorted(keys[0] | keys[1]):
-        if key in _APART:
+        if key in _COMPARED_SEPARATELY:
             continue
         where = str(path) if key == "default" else f"{path} {key}"
         if key not in keys[1]:
@@ -123,11 +123,11 @@ def _values(where: str, was: Any, now: Any, name: str, tolerance: float) -> Iter
                 yield Change(name, "added", below, f"is {short(now[key])}")
             else:
                 yield from _values(below, was[key], now[key], name, tolerance)
-    elif text := _apart(was, now, tolerance):
+    elif text := _difference(was, now, tolerance):
         yield Change(name, "changed", where, text)
 
 
-def _apart(was: Any, now: Any, tolerance: float) -> str:
+def _difference(was: Any, now: Any, tolerance: float) -> str:
     """How two values differ, "" where they do not."""
     if type(was) is not type(now):
         return f"{type(was).__name__} {arrow(was, now)}"
@@ -171,7 +171,7 @@ def _samples(path: Any, before: Any, after: Any, name: str, tolerance: float) ->
     for time in times[0]:
         if time in set(new) | set(gone):
             continue
-        text = _apart(before.QueryTimeSample(path, time), after.QueryTimeSample(path, time), tolerance)
+        text = _difference(before.QueryTimeSample(path, time), after.QueryTimeSample(path, time), tolerance)
         if text:
             texts[time] = text
     if texts:

@@ -120,13 +120,13 @@ class _Classes:
         for holder, _ in self.nested.get(prototype, ()):
             if holder not in self.shown:
                 self._add_holders(holder)
-                self.shown[holder] = self._place(holder)
+                self.shown[holder] = self._instance_path(holder)
 
-    def _place(self, prototype: Any) -> Any:
+    def _instance_path(self, prototype: Any) -> Any:
         if self.outer.get(prototype):
             return self.outer[prototype][0]
         holder, within = self.nested[prototype][0]
-        return self.shown.get(holder, self._place(holder)).AppendPath(within)
+        return self.shown.get(holder, self._instance_path(holder)).AppendPath(within)
 
     def _inner_first(self) -> Iterator[Any]:
         """Edited prototypes, each before those that hold instances of it."""

@@ -52,7 +52,7 @@ _QUATD, _DOUBLE3 = Sdf.ValueTypeNames.Quatd, Sdf.ValueTypeNames.Double3
 # note, whatever the value, and with it the turn from y up to z up.
 _NOTE = ("Blender", "generated")
 # What a rotation may leave unexplained of a matrix, as a share of its largest number.
-SAME_PLACE = 1e-9
+SAME_POSITION = 1e-9
 
 
 def reorient_xforms(edit: UsdEdit) -> None:
@@ -136,7 +136,7 @@ def _delta(before: Rig, after: Rig, node: int, above: _Frame) -> _Frame:
     size = 1.0 if abs(size - 1.0) < SAME_ROTATION else size
     axes = compose(np.zeros(3), q, np.full(3, size))
     left = np.abs(multiply(axes, old) - lifted).max()
-    if not left <= SAME_PLACE * max(1.0, float(np.abs(lifted).max())):
+    if not left <= SAME_POSITION * max(1.0, float(np.abs(lifted).max())):
         raise GeometryError(
             f"<{before.labels[node]}> is a plain prim, which can get other axes, but no other rest pose. "
             "Change its xformOps in the program that it is from"

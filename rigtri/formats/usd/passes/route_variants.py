@@ -34,7 +34,7 @@ from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.frames.nonuniform_scale import ScaleTable, against_parent
 from rigtri.frames.reframe import reframe
-from rigtri.frames.rescale import ALIKE
+from rigtri.frames.rescale import SAME_SIZE
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
 
@@ -73,7 +73,7 @@ def _resized(edit: UsdEdit) -> bool:
     placed = bool((before.local[prims] != rig.local[prims]).any())
     # New axes exchange the scales of a joint, and leave noise.
     old, new = (np.sort(np.abs(each.scale[: len(before)]), axis=1) for each in (before, rig))
-    return placed or bool(rig.pending.bind_sizes) or bool((np.abs(new - old) > ALIKE * old).any())
+    return placed or bool(rig.pending.bind_sizes) or bool((np.abs(new - old) > SAME_SIZE * old).any())
 
 
 class _Reorientation:

@@ -99,14 +99,14 @@ class _Finder:
 
     def nearest(self, node: int, name: str) -> str:
         """The address of the node of a name that shares the most steps with a node, else the name."""
-        own = self._place(node)
-        shared = {there: _shared(own, self._place(there)) for there in self.names.get(name, ())}
+        own = self._prim_path(node)
+        shared = {there: _shared(own, self._prim_path(there)) for there in self.names.get(name, ())}
         best = [there for there, steps in shared.items() if steps == max(shared.values())]
         joints = [there for there in best if self.rig.is_joint[there]]
         best = joints if len(joints) == 1 else best
         return self.rig.address(best[0]) if len(best) == 1 else name
 
-    def _place(self, node: int) -> list[str]:
+    def _prim_path(self, node: int) -> list[str]:
         """The path of the prim that a node is, or of its skeleton, step by step."""
         return str(parts(self.rig.keys[node])[1]).split("/")
 

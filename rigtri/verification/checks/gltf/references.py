@@ -80,7 +80,7 @@ def check(view: View) -> None:
         count = len(items) if isinstance(items, list) else 0
         for pointer, raw in _found(view.raw, path.split("/"), ""):
             if type(raw) is not int or not 0 <= raw < count:
-                view.index(raw, count, one(among), _place(view, pointer), pointer)
+                view.index(raw, count, one(among), _pointer_text(view, pointer), pointer)
 
 
 def _found(value: Any, path: list[str], pointer: str) -> Iterator[tuple[str, Any]]:
@@ -97,7 +97,7 @@ def _found(value: Any, path: list[str], pointer: str) -> Iterator[tuple[str, Any
         yield from _found(item, path[1:], f"{pointer}/{key}")
 
 
-def _place(view: View, pointer: str) -> str:
+def _pointer_text(view: View, pointer: str) -> str:
     _, key, number, *inner = pointer.split("/")
     place = titled(one(key), view.raw[key][int(number)], int(number))
     return f"{place}, primitive {inner[1]}" if inner[:1] == ["primitives"] else place
