@@ -286,7 +286,7 @@ def _fitted(hint: Any, value: Any, word: str) -> Any:
     if outer in (types.UnionType, typing.Union):
         return _one_of(inner, value, word)
     if outer is tuple:
-        return _row(hint, inner, value, word)
+        return _row(inner, value, word)
     if is_dataclass(hint) and isinstance(value, Mapping):
         try:
             return from_keywords(typing.cast(type, hint), value, word)
@@ -343,7 +343,7 @@ def _one_of(inner: tuple[Any, ...], value: Any, word: str) -> Any:
     return _fitted(last, value, word)
 
 
-def _row(hint: Any, inner: tuple[Any, ...], value: Any, word: str) -> tuple[Any, ...]:
+def _row(inner: tuple[Any, ...], value: Any, word: str) -> tuple[Any, ...]:
     """Several values: any number of a kind, or one of each."""
     if isinstance(value, str):
         value = (value,)

@@ -119,7 +119,7 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         kind = "leg"
     elif body is not None and limbs in (body.legs, body.arms) and (not named or _is_clear(body)):
         kind, sure = _shaped(body, limbs), _shape_confidence(draft, body, limbs)
-    elif body is not None and _is_further(draft, body, limbs):
+    elif body is not None and _is_further(body, limbs):
         kind = "arm"
     named_well = limbs.named >= _NAMED or (limbs.named >= 0.0 and limbs.lead > TIE)
     if limbs.kind in ("arm", "leg") and (kind or (named_well and len(limbs.at) == 3)):
@@ -143,7 +143,7 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         yield Found("arm" if kind == "arm" else "leg", "", limbs.joints(which), before, sure, words, limbs)
 
 
-def _is_further(draft: Draft, body: Body, limbs: Limbs) -> bool:
+def _is_further(body: Body, limbs: Limbs) -> bool:
     """Whether a pair may be the arms of a body that stands on four legs: they begin above the front ones."""
     if body.form != "quadruped" or body.arms is None or len(limbs.at) < 3 or limbs.kind == "other":
         return False

@@ -62,7 +62,7 @@ def facing_of(
     """
     ahead = plane.normal.cross(body.up)
     ahead = (ahead - body.up * ahead.dot(body.up)).unit
-    votes = _votes(tree, body, plane, ahead, poses) if not legs else ends_of_trunk(tree, legs, plane, ahead)
+    votes = _votes(tree, body, ahead, poses) if not legs else ends_of_trunk(tree, legs, plane, ahead)
     clear, slight = [*_moving(tree, body, ahead, poses), *votes], []
     custom = Vector(*(tree.rig.rules.facing or ())).dot(ahead)
     said = custom + (named.dot(ahead) if named is not None else 0.0)
@@ -85,7 +85,7 @@ def _moving(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tup
     yield 1.5 * way.dot(ahead) / max(way.length, _STEP * tree.span, 1e-30), "it goes there"
 
 
-def _votes(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
+def _votes(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
     """As `_moving`, of how the limbs of a body of two or four legs stand."""
     if body.legs and body.arms:
         along = (body.arms.starts - body.legs.starts).unit.dot(ahead)

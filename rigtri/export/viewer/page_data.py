@@ -62,7 +62,7 @@ def facts(rig: Rig) -> dict[str, Any]:
     }
 
 
-def clip_place(rig: Rig, clip: Clip) -> int:
+def clip_number(clip: Clip) -> int:
     """The number of a clip among those that the page has: glTF's own; USD plays all at once."""
     return clip.key if isinstance(clip.key, int) else 0
 

@@ -23,7 +23,7 @@ from rigtri._version import __version__
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.export.drawing.style import LEGEND, variables
-from rigtri.export.viewer.page_data import clip_names, clip_place, facts
+from rigtri.export.viewer.page_data import clip_names, clip_number, facts
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import Embedded, ReadOptions, read
 from rigtri.model.dataclass import dataclass
@@ -129,12 +129,12 @@ def shown_page(
 def _start(rig: Rig, begin: Begin, report: Report) -> dict[str, Any]:
     """The number of a clip, and the time to stand still at, in seconds."""
     if begin.clip is not None:
-        return {"clip": clip_place(rig, rig.clip(begin.clip)), "time": None}
+        return {"clip": clip_number(rig.clip(begin.clip)), "time": None}
     timeline, time = timeline_and_time(rig, begin.at or "rest")
     if timeline is None:
         return {"clip": -1, "time": None}
     time = warn_outside_clip(timeline, time, report)
-    return {"clip": clip_place(rig, timeline.clip), "time": time / rig.rules.per_second}
+    return {"clip": clip_number(timeline.clip), "time": time / rig.rules.per_second}
 
 
 def _page(

@@ -13,7 +13,6 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.pose_cache import PoseCache
-from rigtri.evaluation.timelines import Timeline
 from rigtri.maths.euler import from_angles, to_angles
 from rigtri.maths.quaternions import IDENTITY, angle_between, multiply, quadruple, slerp
 from rigtri.maths.trigonometry import Floats
@@ -136,11 +135,10 @@ def joint_tracks(
     rig: Rig,
     record: PoseReaderRecord,
     names: Sequence[str],
-    timeline: Timeline,
     times: Floats,
     weights: Floats,
 ) -> Iterator[Track]:
-    """Keys of the joints in a timeline. weights: (k, t), of the targets, by ``names``, at times, (k,)."""
+    """Keys of the joints in a clip. weights: (k, t), of the targets, by ``names``, at times, (k,)."""
     way: Interpolation = "LINEAR" if len(times) > 1 else "STEP"
     still = PoseCache(rig)
     for node, paths in driven_paths(record, rig).items():

@@ -182,7 +182,7 @@ class _Builder:
             counts[timeline.name] = len(times)
             tracks = [*self._morph_tracks(timeline, times, found), *value_tracks(values, times, found)]
             names = [goal.name for goal in self.goals]
-            tracks += corrective_joints.joint_tracks(self.rig, self.record, names, timeline, times, found)
+            tracks += corrective_joints.joint_tracks(self.rig, self.record, names, times, found)
             self.rig = put_tracks(self.rig, timeline, tracks)
         self.rig = with_record(self.rig, node, self.record)
         if not counts:

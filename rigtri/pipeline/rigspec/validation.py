@@ -94,7 +94,7 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], detail: ErrorDetails) -> tupl
     name = str(loc[-1]) if loc else ""
     option, at = _option(keys), keys
     if kind == "extra_forbidden":
-        text = f"there is no option '{name}'.{_near(tree, loc)}"
+        text = f"there is no option '{name}'.{_near(loc)}"
     elif kind == "missing" and name.isdigit():
         text = f"{option.partition('.')[0]}: there are too few values: number {int(name) + 1} is missing"
     elif kind == "missing":
@@ -160,7 +160,7 @@ def _option(keys: Keys) -> str:
     return ".".join(str(key) for key in below)
 
 
-def _near(tree: Tree, loc: tuple[str | int, ...]) -> str:
+def _near(loc: tuple[str | int, ...]) -> str:
     """What an unknown option may be meant to be."""
     from rigtri.pipeline.rigspec.models.spec import SpecModel
 

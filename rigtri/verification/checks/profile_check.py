@@ -175,7 +175,7 @@ def _found(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
             yield from _root(rig, body, engine)
         yield from _placed(rig, body, engine)
     if engine.scale:
-        yield from _scale(rig, joints, engine)
+        yield from _scale(rig, joints)
     yield from _limits(rig, engine)
     yield from _names(rig, joints, engine)
 
@@ -225,7 +225,7 @@ def _root(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, int
         yield "root", body.hips, "the hips are the topmost joint"
 
 
-def _scale(rig: Rig, joints: list[int], engine: _Engine) -> Iterator[tuple[str, int, str]]:
+def _scale(rig: Rig, joints: list[int]) -> Iterator[tuple[str, int, str]]:
     sizes = length(rig.world[joints, :3, :3])
     off = np.abs(sizes - 1.0).max(axis=1)
     if off.max() > _ONE:

@@ -97,13 +97,13 @@ class _Splice:
         if self.before.of((was.start, was.head_end)) != self.edited.of((now.start, now.head_end)):
             self.cuts.append((mine.start, mine.head_end, self.edited.of((now.start, now.head_end))))
         if self.before.of(was.value) != self.edited.of(now.value):
-            self._value(depth, mine, was, now)
+            self._value(mine, was, now)
         if self.before.of(was.meta) != self.edited.of(now.meta):
             self._meta(depth, mine, was, now)
         if mine.body and was.body and now.body:
             self.blocks.append((depth + 1, now.kind, (mine, was, now), (mine.body, was.body, now.body)))
 
-    def _value(self, depth: int, mine: Item, was: Item, now: Item) -> None:
+    def _value(self, mine: Item, was: Item, now: Item) -> None:
         if now.value is None or mine.value is None or was.value is None:
             text = b"" if now.value is None else b" = " + self._edited_part(now.value, now, mine)
             self.cuts.append((mine.head_end, mine.value[1] if mine.value else mine.head_end, text))
