@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, field, fields
+from dataclasses import MISSING, field, fields, replace
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_origin, get_type_hints
 
 from rigtri.maths import PoleMethod, PoleOrigin, ReachOf, RotateOrder
@@ -24,6 +24,7 @@ SWITCH = re.compile(r"rigtri_ik([._][0-9]+)?")
 Triple = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 Names = tuple[str, ...]
+LimbNames = tuple[str, str, str]
 # Rows of 4 × 4 matrices, one after another.
 Matrices = Annotated[tuple[float, ...], 16]
 ControlKind = Literal["fk", "ik", "root", "heel", "tip", "ball"]
@@ -166,6 +167,14 @@ class ControlRecord(Record):
     soft: float | None = None
     stretch: bool | None = None
 
+    @classmethod
+    def from_dict(cls, stored: Mapping[str, Any]) -> Self:
+        found = super().from_dict(stored)
+        if found.kind not in ("ik", *PIVOTS) or len(found.chain) == 3:
+            return found
+        wrong = f"its chain does not name the three joints of its limb: {list(found.chain)!r:.60}"
+        return replace(found, problems=(*found.problems, wrong))
+
 
 @dataclass(frozen=True, kw_only=True)
 class FrameRecord(Record):
@@ -229,7 +238,7 @@ class PoleVectorRecord(Record):
     """A locator that gives the direction in which a limb bends."""
 
     type: ClassVar[str] = "poleVector"
-    chain: Names
+    chain: LimbNames
     method: PoleMethod | None = None
     from_: PoleOrigin | None = None
     distance: float | None = None
@@ -479,9 +488,9 @@ def _reader(kind: Any) -> tuple[Callable[[Any], Any], Any]:
     if origin is Literal:
         return lambda value: value if isinstance(value, str) and value in inner else None, inner[0]
     if origin is tuple:
-        read, _ = _reader(inner[0])
+        read, empty = _reader(inner[0])
         count = None if inner[-1] is Ellipsis else len(inner)
-        return lambda value: _tuple(value, read, count), () if count is None else (0.0,) * count
+        return lambda value: _tuple(value, read, count), () if count is None else (empty,) * count
     if isinstance(kind, type):
         return lambda value: _nested(kind, value), None
     # A union: the first of its kinds that fits.

@@ -228,8 +228,9 @@ def _pole_record(
     rig: Rig, limb: Limb, options: AddPolevectorOptions, found: Bend, degrees: float
 ) -> PoleVectorRecord:
     far = options.distance is not None
+    root, mid, end = limb.triple
     return PoleVectorRecord(
-        chain=tuple(map(rig.address, limb.triple)),
+        chain=(rig.address(root), rig.address(mid), rig.address(end)),
         method=options.method,
         from_=options.from_,
         distance=options.distance,

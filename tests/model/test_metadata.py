@@ -18,6 +18,7 @@ from rigtri.model.metadata import (
     RECORDS,
     ConstraintRecord,
     ControlRecord,
+    PoleVectorRecord,
     RivetRecord,
     Stored,
     TargetRecord,
@@ -30,7 +31,8 @@ from rigtri.report import Report
 
 SCHEMA = json.loads(Path("schemas/node.schema.json").read_text("utf-8"))
 FORMS = SCHEMA["$defs"]
-CONTROL = {"joint": "hand", "mine": [1, 2], "kind": "ik", "v": 1, "type": "control", "soft": 0.25}
+LIMB = ["arm", "elbow", "hand"]
+CONTROL = {"joint": "hand", "mine": [1], "chain": LIMB, "kind": "ik", "v": 1, "type": "control", "soft": 0.25}
 IDENTITY = tuple(float(row == column) for row in range(4) for column in range(4))
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
@@ -93,6 +95,14 @@ def test_what_cannot_be_used_is_named() -> None:
     record = ControlRecord.from_dict({"kind": "banana", "soft": "0.5"})
     assert record.problems == ("its kind is 'banana'", "its joint is missing", "its soft is '0.5'")
     assert (record.kind, record.joint, record.soft) == ("fk", "", None)
+
+
+@pytest.mark.parametrize("kind", ["ik", "heel"])
+@pytest.mark.parametrize("chain", [(), ("hand",), ("a", "b", "c", "d")])
+def test_a_limb_has_three_joints(kind: str, chain: tuple[str, ...]) -> None:
+    control = ControlRecord.from_dict({"kind": kind, "joint": "hand", "chain": chain})
+    assert control.problems == (f"its chain does not name the three joints of its limb: {list(chain)}",)
+    assert PoleVectorRecord.from_dict({"chain": chain}).problems == (f"its chain is {chain!r}",)
 
 
 @given(st.sampled_from(sorted(RECORDS)).map(RECORDS.__getitem__).flatmap(

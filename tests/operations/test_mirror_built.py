@@ -118,6 +118,19 @@ def test_a_chain_that_names_no_joint_is_reported_and_left_out(samples: Path, nam
     assert "control 'hand_L_ik_ctl' is not mirrored: the other side has no such joint" in left_out
 
 
+@pytest.mark.parametrize("chain", [(), ("hand_L",)])
+def test_a_control_whose_limb_is_not_named_is_left_out(samples: Path, chain: tuple[str, ...]) -> None:
+    """Before, the IK control and the pole vector of such a limb ended in a traceback."""
+    options = AddControlsOptions(limbs="auto")
+    rig = add_controls(read(samples / "biped.glb").rig, options=options, report=Report())
+    stored = {
+        node: {**kept, "chain": chain} if kept.get("chain") and "_L_" in rig.names[node] else kept
+        for node, kept in rig.metadata.items()
+    }
+    mirrored = mirror(replace(rig, metadata=stored))
+    assert {mirrored.names[node] for node in mirrored.metadata} == {rig.names[node] for node in rig.metadata}
+
+
 @pytest.mark.ci
 @pytest.mark.parametrize("name", FILES)
 def test_all_of_one_side_is_built_on_the_other_once_and_nothing_else_moves(
