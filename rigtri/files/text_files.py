@@ -42,6 +42,14 @@ def check_plain(path: Path | str, what: str = "") -> Path:
     raise FileError(f"There is no file {path}{f' ({what})' if what else ''}{meant}")
 
 
+def check_utf8_path(path: Path | str) -> None:
+    """FileError for a path with bytes that are not UTF-8, by which USD and .gltf cannot name a file."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        raise FileError(f"{path} is not UTF-8, and USD and .gltf name files by text; rename it") from error
+
+
 def check_no_pointer(path: Path) -> None:
     """FileError for the few lines that Git LFS leaves in place of a file that was not fetched."""
     try:

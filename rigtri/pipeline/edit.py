@@ -16,7 +16,8 @@ from rigtri.files.atomic_write import same_file
 from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.input_stream import called, opened, path_of
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination, recover
-from rigtri.formats import Document, ReadOptions, output_suffixes, read
+from rigtri.files.text_files import check_utf8_path
+from rigtri.formats import USD_SUFFIXES, Document, ReadOptions, output_suffixes, read
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
@@ -313,6 +314,8 @@ def allowed_target(final: Path, path: Path, overwrite: bool) -> Path:
         raise UsageError(f"{final} {itself}; it is replaced only with --overwrite")
     if not final.parent.is_dir():
         raise FileError(f"There is no folder {final.parent} to write {final.name} into")
+    if final.suffix.lower() in USD_SUFFIXES:
+        check_utf8_path(final.absolute())
     return final
 
 

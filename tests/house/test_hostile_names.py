@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -42,3 +44,44 @@ def test_such_a_number_is_no_morph_target_and_no_size(name: str, tmp_path: Path)
     options = ["--driver", "leg", "--target", "up=0,1,0", "--morph", "up", "body", name]
     assert cli("add-posereader", path, "-o", tmp_path / "out.glb", *options).exit_code in (4, 5)
     assert cli("draw", path, "-o", tmp_path / "out.svg", "--size", f"\u0663x{name}").exit_code == 2
+
+
+@pytest.fixture
+def odd_path(tmp_path: Path) -> Path:
+    """A folder whose name is no UTF-8."""
+    folder = tmp_path / os.fsdecode(b"\xff")
+    try:
+        folder.mkdir()
+    except OSError:
+        pytest.skip("names are text here")
+    return folder
+
+
+@pytest.mark.parametrize("command", ["inspect", "orient-joints"])
+def test_usd_in_a_folder_without_a_utf8_name_is_refused(command: str, samples: Path, odd_path: Path) -> None:
+    source = shutil.copy(samples / "arm.usda", odd_path)
+    done = cli(command, source, *([] if command == "inspect" else ["-o", odd_path / "out.usda"]))
+    assert done.exit_code == 3
+    assert "is not UTF-8" in done.stderr
+    assert [path.name for path in odd_path.iterdir()] == ["arm.usda"]
+
+
+@pytest.mark.parametrize(
+    ("command", "source", "suffix", "code"),
+    [
+        ("orient-joints", "arm.usda", ".usda", 3),
+        ("convert", "arm.gltf", ".usdc", 3),
+        ("orient-joints", "biped.gltf", ".gltf", 3),
+        ("convert", "arm.usda", ".gltf", 3),
+        ("orient-joints", "biped.glb", ".glb", 0),
+    ],
+)
+def test_an_output_without_a_utf8_name_is_refused_where_text_must_name_it(
+    command: str, source: str, suffix: str, code: int, samples: Path, odd_path: Path, tmp_path: Path
+) -> None:
+    odd_path.rmdir()
+    target = odd_path.with_suffix(suffix)
+    done = cli(command, samples / source, "-o", target)
+    assert done.exit_code == code
+    assert ("is not UTF-8" in done.stderr) == (code == 3)
+    assert list(tmp_path.iterdir()) == ([] if code else [target])

@@ -18,6 +18,7 @@ from typing import Any
 from urllib.parse import quote, unquote, unquote_to_bytes
 
 from rigtri.errors import FileError
+from rigtri.files.text_files import check_utf8_path
 from rigtri.formats.document import Companion
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.vrm.bindings import Pointer
@@ -129,7 +130,8 @@ def _leaves(name: str, path: Path, folder: Path) -> bool:
 
 
 def escape(name: str) -> str:
-    """A relative path, with forward slashes, as a URI."""
+    """A relative path, with forward slashes, as a URI; FileError for one that is not UTF-8."""
+    check_utf8_path(name)
     return quote(name, safe="/!$&'()*+,;=@~-._")
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
+from rigtri.files.text_files import check_utf8_path
 from rigtri.formats.usd import codeless_schemas
 from rigtri.formats.usd.composition import composition_limits, external_paths, layer_content, layers
 from rigtri.formats.usd.composition.shared_instances import is_own_class
@@ -107,6 +108,7 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
     its folder (unless ``allow_external``) or to damaged layers (unless ``allow_missing``), or for more prims
     than can be read.
     """
+    check_utf8_path(path.absolute())
     if not path.is_file():
         raise FileError(f"{path}: there is no such file.")
     if path.stat().st_size == 0:
