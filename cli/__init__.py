@@ -67,18 +67,21 @@ def _again(number: int, main: int) -> None:
         _thread.interrupt_main()
 
 
-# Until the program begins, which handles interrupts itself, one ends it without a traceback of imports.
-_first = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-if _first:
-    with suppress(ValueError):  # a thread that is not the main one gets none
-        signal.signal(signal.SIGINT, _end)
-# Before anything else is imported.
-import_module("rigtri.files.import_path").leave_out_working_folder()
+def begin() -> None:
+    """Before anything else is imported: an interrupt ends the process without a traceback of imports, and no
+    modules come from its working folder.
+
+    For `rigtri.__main__` alone: what a caller's process does with interrupts and its search path is not ours.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        with suppress(ValueError):  # a thread that is not the main one gets none
+            signal.signal(signal.SIGINT, _end)
+    import_module("rigtri.files.import_path").leave_out_working_folder()
 
 
 def raise_interrupts() -> None:
     """Let interrupts be exceptions again."""
-    if _first and signal.getsignal(signal.SIGINT) is _end:
+    if signal.getsignal(signal.SIGINT) is _end:
         with suppress(ValueError):
             signal.signal(signal.SIGINT, _raise)
 

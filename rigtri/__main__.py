@@ -1,6 +1,14 @@
-"""``python -m rigtri``: the command line."""
+"""The program, as the script ``rigtri`` and ``python -m rigtri`` start it."""
 
 from importlib import import_module
 
-# The program imports everything, and nothing imports the program.
-import_module("rigtri.cli.main").program()
+
+def program() -> None:
+    """Run the command line of this process, which ends with it."""
+    # The program imports everything, and nothing imports the program.
+    import_module("rigtri.cli").begin()
+    import_module("rigtri.cli.main").program()
+
+
+if __name__ == "__main__":
+    program()

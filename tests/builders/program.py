@@ -1,4 +1,4 @@
-"""The installed program, run in this process."""
+"""The command line, run in this process."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import entry_points
+from importlib import import_module
 from typing import Any
 
 import click
@@ -35,9 +35,8 @@ class Ran:
 
 @cache
 def program() -> click.Group:
-    """The installed program, found the way the shell finds it."""
-    (script,) = entry_points(group="console_scripts", name="rigtri")
-    found = script.load()
+    """The group of all commands. Imported late: `conftest` says where this process finds rigtri."""
+    found = import_module("rigtri.cli.main").program
     assert isinstance(found, click.Group)
     return found
 

@@ -52,7 +52,8 @@ def test_an_interrupt_ends_completion_at_any_time_without_a_word(place: str) -> 
     now = "now = lambda *_: os.kill(os.getpid(), signal.SIGINT)"
     allowed = "signal.signal(signal.SIGINT, signal.default_int_handler)"
     text = (
-        f"import atexit, os, signal; {allowed}; from rigtri.cli import main; {now}; {place}; main.program()"
+        f"import atexit, os, signal; {allowed}; from rigtri.cli import main; "
+        f"from rigtri.__main__ import program; {now}; {place}; program()"
     )
     line = f"rigtri orient-joints {SAMPLES / 'biped.glb'} --joints fore"
     asked = {**os.environ, "_RIGTRI_COMPLETE": "bash_complete", "COMP_WORDS": line}

@@ -131,7 +131,13 @@ def test_what_works_on_files_reports_nothing_of_interrupts_and_kills(tmp_path: P
 
 
 @SERVED
-@pytest.mark.parametrize("line", ["rigtri.cli; {0}", "rigtri.cli.main; {1}; rigtri.cli.main.program()"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "rigtri.cli; rigtri.cli.begin(); {0}",
+        "rigtri.__main__, rigtri.cli.main; {1}; rigtri.__main__.program()",
+    ],
+)
 def test_an_interrupt_at_any_time_ends_the_program_in_our_words(line: str) -> None:
     now = "os.kill(os.getpid(), signal.SIGINT)"
     soon = "rigtri.cli.main.import_module = lambda _: [" + f"{now}, " * 3 + "]"

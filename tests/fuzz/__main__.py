@@ -22,8 +22,6 @@ from fuzz import cases, corpus, usd
 from rigtri.files.worker_process import CrashError, WorkerProcess
 from rigtri.formats import GLTF_SUFFIXES
 
-# The program imports nothing from its working folder; the children of a run need this package there.
-sys.path.append(str(Path(__file__).resolve().parents[1]))
 SECONDS, MEMORY = 20.0, 1 << 30
 # Raised where a change gives other cases to the same seed and number.
 VERSION = 5

@@ -135,6 +135,19 @@ def test_only_a_working_folder_that_holds_rigtri_is_searched(
         assert sys.path == (places if stays else places[2:])
 
 
+def test_a_program_that_imports_the_command_line_keeps_its_search_path_and_interrupts(tmp_path: Path) -> None:
+    """Only the entry point is a program of ours; a console or another program looks and ends as it likes."""
+    (tmp_path / "beside.py").write_text("print('mine')\n")
+    text = (
+        "import signal, sys; sys.path.insert(0, ''); before = sys.path[:]; "
+        "import rigtri.__main__; from rigtri.cli.main import program; import beside; "
+        "print(sys.path == before, signal.getsignal(signal.SIGINT) is signal.default_int_handler)"
+    )
+    allowed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    done = run(tmp_path, "-c", allowed + text)
+    assert done.stdout.split("\n") == ["mine", "True True", ""], done.stderr
+
+
 LAUNCHER = """
 import multiprocessing, runpy, sys
 if __name__ == "__main__":
