@@ -16,11 +16,11 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import world_of
-from rigtri.evaluation.zero_pose import idle_ik, ik_obstacle, moved_controls
+from rigtri.evaluation.zero_pose import SAME_PLACE, idle_ik, ik_obstacle, moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot
+from rigtri.maths.vectors import distance, dot
 from rigtri.model.joint_names import Side, side
 from rigtri.model.metadata import (
     PIVOTS,
@@ -436,12 +436,24 @@ class _Builder:
                 self.rig = draw_anew(self.rig, node, drawing, requested, self.report)
 
     def _keeps_pole(self, limb: Limb) -> bool:
-        """Whether a pole vector is one that keys count from, and no other place is asked for."""
+        """Whether a pole vector stays: no other place is asked for, and keys count from it or the limb rests
+        as it did. Then it stands elsewhere only where somebody has put it."""
         options, chain = self.options, self._chain(limb)
         pole = find(self.rig, PoleVectorRecord, chain=chain)
         control = find(self.rig, ControlRecord, kind="ik", chain=chain)
         asked = options.bend or options.facing or options.reach != AddControlsOptions().reach
-        return pole is not None and not asked and not self.moved.isdisjoint({pole, control})
+        if pole is None or asked:
+            return False
+        return not self.moved.isdisjoint({pole, control}) or all(map(self._rests_as_before, limb.triple))
+
+    def _rests_as_before(self, joint: int) -> bool:
+        """Whether a joint stood before this run where an earlier one has put its FK control."""
+        before, control = self.tree.rig, self.fk.get(self.rig.address(joint))
+        if control is None:
+            return False
+        here, there = self.world[joint, 3, :3], unposed(before, int(before.parents[control]))[3, :3]
+        size = max(self.ref.extent, float(np.abs(here).max()))
+        return float(distance(here, there)) <= SAME_PLACE * size
 
     def _drawn_poles(self, limbs: tuple[Limb, ...]) -> list[int]:
         """The pole vectors of limbs that are no joints."""
