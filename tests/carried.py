@@ -241,6 +241,7 @@ EDITS: dict[str, Edit] = {
     "freeze --unit --up-axis": Edit(_another_world_and_back),
     "rename-joints": Edit(_renamed_and_back),
     "set-rest": Edit(lambda rig: rigtri.set_rest(rig, pose="tpose"), reposes=True),
+    "set-rest clip": Edit(lambda rig: rigtri.set_rest(rig, pose=_middle_of_clip(rig)), reposes=True),
     "add-root": Edit(rigtri.add_root),
     "add-socket": Edit(lambda rig: rigtri.add_socket(rig, name="weapon", on=_limb(rig)[2])),
     "root-motion": Edit(lambda rig: rigtri.root_motion(rigtri.add_root(rig))),

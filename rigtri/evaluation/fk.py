@@ -128,7 +128,8 @@ class Fk:
         seen = multiply(posed.world(carrier), inverse(posed.world(parent)))
         still = _still(seen)
         start = multiply(world[self.joint], start)
-        there = posed.mended(to_parts(multiply(start, still)), start, carrier, parent)
+        found = self.reference.carried_parts(self.joint, carrier, multiply(start, still))
+        there = posed.mended(found, start, carrier, parent)
         if not np.isfinite(still).all():  # a parent that is flat hides the joint, wherever it is
             still = np.where(np.isfinite(still), still, np.eye(4))
         return there, multiply(self._moves, still)

@@ -10,14 +10,11 @@ from rigtri.evaluation.constraint_solver import Parts, nearest_rotation_of, to_p
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import (
-    SKEW,
     compose,
     determinant,
     inverse,
     multiply,
-    nearest_rotation,
-    orthonormal_axes,
-    skew,
+    unsheared_axes,
 )
 from rigtri.maths.quaternions import from_axes, unit
 from rigtri.maths.quaternions import multiply as product
@@ -128,11 +125,7 @@ class PoseCache:
 
         Of a sheared one the nearest rotation, which turns with its axes when those become others.
         """
-        world = self.world(node)
-        axes, sheared = orthonormal_axes(world), skew(world) > SKEW
-        if sheared.any():
-            axes[sheared] = nearest_rotation(world[sheared])
-        return from_axes(axes)
+        return from_axes(unsheared_axes(self.world(node)))
 
     def turn(self, node: int) -> Floats:
         """As `world_rotation`, by rotations alone where a scale of zero leaves no axes; −1: not at all."""

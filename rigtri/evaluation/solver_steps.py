@@ -56,7 +56,8 @@ class RootStep:
         world = self.reference.world
         start = multiply(world[joint], inverse(world[control]))
         above = int(self.reference.rig.parents[joint])
-        found = to_parts(multiply(multiply(start, posed.world(control)), inverse(posed.world(above))))
+        seen = multiply(multiply(start, posed.world(control)), inverse(posed.world(above)))
+        found = self.reference.carried_parts(joint, control, seen)
         posed.set(joint, posed.mended(found, start, control, above))
 
 

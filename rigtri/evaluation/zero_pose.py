@@ -14,19 +14,24 @@ from itertools import pairwise
 
 import numpy as np
 
+from rigtri.errors import GeometryError
+from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import (
+    SKEW,
     compose,
     decompose,
+    determinant,
     from_frame,
     inverse,
     multiply,
     nearest_rotation,
-    orthonormal_axes,
+    skew,
+    unsheared_axes,
 )
 from rigtri.maths.quaternions import from_axes, to_axes
 from rigtri.maths.quaternions import multiply as product
-from rigtri.maths.trigonometry import Floats
+from rigtri.maths.trigonometry import Floats, cube_root
 from rigtri.maths.vectors import length, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import (
@@ -157,7 +162,7 @@ class ControlsAtZero:
             there = world_at_zero(rig, own.offset, controls)
             here = rig.normalised_world[joint]
             axes = nearest_rotation(here)
-            turned = orthonormal_axes(there)
+            turned = unsheared_axes(there)
             if own.axes is not None:
                 turned = to_axes(product(from_axes(turned), np.array(own.axes)))
             apart = float(length(there[3, :3] - here[3, :3])) > SAME_POSITION * size
@@ -177,9 +182,25 @@ class ControlsAtZero:
         )
         return np.where(kept[:, np.newaxis, np.newaxis], rig.normalised_local, local)
 
+    def carried_parts(self, joint: int, carrier: int, local: Floats) -> Parts:
+        """The parts of what a joint's carrier makes of its local matrix, (1 or f, 4, 4).
+
+        Where a scale that is not uniform parts the two, the joint is sheared as it turns, which no scale
+        along its axes can follow: then it keeps its own, and grows as much as its volume does.
+        """
+        parts, parent = to_parts(local), int(self.rig.parents[joint])
+        above, own = (self.world[k] if k >= 0 else _WORLD for k in (carrier, parent))
+        between = multiply(above, inverse(own))
+        sizes = length(between[:3, :3])
+        if not (sizes.max() - sizes.min() > SKEW * sizes.max() or skew(between) > SKEW):
+            return parts  # as of flat ones, too
+        zero = multiply(self.world[joint], inverse(own))
+        grown = cube_root(determinant(local) / determinant(zero))
+        return parts._replace(scale=to_parts(zero).scale * grown[:, np.newaxis])
+
     def world_rotation(self, node: int) -> Floats:
         """How a node is turned in the world while controls are zero, (4,), without scale; −1: not at all."""
-        return from_axes(orthonormal_axes(self.world[node] if node >= 0 else _WORLD))
+        return from_axes(unsheared_axes(self.world[node] if node >= 0 else _WORLD))
 
 
 def _with_scales_at_zero(rig: Rig) -> Rig:
@@ -215,6 +236,27 @@ def with_stored_scales(rig: Rig, before: Rig) -> Rig:
         if (now != was).any():
             metadata[node] = replace(record, scale=triple(zero) if apart else None).to_dict()
     return rig if metadata == rig.metadata else replace(rig, metadata=metadata)
+
+
+def refuse_lost_zero(rig: Rig, before: Rig) -> None:
+    """GeometryError where joints would stand elsewhere than ``before`` while their controls are zero.
+
+    Offsets hold no shear: how one sheared joint rests says nothing of how it would in another pose.
+    """
+    was, now = ControlsAtZero(before), ControlsAtZero(rig)
+    joints = [k for k in was.fk if k in now.fk and max(skew([before.world[k], rig.world[k]])) > SKEW]
+    sizes = length(before.world[joints, :3, :3]).max(axis=1)
+    apart = np.abs(was.world[joints] - now.world[joints])[:, :3, :3].max(axis=(1, 2))
+    if lost := np.flatnonzero(apart > SKEW * sizes).tolist():
+        node = joints[lost[0]]
+        sizes = length(rig.local[:, :3, :3])
+        uneven = (np.ptp(sizes, axis=1) > SKEW * sizes.max(axis=1)) | (skew(rig.local) > SKEW)
+        above = next((k for k in rig.path_to_root(node)[::-1] if uneven[k]), node)
+        raise GeometryError(
+            f"The scale of '{rig.title(above)}' is not uniform and shears {len(lost)} joints, such as "
+            f"'{rig.title(node)}', which would stand elsewhere by their controls with another rest pose. "
+            "Apply that scale in the DCC, or bake --to joints and strip before"
+        )
 
 
 def moved_controls(rig: Rig) -> frozenset[int]:

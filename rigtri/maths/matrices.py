@@ -271,6 +271,18 @@ def nearest_rotation(m: ArrayLike) -> Floats:
     return np.where(flat[..., np.newaxis, np.newaxis], np.nan, np.moveaxis(rows, (0, 1), (-2, -1)))
 
 
+def unsheared_axes(m: ArrayLike) -> Floats:
+    """The axes of matrices as rotations, rows, (..., 4, 4) → (..., 3, 3), which turn with the matrices' own.
+
+    Those of `orthonormal_axes`, to the bit, but for sheared matrices: these have the `nearest_rotation`.
+    """
+    m = as_matrices(m)
+    axes, sheared = orthonormal_axes(m), skew(m) > SKEW
+    if sheared.any():
+        axes[sheared] = nearest_rotation(m[sheared])
+    return axes
+
+
 def skew(m: ArrayLike) -> Floats:
     """How far axes are from right angles: the largest |cosine| between two, (..., 4, 4) → (...).
 

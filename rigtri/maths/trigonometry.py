@@ -119,6 +119,20 @@ def exponential(x: ArrayLike) -> Floats:
     return np.asarray(np.where(x <= -700.0, 0.0, power))
 
 
+def cube_root(x: ArrayLike) -> Floats:
+    """The cube root of numbers, by Newton's iteration.
+
+    >>> cube_root([8.0, -0.125, 0.0]).tolist()
+    [2.0, -0.5, 0.0]
+    """
+    x = np.asarray(x, dtype=np.float64)
+    size = np.where(x == 0, 1.0, np.abs(x))
+    root = np.maximum(size, 1.0)  # from above it falls, until rounding ends that
+    while ((lower := (2.0 * root + size / (root * root)) / 3.0) < root).any():
+        root = np.where(lower < root, lower, root)
+    return np.where(x == 0, 0.0, np.where(x < 0, -root, root))
+
+
 def _series(square: Floats, terms: tuple[float, ...]) -> Floats:
     """Alternating series in ``square`` by Horner's rule."""
     total = np.full_like(square, terms[-1])

@@ -18,11 +18,12 @@ from rigtri.evaluation.active_controls import (
 )
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.rig_space import seen_alone
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, as_float32, timeline_and_time, times_within
 from rigtri.evaluation.twist_joints import with_stored_rest
-from rigtri.evaluation.zero_pose import with_stored_scales
+from rigtri.evaluation.zero_pose import refuse_lost_zero, with_stored_scales
 from rigtri.maths.matrices import compose, decompose
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
@@ -48,11 +49,13 @@ def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> Pos
     if not options.evaluate:
         return pose_at(rig, timeline, time, size=skeleton_size(rig), evaluate=False)
     at_work = controls_at_work(rig, timeline) if timeline else moved_at_rest(rig, skeleton_size(rig))
-    solver = Solver(rig, at_work)
-    posed = solver.run({} if timeline is None else sample_parts(rig, timeline.clip, np.array([time])))
+    seen, nodes = seen_alone(rig)
+    solver = Solver(seen, at_work)
+    sampled = {} if timeline is None else sample_parts(rig, timeline.clip, np.array([time]))
+    posed = solver.run({node: parts for node, parts in sampled.items() if node not in nodes})
     if report is not None:
         report.extend(solver_warnings(solver, posed, lambda _: options.at))
-    return posed
+    return PoseCache(rig, {**sampled, **posed.parts}) if nodes else posed
 
 
 def warn_outside_clip(timeline: Timeline, time: float, report: Report) -> float:
@@ -181,7 +184,9 @@ def at_rest(rig: Rig, parts: Mapping[int, Parts], least: Floats) -> tuple[Rig, l
     if not moved:
         return rig, moved
     posed = replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
-    return with_stored_scales(with_stored_rest(posed, rig), rig), moved
+    found = with_stored_scales(with_stored_rest(posed, rig), rig)
+    refuse_lost_zero(seen_alone(found)[0], seen_alone(rig)[0])
+    return found, moved
 
 
 def _numbers(values: Any) -> list[float]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.evaluation.constraint_solver import to_parts
+from rigtri.evaluation.rig_space import in_rig_space
 from rigtri.evaluation.zero_pose import ControlsAtZero, moved_controls, world_at_zero
 from rigtri.maths.matrices import compose, from_frame, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
@@ -110,9 +111,12 @@ def given_name(rig: Rig, name: str, report: Report, flag: str = "--name") -> str
 
 
 def built_at_zero(rig: Rig, build: Callable[[Rig], Rig]) -> Rig:
-    """The rig with what is built on its joints as they stand while all controls are zero.
+    """The rig with what is built, in its own space, on joints as they stand while all controls are zero."""
+    return in_rig_space(rig, lambda seen: _built_at_zero(seen, build), building=True)
 
-    Where a control has been moved or has keys: then the rest pose of the joints may be one that controls
+
+def _built_at_zero(rig: Rig, build: Callable[[Rig], Rig]) -> Rig:
+    """Where a control has been moved or has keys: then the rest pose of the joints may be one that controls
     gave, and keys count from where the controls stood.
     """
     if not moved_controls(rig):

@@ -20,6 +20,7 @@ from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.inverse_solver import SolvedControls, match_limb
 from rigtri.evaluation.key_insertion import insert_keys
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.rig_space import in_rig_space
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import (
     Timeline,
@@ -61,6 +62,10 @@ def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
     UsageError, NameNotFoundError, GeometryError (no such limb, no FK controls,
     an IK end that follows a constraint).
     """
+    return in_rig_space(rig, lambda seen: _snapped(seen, options, report))
+
+
+def _snapped(rig: Rig, options: SnapOptions, report: Report) -> Rig:
     chains = _chains(rig, options)
     moments: dict[tuple[int, ...], list[tuple[str, float]]] = {}
     for text in options.at:

@@ -98,6 +98,52 @@ def test_freeze_carries_what_is_built_on_scaled_joints(
     assert carried(source_of(tmp_path / name, thing, tmp_path), "freeze", tmp_path) <= SAME_MOTION
 
 
+def _below_uneven_scale(path: Path, out: Path) -> Path:
+    """A file whose roots stand below a node that is turned, and scaled by other shares along its axes."""
+    rig = rigtri.read(path)
+    count, turn = len(rig), np.array([[0.1, 0.2, 0.3, 0.9]]) / np.sqrt(0.95)
+    grown = rig.with_nodes(["squashed"], [-1], np.zeros((1, 3)), turn)
+    parents, scale = np.where(grown.parents < 0, count, grown.parents), grown.scale.copy()
+    parents[count], scale[count] = -1, (1.0, 1.5, 0.7)
+    low = replace(grown, parents=parents, scale=scale).reordered([count, *range(count)])
+    rigtri.write(low, out, verify=False)
+    return out
+
+
+@pytest.mark.parametrize(
+    "edit",
+    ["orient-joints", *map(slow, ("mirror", "take-clips, other axes", "add-controls", "pose", "set-rest"))],
+)
+def test_joints_that_are_sheared_and_controls_that_are_not_are_carried(edit: str, tmp_path: Path) -> None:
+    """The controls are turned by hand: those of the first joint and of IK ends, and the root's."""
+    source = source_of(_below_uneven_scale(SAMPLES / "tpose.glb", tmp_path / "low.glb"), "controls", tmp_path)
+    rig = rigtri.read(source)
+    controls = [rig.find(name) for name in ("hips_ctl", "hips_root_ctl", "hand_L_ik_ctl", "forearm_L_ctl")]
+    times = np.array([0.0, 0.25, 0.5])
+    turned = np.array([[0.0, 0.0, 0.0, 1.0], [0.3, 0.1, 0.2, 0.9], [0.0, 0.4, -0.2, 0.8]])
+    turned /= np.sqrt((turned * turned).sum(axis=1))[:, np.newaxis]
+    tracks = tuple(Track(k, "rotation", "LINEAR", times, turned) for k in controls)
+    rest = tuple(t for t in rig.clips[0].tracks if t.node not in controls or t.path != "rotation")
+    keyed = replace(rig, clips=(replace(rig.clips[0], tracks=(*rest, *tracks)), *rig.clips[1:]))
+    rigtri.write(keyed, tmp_path / "keyed.glb", verify=False)
+    if edit in ("pose", "set-rest"):
+        with pytest.raises(GeometryError, match="The scale of 'squashed' is not uniform"):
+            carried(tmp_path / "keyed.glb", edit, tmp_path)
+    else:
+        assert carried(tmp_path / "keyed.glb", edit, tmp_path) <= SAME_MOTION
+
+
+PLACED = ("pose", "set-rest clip", "add-controls", "add-polevector", "orient-joints", "strip")
+
+
+@pytest.mark.parametrize("edit", ["snap", *map(slow, PLACED)])
+def test_a_rig_that_is_placed_in_an_uneven_scale_is_carried_as_it_is_alone(edit: str, tmp_path: Path) -> None:
+    """With its controls below the scaled node, as an asset in a shot."""
+    alone = source_of(SAMPLES / "tpose.glb", "controls", tmp_path)
+    source = _below_uneven_scale(alone, tmp_path / "placed.glb")
+    assert carried(source, edit, tmp_path) <= SAME_MOTION
+
+
 def test_controls_without_motion_take_the_new_axes_of_their_joints() -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), joints=("upper_arm_L",), frame="joint")
     turned = rigtri.orient_joints(rig, preset="blender")

@@ -10,7 +10,7 @@ from program import cli
 from pxr import Gf, Usd, UsdGeom, UsdSkel
 from usd_files import MESH, animation, read, save, scene, skeleton
 
-from rigtri.operations.bake.rig_space import in_rig_space
+from rigtri.evaluation.rig_space import in_rig_space
 
 PLACE = """
 double3 xformOp:translate = (3, 1, 0)
@@ -81,15 +81,28 @@ def place(path: Path, time: float) -> Gf.Matrix4d:
     return UsdGeom.XformCache(time).GetLocalToWorldTransform(stage.GetPrimAtPath("/W/A"))
 
 
-def test_controls_beside_an_uneven_scale_are_refused_where_they_would_be_off(
+def test_joints_beside_an_uneven_scale_are_refused_where_they_would_be_off(
     samples: Path, tmp_path: Path
 ) -> None:
+    """IK ends and poles that are joints themselves; controls beside the scale give all joints back."""
     (tmp_path / "hero.usda").write_bytes((samples / "biped.usda").read_bytes())
     above, rigged, out = shot(tmp_path, "hero.usda"), tmp_path / "rigged.usda", tmp_path / "out.usda"
-    cli("add-controls", above, "-o", rigged, "--joints", "*", code=0)
+    cli("add-controls", above, "-o", rigged, "--whole-character", "--as", "joint", code=0)
     error = cli("bake", rigged, "--to", "controls", "-o", out, code=5).stderr
     assert "the scale of 'A' is not uniform" in error
     assert not out.exists()
+
+
+@pytest.mark.ci
+def test_controls_beside_an_uneven_scale_give_joints_back(samples: Path, tmp_path: Path) -> None:
+    (tmp_path / "hero.usda").write_bytes((samples / "biped.usda").read_bytes())
+    above = shot(tmp_path, "hero.usda")
+    rigged, keyed, out = (tmp_path / f"{name}.usda" for name in ("rigged", "keyed", "out"))
+    cli("add-controls", above, "-o", rigged, "--joints", "*", code=0)
+    cli("bake", rigged, "--to", "controls", "-o", keyed, code=0)
+    cli("bake", keyed, "--to", "joints", "-o", out, code=0)
+    for time in (1.0, 3.0, 5.0):
+        assert np.abs(joints(above, time) - joints(out, time)).max() < 5e-5
 
 
 def test_a_uniform_scale_changes_nothing(asset: Path, tmp_path: Path) -> None:

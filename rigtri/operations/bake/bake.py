@@ -25,6 +25,7 @@ from rigtri.evaluation.curve_refinement import ControlCurve, JointCurve, Refined
 from rigtri.evaluation.inverse_solver import solve_controls
 from rigtri.evaluation.key_reduction import key_tolerances
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.rig_space import in_rig_space
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.shared_key_times import times_of, with_shared_times
 from rigtri.evaluation.solver import Solver
@@ -54,7 +55,6 @@ from rigtri.operations.bake.dependents import (
     rivets_of_constraints,
 )
 from rigtri.operations.bake.reduced_tracks import is_still_valid, key_counts, reduced_tracks
-from rigtri.operations.bake.rig_space import in_rig_space
 from rigtri.operations.bake.unbaked import UNBAKED, refuse_replaced
 from rigtri.operations.bake.warnings import (
     fidelity,

@@ -11,6 +11,7 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import controls_at_work, moved_at_rest, skeleton_size
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.rig_space import seen_alone
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, timelines
@@ -33,6 +34,7 @@ def unbaked(rig: Rig) -> str:
 
     Constraints alone are no motion that somebody has made: they count where controls have keys.
     """
+    rig, _ = seen_alone(rig)
     size = skeleton_size(rig)
     posed = moved_at_rest(rig, size)
     found = _difference(Solver(rig, posed), {}, PoseCache(rig, {}), "at rest", size) if posed else ""

@@ -14,6 +14,7 @@ from rigtri.evaluation.curve_refinement import MOST_A_SECOND
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.inverse_solver import Block
 from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.evaluation.rig_space import uneven_above
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.quaternions import dot
 from rigtri.maths.trigonometry import Floats
@@ -21,7 +22,6 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Track, key_values
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.bake.rig_space import uneven_above
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Notice, Report
 

@@ -16,6 +16,7 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.constraint_application import constrained_local
 from rigtri.evaluation.constraint_solver import rotate_of, to_parts
 from rigtri.evaluation.dependency_graph import ControlCycleError, dependencies, find_cycle
+from rigtri.evaluation.rig_space import seen_alone
 from rigtri.evaluation.sampling import worlds
 from rigtri.evaluation.solver import refuse_cycles
 from rigtri.maths.euler import from_angles
@@ -85,12 +86,16 @@ def follow(
     """
     place = _replaced_node(rig, rule, report)
     _refuse_cycles(rig, rule, place)
+    seen, above = seen_alone(rig)
+    # What reaches beyond the rig's own space is evaluated in the world.
+    if not all(rig.is_below(node, top) for node in (rule.child, *rule.sources) for top in above):
+        seen = rig
     with np.errstate(all="ignore"):
-        rule = measured(rig, rule, keep=keep)
+        rule = measured(seen, rule, keep=keep)
     found = None
     if keys is not None:
         with np.errstate(all="ignore"):
-            found = switching(rig, rule, place, keys, match=match)
+            found = switching(seen, rule, place, keys, match=match)
         rule = found.rule
     _warn(rig, rule, found is not None, report)
     stored = _stored(rig, rule, found, place, vrm, report)

@@ -15,6 +15,7 @@ import numpy as np
 
 from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.maths.matrices import (
+    SKEW,
     determinant,
     from_frame,
     inverse,
@@ -212,6 +213,8 @@ class Counterparts:
         """
         rig, other = self.rig, self.other
         joints = [n for n in self._bound if not self._grown.intersection(other.path_to_root(self.of[n]))]
+        # How long an axis is that a scale above shears depends on which one it is.
+        joints = [n for n in joints if max(map(skewed, (rig.world[n], other.world[self.of[n]]))) <= SKEW]
         turns = length(np.reshape([self._bound[n] for n in joints], (-1, 4, 4))[:, 0, :3])
         ours, its = (
             length(world[nodes, 0, :3])

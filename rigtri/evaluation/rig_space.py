@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.maths.quaternions import IDENTITY
 from rigtri.maths.vectors import dot
 from rigtri.model.animation import Clip, key_values
@@ -39,22 +40,36 @@ def uneven_above(rig: Rig) -> list[int]:
     return sorted(found)
 
 
-def in_rig_space(rig: Rig, evaluate: Callable[[Rig], Rig]) -> Rig:
-    """What ``evaluate`` makes of a rig whose uneven nodes, with all of the rig below them, are at the origin.
+def seen_alone(rig: Rig, *, building: bool = False) -> tuple[Rig, list[int]]:
+    """The rig whose uneven nodes, with all of the rig below them, stand still at the origin; and these nodes.
 
-    They stand where they stood in the result. It may change clips and nodes, and make no new ones.
+    building: new nodes are below them, too, and they keep their rotations, so that up and ahead stay.
     """
     nodes = [node for node in uneven_above(rig) if _holds_all(rig, node)]
+    if building and not rig.nodes_of("group"):
+        nodes = [node for node in nodes if node in rig.path_to_root(rig.rules.group_parent)]
     if not nodes:
-        return evaluate(rig)
+        return rig, nodes
     translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
     has_matrix = rig.has_matrix.copy()
-    translation[nodes], rotation[nodes], scale[nodes], has_matrix[nodes] = 0.0, IDENTITY, 1.0, False
+    translation[nodes], scale[nodes], has_matrix[nodes] = 0.0, 1.0, False
+    rotation[nodes] = to_parts(rig.local[nodes]).rotation if building else IDENTITY
     clips = tuple(_without(clip, nodes) for clip in rig.clips)
     seen = replace(
         rig, translation=translation, rotation=rotation, scale=scale, has_matrix=has_matrix, clips=clips
     )
+    return seen, nodes
+
+
+def in_rig_space(rig: Rig, evaluate: Callable[[Rig], Rig], *, building: bool = False) -> Rig:
+    """What ``evaluate`` makes of a rig that is `seen_alone`, with what holds that where it stood.
+
+    It may change clips and nodes, and add nodes.
+    """
+    seen, nodes = seen_alone(rig, building=building)
     made = evaluate(seen)
+    if made is seen or not nodes:
+        return rig if made is seen else made
     values = {name: getattr(made, name).copy() for name in _PLACE}
     for name, value in values.items():
         value[nodes] = getattr(rig, name)[nodes]
