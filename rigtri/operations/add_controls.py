@@ -16,7 +16,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import world_of
-from rigtri.evaluation.zero_pose import SAME_PLACE, idle_ik, ik_obstacle, moved_controls
+from rigtri.evaluation.zero_pose import SAME_POSITION, idle_ik, ik_obstacle, moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.trigonometry import Floats
@@ -453,7 +453,7 @@ class _Builder:
             return False
         here, there = self.world[joint, 3, :3], unposed(before, int(before.parents[control]))[3, :3]
         size = max(self.ref.extent, float(np.abs(here).max()))
-        return float(distance(here, there)) <= SAME_PLACE * size
+        return float(distance(here, there)) <= SAME_POSITION * size
 
     def _drawn_poles(self, limbs: tuple[Limb, ...]) -> list[int]:
         """The pole vectors of limbs that are no joints."""
