@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import field, replace
 
 from rigtri.maths.trigonometry import Floats
@@ -40,6 +40,8 @@ class FormatRules:
     resting: nodes that show their rest pose in the midst of a clip. unread: nodes whose motion no track can
     hold, with the reason.
     instances: nodes that show what another shows, which is read there alone: by each of them, that one.
+    played: what moves each of several instances of a character: the key of a clip, None for none, by the
+    instance's node and the skeleton's path below that.
     per_second: units of clips' time in a second. valid_name: a name as this format can have it; `str`: any.
     """
 
@@ -61,6 +63,7 @@ class FormatRules:
     resting: Mapping[int, Resting] = field(default_factory=dict)
     unread: Mapping[int, str] = field(default_factory=dict)
     instances: Mapping[int, int] = field(default_factory=dict)
+    played: Mapping[int, Mapping[str, Hashable]] = field(default_factory=dict)
     valid_name: Callable[[str], str] = str
 
     def reordered(self, new: Sequence[int]) -> FormatRules:
@@ -74,6 +77,7 @@ class FormatRules:
             data_nodes=frozenset(new[k] for k in self.data_nodes),
             named=frozenset(new[k] for k in self.named),
             instances={new[k]: new[first] for k, first in self.instances.items()},
+            played={new[k]: played for k, played in self.played.items()},
             group_parent=new[self.group_parent] if self.group_parent >= 0 else self.group_parent,
         )
 

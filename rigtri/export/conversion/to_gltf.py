@@ -66,7 +66,11 @@ class ToGltf:
 
     def compared(self, part: Path) -> Converted:
         """What was written, read again, beside what it was made of: in the stage's unit and axes."""
-        return self._partners(GltfDocument.read(part, ReadOptions()))
+        found = self._partners(GltfDocument.read(part, ReadOptions()))
+        if not any(mesh.dual_quaternion for mesh, _ in found.meshes):
+            return found
+        linear = [(replace(mesh, dual_quaternion=False), other) for mesh, other in found.meshes]
+        return replace(found, meshes=linear, source_meshes=found.meshes)
 
     @classmethod
     def known(cls, before: UsdDocument, after: GltfDocument) -> Converted:
@@ -99,7 +103,7 @@ class ToGltf:
         clips = [(moved.get(c.name, (c, None))[0], known[c.name]) for c in before.clips if c.name in known]
         sources = [moved.get(clip.name, (clip, None))[1] for clip, _ in clips]
         lost += [f"clip {clip.name}" for clip in before.clips if clip.name not in known]
-        return Converted(before, self._in_stage(after), node, node.copy(), pairs, clips, sources, lost)  # type: ignore[arg-type]
+        return Converted(before, self._in_stage(after), node, node.copy(), pairs, clips, sources, lost=lost)  # type: ignore[arg-type]
 
     def _in_stage(self, rig: Rig) -> Rig:
         """The file's rig without the root that turns and scales it."""

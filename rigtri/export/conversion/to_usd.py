@@ -116,7 +116,9 @@ class _Partners:
         meshes = {mesh.name: mesh for mesh in self.document.meshes()}
         pairs, gone = self._meshes(meshes)
         clips, sources = self._clips()
-        return Converted(self.rig, self._after(), node, shown, pairs, clips, sources, [*lost, *gone], baked)
+        return Converted(
+            self.rig, self._after(), node, shown, pairs, clips, sources, lost=[*lost, *gone], of_first=baked
+        )
 
     def _there(self, place: tuple[str, ...]) -> int:
         if len(place) == 1:

@@ -148,9 +148,7 @@ class _Reader:
             self.scene.lose(f"mesh {mesh.name}, which has no faces that make sense")
             return
         self._unsaid(prim, mesh)
-        found = replace(
-            _with_points(mesh, faces), dual_quaternion=False, morph_names=self._morph_names(prim, mesh)
-        )
+        found = replace(_with_points(mesh, faces), morph_names=self._morph_names(prim, mesh))
         values = {name: each for name, each in faces.values.items() if name != "NORMAL"}
         if "NORMAL" in faces.values:
             values |= dict(self._normal_offsets(prim, mesh, faces))

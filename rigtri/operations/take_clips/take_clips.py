@@ -26,6 +26,7 @@ from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import SHORT
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
+from rigtri.operations.take_clips.crowds import refuse_lost_instances
 from rigtri.operations.take_clips.generated_names import span
 from rigtri.operations.take_clips.ik_switches import (
     drop_switched_off_ik_keys,
@@ -73,6 +74,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     edited = without(edited, options.exclude)
     # Where Blender's IK was on or off, as the script of export-blender stores it.
     of = pairs(rig, edited).of
+    refuse_lost_instances(rig, edited, of)
     switched = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
     if switched.on | switched.off:
         edited = put_back(edited, rig, of, report)

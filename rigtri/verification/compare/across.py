@@ -45,8 +45,8 @@ class Converted:
 
     shown: (n,), the node that shows what this one shows. clips: what plays at once, times in seconds, the
     first as it is meant to be after the conversion. sources: those of the first as they were, where they
-    are others. lost: what has no partner, though it should. of_first: nodes that show what they show as
-    the first clip has it alone.
+    are others; source_meshes: the same of ``meshes``, none where all are as they were. lost: what has no
+    partner, though it should. of_first: nodes that show what they show as the first clip has it alone.
     """
 
     before: Rig
@@ -56,6 +56,7 @@ class Converted:
     meshes: Sequence[tuple[Mesh, Mesh]]
     clips: Sequence[tuple[Clip, Clip]]
     sources: Sequence[Clip | None] = ()
+    source_meshes: Sequence[tuple[Mesh, Mesh]] = ()
     lost: Sequence[str] = ()
     of_first: frozenset[int] = frozenset()
 
@@ -65,18 +66,19 @@ def compare_converted(pair: Converted) -> Comparison:
     clip.
 
     Looked at at the keys of the first, and between and beyond them: the second has others. What a clip is
-    meant to be, where it is not what it was, is `Comparison.motion`.
+    meant to be, and how a mesh is meant to be skinned, where it is not what it was, is `Comparison.motion`.
     """
     sizes = sizes_of(pair.before, [mesh for mesh, _ in pair.meshes])
     found = _measured(pair, sizes, pair.clips)
-    others = [
-        (source, clips[1])
-        for source, clips in zip(pair.sources, pair.clips, strict=False)
-        if source is not None
-    ]
     motion = None
-    if others:
-        moved = _measured(pair, sizes, others)
+    sources = [*pair.sources, *[None] * (len(pair.clips) - len(pair.sources))]
+    others = [
+        (source or clip, other)
+        for source, (clip, other) in zip(sources, pair.clips, strict=True)
+        if pair.source_meshes or source is not None
+    ]
+    if others or pair.source_meshes:
+        moved = _measured(replace(pair, meshes=pair.source_meshes or pair.meshes), sizes, others)
         motion = Motion(moved.largest, moved.worst, moved.clips)
     return Comparison(
         deviation=found.largest,

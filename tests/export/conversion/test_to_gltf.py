@@ -14,7 +14,7 @@ from places import SAMPLES, asset_files, sample_files, slow
 from program import cli
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 from second_opinions import khronos_errors
-from usd_files import MESH, animation, save, scene, skeleton
+from usd_files import MESH, animation, deviation, save, scene, skeleton
 
 import rigtri
 from rigtri.evaluation.sampling import Motion, morph_weights, worlds
@@ -51,6 +51,25 @@ def test_a_stage_in_gltf_looks_the_same(path: Path, suffix: str, tmp_path: Path)
     assert outcome.verification is not None
     assert outcome.verification.poses > 1
     assert outcome.verification.deviation <= TOLERANCE
+
+
+def test_each_file_is_measured_by_its_own_method_of_skinning(tmp_path: Path) -> None:
+    bound = "rel skel:skeleton = </Root/Skel>"
+    method = f'{bound}\n    uniform token primvars:skel:skinningMethod = "dualQuaternion"'
+    source = save(tmp_path, scene(skeleton(), animation(), MESH.replace(bound, method)))
+    out = tmp_path / "out.glb"
+    outcome = rigtri.convert(source, out)
+    found = outcome.verification
+    assert found is not None
+    assert found.deviation <= TOLERANCE, "linear blending is what glTF has"
+    assert found.motion is not None
+    far = deviation(source, save(tmp_path, scene(skeleton(), animation(), MESH), "linear.usda"))
+    assert found.motion.deviation > 0.3 < far, "how far that moves points is told"
+    for files in ((source, out), (out, source)):
+        assert "looks different" in cli("verify", *files, code=6).output
+    linear = rigtri.convert(tmp_path / "linear.usda", tmp_path / "linear.glb").verification
+    assert linear is not None
+    assert linear.motion is None
 
 
 @pytest.mark.parametrize("path", [slow(p) for p in asset_files(*USD)] or [slow(None)], ids=str)

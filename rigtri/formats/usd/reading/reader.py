@@ -29,7 +29,7 @@ from rigtri.formats.usd.reading.animation_reader import (
 from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, read_skeleton
-from rigtri.formats.usd.reading.source import Source, blocked_times
+from rigtri.formats.usd.reading.source import Source, animations_of_instances, blocked_times
 from rigtri.formats.usd.reading.xform_hierarchy import (
     XFORMS,
     read_transform,
@@ -90,6 +90,7 @@ class _Reader:
             group_name="rigtri",
             resting=self._resting(rig.clips),
             per_second=float(self.stage.GetTimeCodesPerSecond()),
+            played=self._played(),
         )
         rig = replace(rig, rules=rules)
         return Source(
@@ -102,6 +103,13 @@ class _Reader:
             self.bindings,
             self.instances,
         )
+
+    def _played(self) -> dict[int, dict[str, Any]]:
+        found: dict[int, dict[str, Any]] = {}
+        nodes = self.nodes.node_of
+        for node, at, _, path in animations_of_instances(self.instances, self.skeletons, nodes):
+            found.setdefault(node, {})[at] = ("samples", path) if path else None
+        return found
 
     def _with_moving_prims(self, rig: Rig) -> Rig:
         """The rig with what moves its prims, to be measured; joints of --root have their own tracks."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -51,24 +51,35 @@ class Source:
         }
 
 
-def played_by_instances(source: Source) -> dict[int, dict[str, str]]:
-    """Which animations instances of one character play, by their nodes.
+def animations_of_instances(
+    instances: SharedInstances, skeletons: Mapping[str, Skeleton], nodes: Mapping[str, int]
+) -> Iterator[tuple[int, str, Skeleton, str]]:
+    """What the instances of one character play: node, the skeleton's path below it, skeleton, animation.
 
-    An instance with no node at or above it counts at the one that is read in its place. Numbers in the
-    order of the first that plays each, because an edit may give an animation another name.
+    An instance with no node at or above it counts at the one that is read in its place. Animations are paths
+    as they are read; "" for none. nodes: by label.
     """
-    nodes = {label: node for node, label in enumerate(source.rig.labels)}
-    found: dict[int, dict[str, str]] = {}
-    for path, skeleton in source.skeletons.items():
-        prims = source.instances.skeletons.get(path, ())
+    for path, skeleton in skeletons.items():
+        prims = instances.skeletons.get(path, ())
         for prim in prims if len(prims) > 1 else ():
             played = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
-            known = str(source.instances.stands_for(played.GetPath())) if played else ""
-            number = skeleton.animations.index(known) + 1 if known in skeleton.animations else 0
+            known = str(instances.stands_for(played.GetPath())) if played else ""
             above = next((at for at in prim.GetPath().GetAncestorsRange() if str(at) in nodes), None)
             shown = prim.GetPath() if above is None else prim.GetPath().MakeRelativePath(above)
             node = nodes[path if above is None else str(above)]
-            found.setdefault(node, {})[f"animation of '{shown}'"] = str(number)
+            yield node, str(shown), skeleton, known if known in skeleton.animations else ""
+
+
+def played_by_instances(source: Source) -> dict[int, dict[str, str]]:
+    """Which animations instances of one character play, by their nodes.
+
+    Numbers in the order of the first that plays each, because an edit may give an animation another name.
+    """
+    nodes = {label: node for node, label in enumerate(source.rig.labels)}
+    found: dict[int, dict[str, str]] = {}
+    for node, shown, skeleton, played in animations_of_instances(source.instances, source.skeletons, nodes):
+        number = skeleton.animations.index(played) + 1 if played else 0
+        found.setdefault(node, {})[f"animation of '{shown}'"] = str(number)
     return found
 
 
