@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rigtri.export.conversion.scene import Scene
-from rigtri.maths.matrices import from_frame, inverse, multiply
+from rigtri.maths.matrices import determinant, from_frame, inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
@@ -22,6 +22,8 @@ from rigtri.model.rig import Rig
 SAME_BIND = 1e-6
 # A bind pose this share larger than its joints has their scale: nobody sees the difference.
 SAME_SCALE = 1e-4
+# Of Newton's method; each of the first takes a third off, the last double the digits.
+_STEPS = 64
 
 
 @dataclass(eq=False)
@@ -57,15 +59,19 @@ class Skeleton:
         self.skins[skin] = before
         return True
 
-    def unscale(self, rig: Rig, above: float) -> None:
+    def unscale(self, rig: Rig, above: Floats) -> None:
         """Leave the scale that all bind poses have and joints do not to what takes points there.
 
-        above: the scale of the node above the joints. Programs that make bones of bind poses, such as
+        above: the matrix of the node above the joints. Programs that make bones of bind poses, such as
         Blender, give them no scale.
         """
         joints = list(self.bind)
+        axes = length(above[:3, :3])
+        # The length of axes below an uneven scale depends on where they point, and their volume does not.
+        size = _size if axes.max() - axes.min() <= SAME_SCALE * axes.max() else _cubic_size
+        binds, worlds = np.stack(list(self.bind.values())), rig.normalised_world[joints]
         with np.errstate(divide="ignore", invalid="ignore"):
-            scales = _size(np.stack(list(self.bind.values()))) / (_size(rig.normalised_world[joints]) / above)
+            scales = size(binds) / (size(worlds) / size(above))
         scales = scales[np.isfinite(scales) & (scales > 0)]
         if len(scales):
             common = float(np.median(scales))
@@ -77,6 +83,18 @@ def _size(matrices: Floats) -> Floats:
     """The mean length of the axes, (..., 4, 4) → (...)."""
     x, y, z = np.moveaxis(length(matrices[..., :3, :3]), -1, 0)
     return np.asarray((x + y + z) / 3.0)
+
+
+def _cubic_size(matrices: Floats) -> Floats:
+    """The edge of the cube that has the volume of the axes, (..., 4, 4) → (...).
+
+    Newton's method, so that all machines find the same bits.
+    """
+    volume = np.abs(determinant(matrices))
+    edge = np.asarray(_size(matrices))
+    for _ in range(_STEPS):
+        edge = (2.0 * edge + volume / (edge * edge)) / 3.0
+    return np.where(volume > 0, edge, np.nan)
 
 
 def _smaller(matrix: Floats, scale: float) -> Floats:
@@ -105,8 +123,9 @@ def plan_skeletons(scene: Scene) -> tuple[list[Skeleton], set[int]]:
                 fresh.add(skin, own, found.inverse_bind)
                 mine.append(fresh)
         for skeleton in mine:
-            above = float(_size(rig.normalised_world[parent])) if parent >= 0 else 1.0
-            skeleton.unscale(rig, above)
+            place = rig.normalised_world[parent] if parent >= 0 else np.eye(4)
+            above = float(_size(place))
+            skeleton.unscale(rig, place)
             for node in nodes:
                 world = _smaller(rig.normalised_world[node], above)
                 flat = not np.isfinite(inverse(world)).all()
