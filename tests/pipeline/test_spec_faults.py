@@ -156,7 +156,7 @@ def test_an_unknown_variable_hides_nothing_else(tmp_path: Path) -> None:
         (4, "there is no variable 'b'"),
         (5, "up: input should be 'x',"),
         (7, "there is no variable 'd'"),
-        (8, "give 'limb: [ROOT, MIDDL"),
+        (8, "name the limbs: 'limb: ["),
         (11, "there is no variable 'e'"),
     ]
 
