@@ -32,7 +32,7 @@ from rigtri.pipeline.edit import (
 )
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
-from rigtri.verification.compare.across import compare_converted
+from rigtri.verification.compare.across_formats import compare_converted
 from rigtri.verification.compare.advice import why_far
 from rigtri.verification.compare.compare import Comparison, Source
 

@@ -10,7 +10,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.body_shape import LEG, SIMILAR, Body, Limbs, stands_too, within
-from rigtri.recognition.candidates import Draft
+from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
 from rigtri.recognition.limb_triples import CLAVICLES, triple_of

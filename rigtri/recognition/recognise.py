@@ -10,9 +10,9 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.joint_names import Side
 from rigtri.model.rig import Rig
 from rigtri.recognition.arms_legs import Found, find_limbs
-from rigtri.recognition.candidates import Draft
+from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.character_joints import groups_of
 from rigtri.recognition.evidence_against import doubted
-from rigtri.recognition.groups import groups_of
 from rigtri.recognition.hands_feet import lay_ends, lay_hand, lay_others, why_none
 from rigtri.recognition.joint_tree import Tree, joints_of, segments_of
 from rigtri.recognition.layout import (

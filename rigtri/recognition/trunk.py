@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
-from rigtri.recognition.candidates import Draft
+from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.layout import MAP, NAMES
 from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 

@@ -17,7 +17,7 @@ from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.gltf.uris import escape
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.across import Converted
+from rigtri.verification.compare.across_formats import Converted
 
 
 @dataclass(eq=False)

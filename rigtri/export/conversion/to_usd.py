@@ -23,7 +23,7 @@ from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.across import Converted, at_keys_of
+from rigtri.verification.compare.across_formats import Converted, at_keys_of
 
 
 @dataclass(eq=False)

@@ -1,7 +1,7 @@
 """UsdPreviewSurface networks as materials, and cameras and lights, in glTF's terms.
 
 Source: UsdPreviewSurface specification 2.6; glTF 2.0 §3.9; UsdGeomCamera; UsdLux. `usd_materials` and
-`usd_lenses` are the way there.
+`usd_cameras_lights` are the way there.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pxr import Usd, UsdGeom, UsdLux, UsdShade
 
 from rigtri.errors import FileError
 from rigtri.export.conversion.scene import Camera, Image, Light, Material, Scene, Slot, Texture
-from rigtri.export.conversion.usd_lenses import CANDELA, FAR, TENTHS
+from rigtri.export.conversion.usd_cameras_lights import CANDELA, FAR, TENTHS
 from rigtri.export.conversion.usd_materials import DEGREES, flipped
 from rigtri.export.conversion.usd_networks import source_of, value_of
 from rigtri.export.conversion.usd_values import rest_value

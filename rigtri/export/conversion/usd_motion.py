@@ -24,7 +24,7 @@ from rigtri.maths.matrices import SKEW, compose, decompose, skew
 from rigtri.maths.quaternions import angle_between, slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Track
-from rigtri.verification.compare.across import SAME_TIME, PlayedClip
+from rigtri.verification.compare.across_formats import SAME_TIME, PlayedClip
 
 # How far keys may be off between two of them: radians, and shares of where the prim goes or, where that is
 # less, of what it shows. Prims below each other add up, so it is a part of what a conversion may be off.

@@ -14,7 +14,7 @@ from rigtri.evaluation.timelines import as_played
 from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_looks import Looks, read_camera, read_light, shows_colours
 from rigtri.export.conversion.usd_motion import PrimMotion
-from rigtri.export.conversion.usd_surfaces import Faces, colour_of, materials_of, read_faces
+from rigtri.export.conversion.usd_triangles import Faces, colour_of, materials_of, read_faces
 from rigtri.export.conversion.usd_unread import Unread
 from rigtri.export.conversion.usd_values import json_value, rest_value
 from rigtri.formats.document import ReadOptions

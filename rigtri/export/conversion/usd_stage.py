@@ -16,7 +16,7 @@ from rigtri.evaluation.sampling import Motion, key_times, worlds
 from rigtri.export.conversion import usd_clips, usd_meshes
 from rigtri.export.conversion import usd_values as values
 from rigtri.export.conversion.scene import Image, Primitive, Scene
-from rigtri.export.conversion.usd_lenses import define_camera, define_light
+from rigtri.export.conversion.usd_cameras_lights import define_camera, define_light
 from rigtri.export.conversion.usd_materials import MaterialWriter
 from rigtri.export.conversion.usd_names import Names, distinct, node_identifiers
 from rigtri.export.conversion.usd_samples import motion_times, rate_of

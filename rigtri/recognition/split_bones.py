@@ -6,7 +6,7 @@ import re
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
-from rigtri.recognition.candidates import Draft
+from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.limb_triples import CLAVICLES, STRAIGHT
 from rigtri.recognition.naming_schemes import parse_name
 
