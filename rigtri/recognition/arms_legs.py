@@ -116,7 +116,8 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
     body = draft.shape.body
     kind, sure = "", _LEAST
     if limbs in draft.shape.legs:
-        kind = "leg"
+        # Three pairs alike on the ground, and called legs: names need not say which joint is which.
+        kind, sure = "leg", _HALF if limbs.kind == "leg" else _LEAST
     elif body is not None and limbs in (body.legs, body.arms) and (not named or _is_clear(body)):
         kind, sure = _shaped(body, limbs), _shape_confidence(draft, body, limbs)
     elif body is not None and _is_further(body, limbs):
@@ -135,9 +136,7 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         # A table has four of two joints each.
         sure -= 0.15 if len(limbs.at) < 3 and body is not None and body.form == "quadruped" else 0.0
         sure *= _UNNAMED if named else 1.0
-    if not kind:
-        return
-    for which in (0, 1):
+    for which in (0, 1) if kind else ():
         before = limbs.pair.paths[which][: limbs.at[0]]
         words = tuple(_words(body, limbs, kind))
         yield Found("arm" if kind == "arm" else "leg", "", limbs.joints(which), before, sure, words, limbs)
@@ -348,6 +347,7 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
     body = draft.shape.body
     known = body is not None and _has_both(body) and same.pair in (body.legs, body.arms)
     shaped = _shaped(body, same.pair) if body is not None and known else each.kind
+    shaped = "leg" if same.pair in draft.shape.legs else shaped
     if shaped == each.kind:
         sure = 1.0 - (1.0 - sure) * (1.0 - _AGREES * same.confidence)
         words.append(AGREED)

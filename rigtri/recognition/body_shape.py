@@ -117,7 +117,7 @@ def limbs_of(
         if bend is not None or len(pair.paths[0]) > 1:
             limbs = _limbs(tree, pair, bend)
             words = [names[k] for k in (*limbs.joints(0), *limbs.joints(1)) if k in names]
-            found.append(replace(limbs, kind=_kind_of(tree, limbs, words), place=_place_of(words)))
+            found.append(replace(limbs, kind=_kind_of(tree, limbs, words, poses), place=_place_of(words)))
     return found
 
 
@@ -134,14 +134,22 @@ def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:
     return Limbs(pair, at, starts, ends, size, count, thumb, quality, lead, named)
 
 
-def _kind_of(tree: Tree, limbs: Limbs, words: Sequence[LimbWords]) -> LimbKind | Literal["other", ""]:
-    """What names say that two limbs are; ``other`` where one says a trunk, a wing, or something worn."""
-    joints = (*limbs.joints(0), *limbs.joints(1))
-    roles = {role for joint in joints for role in roles_in_name(tree.rig.names[joint])}
-    if NO_LIMB & roles or any(word.trunk for word in words):
-        return "other"
+def _kind_of(
+    tree: Tree, limbs: Limbs, words: Sequence[LimbWords], poses: Poses
+) -> LimbKind | Literal["other", ""]:
+    """What names say that two limbs are; ``other`` where one says a trunk, a wing, or something worn.
+
+    The arm of a machine may end in its gun.
+    """
     kinds: set[LimbKind] = {word.kind for word in words if word.kind}
-    return kinds.pop() if len(kinds) == 1 else ""
+    kind = kinds.pop() if len(kinds) == 1 else ""
+    for *bones, end in (limbs.joints(0), limbs.joints(1)):
+        armed = kind and len(bones) == 2 and poses.moves_points(end)
+        roles = {role for joint in bones for role in roles_in_name(tree.rig.names[joint])}
+        roles |= {role for role in roles_in_name(tree.rig.names[end]) if not (armed and role == "attachment")}
+        if NO_LIMB & roles:
+            return "other"
+    return "other" if any(word.trunk for word in words) else kind
 
 
 def _place_of(words: Sequence[LimbWords]) -> Place:
@@ -277,12 +285,13 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
     # Branches that grow upwards are no legs.
     cost = (_UPWARDS if down.dot(on) > 0.3 else 0.0) + (_DEEPER if tier < 0 else 0.0)
     cost += _MISNAMED * (legs.place == "front" or arms.place == "hind")
+    front_legs = arms.kind == "leg" and arms.place == "front"
     beyond, seen = _beyond(tree, legs, arms), []
     for up, trust in _ups(tree, legs, arms):
         tall, stands, hangs = on.dot(up), down.dot(-up), out.dot(-up)
         above = abs(lowest(tree, legs, up) - lowest(tree, arms, up)) / max(legs.size, 1e-30)
         lies = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75
-        four = lies and above < LEVEL
+        four = front_legs or (lies and above < LEVEL)
         turned = [
             (1.0, trust * within(stands, 0.0, 0.7)),
             (0.8, trust * (0.9 if four else within(tall, 0.3, 0.8))),
@@ -291,7 +300,7 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
         score = _mean([*points, *turned]) - cost
         # Where fingers or toes are, nothing is missing that could reach the ground.
         missing = 0.4 if arms.fingers < 2 else 0.2
-        doubt = lies and (arms.thumb or missing * LEVEL < above < 2.0 * LEVEL)
+        doubt = lies and not front_legs and (arms.thumb or missing * LEVEL < above < 2.0 * LEVEL)
         seen.append(Body(legs, arms, "quadruped" if four else "biped", up, score, doubt=doubt))
     return max(seen, key=lambda body: body.score)
 

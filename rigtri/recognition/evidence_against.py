@@ -306,6 +306,8 @@ def _skirt(draft: Draft, each: Found) -> str:
     mine, body = each.pair, draft.shape.body
     if mine is None or body is None or body.form != "biped" or mine is not body.legs or mine.named > 0.0:
         return ""
+    if mine in draft.shape.legs and mine.kind == "leg":
+        return ""  # an insect's
     ground = lowest(draft.tree, mine, body.up)
     for other in draft.shape.limbs:
         if other is mine or other.pair.above != mine.pair.above or len(other.at) != len(mine.at):

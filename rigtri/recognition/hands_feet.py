@@ -78,9 +78,12 @@ def _hand(draft: Draft, arm: Found) -> None:
         chains += _beside(draft, arm)
     way = [arm.joints[2]]
     moves, names = draft.poses.moves_points, tree.rig.names
-    # What is held moves no points.
-    chains = [k for k in chains if any(map(moves, k)) or _names_finger(names[k[0]])] or chains
-    if len(chains) == 1 and not _names_finger(tree.rig.names[chains[0][0]]):
+    called = {k[0] for k in chains if _names_finger(names[k[0]]) or _is_called_finger(draft, k[0])}
+    # What is held moves no points, and is a single joint beside five fingers.
+    chains = [k for k in chains if any(map(moves, k)) or k[0] in called] or chains
+    if len(chains) > len(FINGERS):
+        chains = [k for k in chains if len(k) > 1 or k[0] in called]
+    if len(chains) == 1 and chains[0][0] not in called:
         if not draft.poses.moves_points(way[0]) or any(draft.poses.moves_points(k) for k in chains[0]):
             way += [k for k in chains[0] if not _is_other(draft, k)]  # else it is held, whatever its name
         chains = []

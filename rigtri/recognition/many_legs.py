@@ -54,6 +54,9 @@ def ends_of_trunk(
         starts = starts + each.starts * (1.0 / len(legs))
     taken = frozenset[int]().union(*(each.pair.nodes for each in legs))
     free = [k for k in tree.nodes if not any(leg in taken for leg in tree.way(-1, k))]
+    pairs = [pair for pair in pairs_of(tree) if taken.isdisjoint(pair.nodes)]
+    # Feelers begin near the middle, and are longer than many an abdomen.
+    free = [k for k in free if not any(k in pair.nodes for pair in pairs)]
     middle = [k for k in free if abs(plane.side_of(tree.at[k])) < _MIDDLE * tree.span]
     along = [(tree.at[k] - starts).dot(ahead) for k in middle]
     front, back = max([*along, 0.0]), -min([*along, 0.0])
@@ -61,8 +64,8 @@ def ends_of_trunk(
         longer = (back - front) / (_LONGER * (front + back))
         yield 1.5 * max(-1.0, min(1.0, longer)), "the abdomen is behind"
     size = max(each.size for each in legs)
-    for pair in pairs_of(tree):
-        if taken.isdisjoint(pair.nodes) and pair.above in middle:
+    for pair in pairs:
+        if pair.above in middle:
             far = (tree.at[pair.above] - starts).dot(ahead)
             if abs(far) > _FAR * size:
                 yield 1.0 if far > 0 else -1.0, "feelers, jaws or eyes are there"

@@ -13,6 +13,8 @@ from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 _SPINE = ("spine", "chest", "upperChest")
 # A tail has so many joints, and is so long a part of the legs.
 _TAIL_JOINTS, _TAIL = 3, 0.3
+# From neck to head there are at most so many joints; of a longer chain, an elephant's trunk, none is sure.
+_UP_TO_HEAD, _GOES_ON = 5, 0.6
 # Of the trunk's bones, so many names make one; a crane may have a waist, too.
 _ENOUGH = 3
 _NOT_BODY = {"twist", "control", "attachment", "helper", "ear", "wing", "tail"}
@@ -130,6 +132,8 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
             return
         neck, head = (chain[0] if len(chain) > 1 else -1), chain[-1]
         sure, why = 0.8 * min((k.confidence for k in limbs), default=0.5) + 0.1, "is beyond the arms"
+        if draft.tree.below[head] and len(chain) == _UP_TO_HEAD:
+            sure = min(sure, _GOES_ON)
     between = draft.tree.way(neck, head) if neck >= 0 and draft.tree.is_below(head, neck) else [head]
     if len(between) > 1:
         draft.add_chain("neck", "neck", "", between[:-1], sure, (why,))
@@ -172,10 +176,11 @@ def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
                 continue
             if _NOT_BODY.intersection(roles_in_name(tree.rig.names[child])):
                 continue
-            far = max((tree.at[k] - starts).dot(towards) for k in tree.branch(child))
-            aside = abs((tree.at[child] - starts).dot(draft.left))
-            if far - 2.0 * aside > best:
-                best, found = far - 2.0 * aside, child
+            # A wing goes as high, but aside.
+            away = [tree.at[k] - starts for k in tree.branch(child)]
+            far = max(k.dot(towards) - 2.0 * abs(k.dot(draft.left)) for k in away)
+            if far > best:
+                best, found = far, child
         if found >= 0 or over == draft.hips or tree.above[over] < 0:
             break
         over = tree.above[over]
@@ -185,7 +190,7 @@ def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
 def _up_to_head(draft: Draft, first: int) -> list[int]:
     """From the neck to the head: up to where the face begins, or the last joint that moves points."""
     tree, chain = draft.tree, [first]
-    while len(tree.below[chain[-1]]) == 1 and len(chain) < 5:
+    while len(tree.below[chain[-1]]) == 1 and len(chain) < _UP_TO_HEAD:
         chain.append(tree.below[chain[-1]][0])
     last = chain[-1]
     if len(chain) > 1 and not tree.below[last] and _is_end(draft, last):

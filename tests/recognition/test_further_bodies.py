@@ -1,0 +1,94 @@
+"""Insects, machines, wings and long snouts: what their names and shapes say of limbs and trunk."""
+
+from __future__ import annotations
+
+import pytest
+from recognition_bodies.skeletons import HORSE, MAN, TRUNK, Joint, both, line, rig_with
+
+from rigtri.recognition.layout import Character
+from rigtri.recognition.recognise import recognise
+
+
+def insect(pairs: int, joints: int, feelers: bool, name: str) -> list[Joint]:
+    """Legs at a thorax, which look alike; ``name`` with the number of the pair, the side and the joint."""
+    body: list[Joint] = [("thorax", "", (0, 0.35, 0)), ("abdomen", "thorax", (0, 0.38, -0.3))]
+    body.append(("head", "thorax", (0, 0.35, 0.25)))
+    if feelers:
+        body += both(line("f1.L f2.L", "head", (0.03, 0.4, 0.38), (0.12, 0.5, 0.55)))
+    steps = [(0.1, 0.33), (0.4, 0.68), (0.75, 0.23), (0.85, 0.01)][4 - joints :]
+    for pair in range(pairs):
+        turn = 0.5 - pair / (pairs - 1)
+        for side, sign in (("L", 1), ("R", -1)):
+            names = " ".join(name.format(pair=pair + 1, side=side, joint=k + 1) for k in range(joints))
+            places = [(sign * (0.08 + far), high, 0.3 * turn + turn * far) for far, high in steps]
+            body += line(names, "thorax", *places)
+    return body
+
+
+def legs(found: Character) -> list[tuple[str, bool]]:
+    return [(chain.side, chain.is_sure) for chain in found.chains if chain.kind == "leg"]
+
+
+@pytest.mark.parametrize("name", ["leg{pair}_{side}_{joint}", "{side}_Leg_{pair}_0{joint}"])
+@pytest.mark.parametrize("joints", [3, 4])
+@pytest.mark.parametrize("pairs", [3, 4])
+def test_legs_of_an_insect_that_are_only_counted_are_all_sure(pairs: int, joints: int, name: str) -> None:
+    """Before, at most one pair was, and auto refused the body."""
+    (found,) = recognise(rig_with(insect(pairs, joints, feelers=pairs == 3, name=name))).characters
+    assert sorted(legs(found)) == [("left", True)] * pairs + [("right", True)] * pairs
+
+
+def test_feelers_beside_the_middle_are_no_abdomen() -> None:
+    """Before, the trunk was as long in front as behind, and no side was given."""
+    body = insect(3, 3, feelers=True, name="{side}{pair}{joint}")
+    (found,) = recognise(rig_with(body, named=False)).characters
+    assert found.facing == (0.0, 0.0, 1.0)
+    assert sorted(legs(found)) == [("left", False)] * 3 + [("right", False)] * 3
+
+
+def test_an_arm_that_ends_in_a_gun_is_an_arm() -> None:
+    guns = [
+        *TRUNK,
+        *both(line("arm_a.L arm_b.L gun.L", "chest", (0.2, 1.4, 0), (0.26, 1.1, -0.04), (0.27, 0.9, 0.15))),
+        *both(line("leg_a.L leg_b.L foot.L", "hips", (0.1, 0.95, 0), (0.1, 0.5, 0.06), (0.1, 0.1, -0.02))),
+    ]
+    (found,) = recognise(rig_with(guns)).characters
+    names = [name for name, _, _ in guns]
+    sure = {chain.name: [names[k] for k in chain.bend] for chain in found.chains if chain.is_sure}
+    assert sure["left arm"] == ["arm_a.L", "arm_b.L", "gun.L"]
+    assert sure["right leg"] == ["leg_a.R", "leg_b.R", "foot.R"]
+
+
+def test_legs_that_names_put_in_front_are_front_legs_however_high_they_end() -> None:
+    def counted(name: str) -> str:
+        part, _, side = name.partition(".")
+        back, front = ("thigh", "shin", "foot", "toe"), ("upper_arm", "forearm", "hand", "finger")
+        for which, parts in (("BackLeg", back), ("FrontLeg", front)):
+            if part in parts:
+                return f"{which}_{side}_{parts.index(part) + 1}"
+        return name
+
+    short = [joint for joint in HORSE if joint[0].partition(".")[0] != "finger"]
+    horse = [(counted(name), counted(above), place) for name, above, place in short]
+    (found,) = recognise(rig_with(horse)).characters
+    assert found.form == "quadruped"
+    assert {chain.name for chain in found.chains if chain.kind == "leg" and chain.is_sure} == {
+        *("left front leg", "right front leg", "left hind leg", "right hind leg")
+    }
+
+
+def test_a_wing_that_rises_above_a_bowed_head_is_no_neck() -> None:
+    bowed = [joint for joint in MAN if joint[0] not in ("neck", "head")]
+    bowed += line("neck head", "chest", (0, 1.42, 0.1), (0, 1.46, 0.2))
+    wing = line(
+        "w1.L w2.L w3.L w4.L", "chest", (0.02, 1.45, -0.1), (0.5, 2, -0.15), (1.2, 2.2, -0.1), (1.6, 2, 0)
+    )
+    (found,) = recognise(rig_with([*bowed, *both(wing)], named=False)).characters
+    called = {joint for chain in found.chains if chain.kind in ("neck", "head") for joint in chain.joints}
+    assert max(called, default=-1) < len(bowed)
+
+
+def test_where_a_chain_goes_on_beyond_five_joints_no_head_is_sure() -> None:
+    snout = line("s1 s2 s3", "muzzle", (0, 1.9, 1.7), (0, 1.75, 1.75), (0, 1.6, 1.8))
+    (found,) = recognise(rig_with([*HORSE, *snout], named=False)).characters
+    assert [chain.is_sure for chain in found.chains if chain.kind in ("neck", "head")] == [False, False]
