@@ -33,6 +33,8 @@ _HEADS = frozenset(["skull", "tail"])
 _CLEAR = 0.966
 # A bone after the wrist that is so long a part of the lower arm is rather the lower arm itself.
 _NEXT = 0.6
+# Names that say so far which three joints bend: those of all three, one of them vague.
+_CALLED = 0.8
 # A first bone that is so long a part of the next one is a clavicle of none but very broad shoulders.
 _BROAD = 0.8
 # Five fingers of three joints each are a hand: birds have fewer toes, and others shorter ones.
@@ -341,7 +343,7 @@ def _rival(draft: Draft, each: Found) -> str:
     """What else the arms may be where shape alone tells: wings beside them, the next joints of the chain."""
     mine, tree, body = each.pair, draft.tree, draft.shape.body
     front = body is not None and body.form == "quadruped" and mine is body.arms
-    if mine is None or not (each.kind == "arm" or front) or len(mine.at) < 3:
+    if mine is None or not (each.kind == "arm" or front) or len(mine.at) < 3 or mine.named > _CALLED:
         return ""
     path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
     long = end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]

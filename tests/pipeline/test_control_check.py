@@ -74,6 +74,19 @@ def test_a_control_that_does_nothing_is_named(broken: Callable[[Rig], Rig], cont
     assert words in faults(broken(rig))[control]
 
 
+def test_the_ik_control_of_a_limb_that_rests_folded_is_moved_to_where_the_limb_can_follow() -> None:
+    """The folded wing of a bird comes no nearer to its root. Before, auto refused it."""
+    rig = replace(read(SAMPLES / "biped.glb").rig, clips=())
+    shoulder, elbow, wrist = (rig.find(f"{name}_L") for name in ("upper_arm", "forearm", "hand"))
+    translation = rig.translation.copy()
+    place = rig.world[shoulder, 3] + 0.35 * (rig.world[elbow, 3] - rig.world[shoulder, 3])
+    place += (0.0, 0.02, 0.02, 0.0)
+    translation[wrist] = (place @ np.linalg.inv(rig.world[elbow]))[:3]
+    limb = ("upper_arm_L", "forearm_L", "hand_L")
+    rigged = rigtri.add_controls(replace(rig, translation=translation), whole_character=True, ik=[limb])
+    assert "hand_L_ik_ctl" not in faults(rigged)
+
+
 def test_what_a_root_control_leaves_behind_is_named() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     top = rig.parents.copy()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from recognition_bodies.skeletons import HORSE, MAN, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
 
 from rigtri.recognition.layout import Character
 from rigtri.recognition.recognise import recognise
@@ -57,6 +57,18 @@ def test_an_arm_that_ends_in_a_gun_is_an_arm() -> None:
     sure = {chain.name: [names[k] for k in chain.bend] for chain in found.chains if chain.is_sure}
     assert sure["left arm"] == ["arm_a.L", "arm_b.L", "gun.L"]
     assert sure["right leg"] == ["leg_a.R", "leg_b.R", "foot.R"]
+
+
+def test_a_wing_whose_joints_are_called_as_those_of_an_arm_is_one_though_its_hand_is_long() -> None:
+    """Before, its first bone might have been a clavicle, and auto refused the bird."""
+    places = ((0.1, 1.5, 0.12), (0.14, 1.42, -0.05), (0.14, 1.5, 0.08), (0.12, 1.4, -0.12))
+    bird = [*TRUNK, *both(line("humerus.L radius.L carpus.L feathers.L", "chest", *places))]
+    bird += both(line("femur.L tibiotarsus.L tarsometatarsus.L toes.L", "hips", *(k[2] for k in LEG)))
+    (found,) = recognise(rig_with(bird)).characters
+    names = [name for name, _, _ in bird]
+    sure = {chain.name: [names[k] for k in chain.bend] for chain in found.chains if chain.is_sure}
+    assert sure["left arm"] == ["humerus.L", "radius.L", "carpus.L"]
+    assert sure["right leg"] == ["femur.R", "tibiotarsus.R", "tarsometatarsus.R"]
 
 
 def test_legs_that_names_put_in_front_are_front_legs_however_high_they_end() -> None:

@@ -37,7 +37,7 @@ from rigtri.operations.take_clips.messages import list_names
 from rigtri.recognition.one_character import bodies
 
 # Radians by which controls are rotated, about no axis of their own; shares of the limb by which an IK
-# control is moved towards the root, where the limb can follow, and a pole vector to the side.
+# control is moved towards the root, or away from it by a limb too folded to follow, and a pole vector aside.
 _TURN = 0.35
 _AXIS = normalise(np.array([0.5, 0.6, 0.7]))
 _NEARER, _ASIDE = 0.1, 0.5
@@ -135,8 +135,11 @@ def _every_trial(solver: Solver) -> Iterator[_Trial]:
         yield _Trial(own.control, kind, own.joint, parts._replace(rotation=multiply(parts.rotation, turn)))
     for limb in reference.limbs:
         start, mid, end = (reference.world[node, 3, :3] for node in limb.chain)
-        size = float(length(mid - start) + length(end - mid))
-        parts = _shifted(still, limb.control, _NEARER * size * _direction(start - end))
+        upper, lower = float(length(mid - start)), float(length(end - mid))
+        size = upper + lower
+        folded = float(length(end - start)) - _NEARER * size < abs(upper - lower)
+        way = _direction(end - start if folded else start - end)
+        parts = _shifted(still, limb.control, _NEARER * size * way)
         turned = parts._replace(rotation=multiply(parts.rotation, turn))
         yield _Trial(limb.control, "ik", limb.chain[2], turned, limb)
         for kind, pivot in zip(PIVOTS, limb.pivots, strict=False):
