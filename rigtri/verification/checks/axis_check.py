@@ -80,9 +80,8 @@ def axis_findings(rig: Rig) -> Iterator[Found]:
         seen = _Seen(tree, character, known[0] if known else None, ref.world, ref.other)
         if not seen.parallel:
             yield from seen.findings()
-        at_rest = bodies(rig, [character], rig.world, None)
-        if at_rest and character.form == "biped":
-            yield from _poles(rig, at_rest[0])
+        if character.form == "biped":
+            yield from _poles(rig, character)
 
 
 @dataclass(frozen=True, eq=False)
@@ -352,17 +351,22 @@ def _text(axes: set[Signed]) -> str:
     return " or ".join(f"{'-' if s < 0 else '+'}{'xyz'[k]}" for k, s in sorted(axes)) or "none"
 
 
-def _poles(rig: Rig, body: Body) -> Iterator[Found]:
+def _poles(rig: Rig, character: Character) -> Iterator[Found]:
     """Pole vectors that would bend a nearly straight limb against its nature, at rest."""
+    joints = {part.joint for part in character.parts}
+    limbs = [limb for limb in recognised(rig) if limb.start in joints]
+    poles = [list(_poles_of(rig, limb)) for limb in limbs]
+    body = bodies(rig, [character], rig.world, None) if any(poles) else []
+    if not body:
+        return
     ref = posed(rig, "nodes")
-    limbs = [limb for limb in recognised(rig) if limb.start in body.nodes]
-    bends = LimbBends(rig, ref.world, ref.other, limbs, [body])
-    for limb in limbs:
+    bends = LimbBends(rig, ref.world, ref.other, limbs, body)
+    for limb, its in zip(limbs, poles, strict=True):
         a, b, c = ref.world[list(limb.triple), 3, :3]
-        found = bends.of(limb, Report())
+        found = bends.of(limb, Report()) if its else None
         if found is None or float(bend_sine(a, b, c)) >= CLEAR:
             continue
-        for pole in _poles_of(rig, limb):
+        for pole in its:
             side = perpendicular(ref.position(pole) - b, normalise(c - a))
             off = float(np.degrees(angle(side, found.direction)))
             if length(side) > 0.1 * length(c - a) and off > POLE:
