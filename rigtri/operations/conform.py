@@ -18,8 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rigtri.errors import NO_SKELETON, FileError, GeometryError, UsageError, did_you_mean
+from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotation_angle
+from rigtri.maths.triangle import axis_of
 from rigtri.maths.vectors import cross, dot
 from rigtri.model.options import options_of
 from rigtri.model.rig import Rig
@@ -33,7 +35,7 @@ from rigtri.operations.options.conform import ConformOptions as ConformOptions
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints.joint_frames import MOST_NOISE
 from rigtri.operations.orient_joints.orient import plan_frames
-from rigtri.operations.orient_joints.standard_frames import godot_bones, standard_bones
+from rigtri.operations.orient_joints.standard_frames import godot_bones, standard_bones, standard_frames
 from rigtri.operations.registry import operation as function_of
 from rigtri.operations.registry import options_class
 from rigtri.operations.rename_joints import set_aside
@@ -72,6 +74,8 @@ _SKELETONS: Mapping[str, Skeleton] = {
 _ALONG_WORLD = ("unity", "vrm")
 # Axes of a missing bone that are this near to those of the bone above (5°) turn nobody visibly.
 _FAR_OFF = float(np.radians(5.0))
+# Limbs whose axes tell most skeletons apart, and how far off (a cosine) no noise brings them.
+_LONG, _ALONG = ("UpperArm", "UpperLeg"), cosine_below(1)
 _POSES, _AXES = ("tpose", "apose"), ("godot", *PRESETS)
 
 
@@ -251,8 +255,22 @@ def _off_without(
 
 def has_axes_of(rig: Rig, to: str) -> bool:
     """Whether all bones have the axes of the standard skeleton of that name. Raises as `plan_frames` does."""
-    steps = steps_of(ConformOptions(to=to), skeleton_of(to))
-    return not _bones_with_other_axes(rig, dict(steps)["orient-joints"])
+    values = dict(steps_of(ConformOptions(to=to), skeleton_of(to)))["orient-joints"]
+    return _limbs_aim_so(rig, values) and not _bones_with_other_axes(rig, values)
+
+
+def _limbs_aim_so(rig: Rig, values: Mapping[str, Any]) -> bool:
+    """Whether arms and thighs aim as these options of orient-joints say; where not, no plan is needed."""
+    bodies, style = recognise(rig).characters, PRESETS[values["preset"]]
+    frames = standard_frames(rig, rig.world, bodies, values["standard_pose"], values.get("facing"))
+    axis, sign = axis_of("x" if style.world else style.aim)
+    for body in bodies:
+        for node in [node for bone, node in sure_bones(body).items() if bone.endswith(_LONG)]:
+            if node in frames.bones:
+                aim = frames.axes[node][0] if style.world else frames.bones[node][0]
+                if dot(orthonormal_axes(rig.world[node])[axis] * sign, aim) < _ALONG:
+                    return False
+    return True
 
 
 def _bones_with_other_axes(rig: Rig, values: Mapping[str, Any]) -> list[int]:
