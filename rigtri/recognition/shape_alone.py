@@ -52,14 +52,8 @@ def _without_names(draft: Draft) -> Draft:
 
 
 def _surely(draft: Draft, bare: Draft, each: Found, alone: Sequence[Found]) -> str:
-    """What else some of a limb's joints are where the shape is sure of it, in words.
-
-    The front legs of an animal are often called arms.
-    """
-    body = bare.shape.body
-    front = body.arms if body is not None and body.form == "quadruped" else None
+    """What else some of a limb's joints are where the shape is sure of it, in words."""
     for other in (k for k in alone if set(k.joints).intersection(each.joints)):
-        called_arm = each.kind == "arm" and front is not None and other.pair is front
         # Where a limb forks at its end, no shape tells which branch goes on, and the bend is the same.
         (*bend, end), (*bends, ends) = each.joints, other.joints
         if (
@@ -70,7 +64,7 @@ def _surely(draft: Draft, bare: Draft, each: Found, alone: Sequence[Found]) -> s
             continue
         if _parts_a_bone(draft, bare, other.joints[1]):
             continue
-        if other.joints != each.joints or (other.kind != each.kind and not called_arm):
+        if other.joints != each.joints or other.kind != each.kind:
             return f"{_titles(draft, other.joints)} is {a(other.kind)}"
     return ""
 

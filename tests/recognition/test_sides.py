@@ -1,0 +1,82 @@
+"""Sides and twins of nodes, looked up by hand in small rigs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import pytest
+from recognition_bodies.skeletons import MAN, rig_with
+from rigs import rig_of
+
+from rigtri.model.rig import Rig
+from rigtri.recognition.sides import side_of, twin_of, twins
+
+# Two characters below one root, the second with two right arms below its left one and beside it.
+NAMES = ["root", "one", "arm_L", "arm_R", "two", "arm_L", "hand", "arm_R", "arm_R", "spine"]
+PARENTS = [-1, 0, 1, 1, 0, 4, 5, 4, 5, 4]
+
+
+def crowd(names: list[str] | None = None, humanoid: Mapping[str, int] | None = None) -> Rig:
+    rig = rig_of(names or NAMES, PARENTS, [(0.0, 1.0, 0.0)] * len(PARENTS))
+    return replace(rig, humanoid=dict(humanoid or {}))
+
+
+@pytest.mark.parametrize(
+    ("node", "side", "twin"),
+    [
+        (2, "left", 3),  # they have root and one in common, others only root
+        (3, "right", 2),
+        (5, "left", 8),  # below it, nearer than the one beside it
+        (7, "right", 5),
+        (8, "right", 5),
+        (6, "", None),
+        (9, "", None),
+    ],
+)
+def test_a_twin_is_of_the_same_character(node: int, side: str, twin: int | None) -> None:
+    rig = crowd()
+    assert side_of(rig, node) == side
+    assert twin_of(rig, node) == twin
+
+
+def test_of_two_that_are_as_near_neither_is_the_twin() -> None:
+    rig = replace(crowd(), parents=crowd().parents.copy())
+    rig.parents[8] = 4
+    assert twin_of(rig, 5) is None
+    assert twin_of(rig, 7) == 5
+
+
+def test_joints_that_mirror_are_those_of_one_side_with_a_twin() -> None:
+    assert twins(crowd(), range(len(NAMES)), "left") == {2: 3, 5: 8}
+    assert twins(crowd(), range(len(NAMES)), "right") == {3: 2, 7: 5, 8: 5}
+    assert twins(crowd(), [3, 5], "left") == {5: 8}
+
+
+def test_the_bones_of_an_avatar_say_more_than_names() -> None:
+    rig = crowd(humanoid={"leftHand": 3, "rightHand": 9, "leftFoot": 7, "spine": 2})
+    assert [side_of(rig, node) for node in (3, 9, 7, 2)] == ["left", "right", "left", "left"]
+    assert [twin_of(rig, node) for node in (3, 9, 7, 2)] == [9, 3, None, 3]
+
+
+def test_a_joint_s_twin_is_a_joint() -> None:
+    """A mesh of the same name beside the joint is none."""
+    rig = rig_with([("root", "", (0, 0, 0)), ("arm_L", "root", (1, 0, 0)), ("arm_R", "root", (-1, 0, 0))])
+    more = rig_of([*rig.names, "arm_R"], [-1, 0, 0, 0], [(0.0, 0.0, 0.0)] * 4, skins=rig.skins)
+    assert twin_of(more, 1) == 2
+    assert twin_of(more, 3) is None
+
+
+def test_without_sides_in_names_the_shape_tells_twins() -> None:
+    """A man whose joints are numbered: of each limb, and of it alone, the joint at the same place."""
+    rig = rig_with(MAN)
+    numbered = replace(rig, names=tuple(f"bone{k}" for k in range(len(rig))))
+    limbs = {"upper_arm", "forearm", "hand", "thigh", "shin", "foot"}
+    for node, name in enumerate(rig.names):
+        if name.removesuffix(".L").removesuffix(".R") in limbs:
+            other = name[:-1] + {"L": "R", "R": "L"}[name[-1]]
+            assert twin_of(numbered, node) == rig.find(other)
+            assert side_of(numbered, node) == {"L": "left", "R": "right"}[name[-1]]
+        elif "." not in name:
+            assert twin_of(numbered, node) is None
+            assert side_of(numbered, node) == ""
