@@ -386,8 +386,10 @@ def test_png_is_made_by_resvg_and_where_it_is_missing_it_reports_how_to_get_it(
     found = (tmp_path / "arm.png").read_bytes()
     assert found[:8] == b"\x89PNG\r\n\x1a\n"
     assert (int.from_bytes(found[16:20]), int.from_bytes(found[20:24])) == (320, 200)
-    monkeypatch.setattr("rigtri.export.drawing.png.find_spec", lambda name: None)
-    assert "pip install 'rigtri[png]'" in run(SAMPLES / "arm.gltf", "-o", "b.png", code=2).stderr
+    for missing in ({"resvg_py"}, {"PIL"}, {"resvg_py", "PIL"}):
+        there = {"resvg_py", "PIL"} - missing
+        monkeypatch.setattr("rigtri.export.drawing.png.find_spec", {name: name for name in there}.get)
+        assert "pip install 'rigtri[png]'" in run(SAMPLES / "arm.gltf", "-o", "b.png", code=2).stderr
 
 
 def test_png_has_words_on_a_machine_without_fonts(

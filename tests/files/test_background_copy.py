@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import subprocess
 import sys
@@ -102,6 +103,30 @@ def test_names_that_lead_out_of_the_folder_are_not_copied_ahead(tmp_path: Path) 
         (folder / "a.gltf").write_text(f'{{"buffers": [{{"uri": "{uri}"}}]}}', "utf-8")
         with background_copy.copy_in_background(folder / "a.gltf", there / "b.gltf"):
             assert names(there) == []
+
+
+def test_each_large_file_is_copied_ahead_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not what is there, is missing, is small, is inside the .gltf, or becomes the output."""
+    folder, there = tmp_path / "in", tmp_path / "there"
+    folder.mkdir()
+    there.mkdir()
+    for name in ("a b.bin", "c.png", "old.bin", "b.gltf", "small.bin"):
+        (folder / name).write_bytes(b"12" if name == "small.bin" else b"1234")
+    (there / "old.bin").write_bytes(b"5")
+    uris = ["a%20b.bin", "c.png", "c.png", "old.bin", "gone.bin", "b.gltf", "small.bin", "data:,1", 3]
+    entries = [{"uri": uri} for uri in uris]
+    (folder / "a.gltf").write_text(json.dumps({"buffers": [{}, *entries], "images": [*entries, None]}))
+    begun: list[tuple[Path, Path]] = []
+    monkeypatch.setattr(background_copy, "FROM", 4)
+    monkeypatch.setattr(
+        background_copy.BackgroundCopies, "begin", lambda _, file, place: begun.append((file, place))
+    )
+    with background_copy.copy_in_background(folder / "a.gltf", there / "b.gltf"):
+        assert begun == [(folder / name, there / name) for name in ("a b.bin", "c.png")]
+    begun.clear()
+    for source, target in (("a.gltf", "in/b.gltf"), ("a.gltf", "there/b.glb"), ("c.png", "there/b.gltf")):
+        with background_copy.copy_in_background(folder / source, tmp_path / target):
+            assert begun == []
 
 
 def test_a_source_that_changed_meanwhile_is_copied_anew(source: Path, tmp_path: Path) -> None:

@@ -47,6 +47,51 @@ def test_a_server_of_processes_that_is_killed_early_is_started_anew(monkeypatch:
     assert kills != [server._forkserver_pid]
 
 
+class Ended:
+    """A process that has ended by itself."""
+
+    def __init__(self, exitcode: int) -> None:
+        self.exitcode = exitcode
+
+    def join(self) -> None: ...
+
+    def kill(self) -> None: ...
+
+
+@pytest.mark.parametrize(
+    ("code", "memory", "words", "kind"),
+    [
+        (-signal.SIGKILL, None, "was killed (SIGKILL), as systems do that run out of memory", "crash"),
+        (-signal.SIGKILL, 1 << 30, "was killed (SIGKILL), as systems do that run out of memory", "crash"),
+        (-signal.SIGSEGV, None, "crashed (SIGSEGV). The file is damaged; export it again", "crash"),
+        (-signal.SIGABRT, 1 << 30, "crashed (SIGABRT): it needs more memory than it may have", "crash"),
+        (-500, None, "crashed (-500). The file is damaged", "crash"),  # no signal that has a name
+        (3, None, "crashed (3). The file is damaged", "crash"),
+        (0, None, "crashed (0). The file is damaged", "crash"),
+        (125, None, "there is not enough memory for this file", "memory"),
+    ],
+)
+def test_how_a_process_ended_is_reported_by_its_exit_code(
+    code: int, memory: int | None, words: str, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for begun in (True, False):
+        mine, theirs = multiprocessing.Pipe()
+        if begun:
+            theirs.send("ready")
+        theirs.close()
+        child = WorkerProcess(memory=memory)
+        monkeypatch.setattr(child, "_start", lambda mine=mine: (Ended(code), mine))
+        with pytest.raises(CrashError) as refused:
+            child("a.glb", abs, -3)
+        assert str(refused.value).startswith(
+            "a.glb: the" if begun or code == -9 else "a.glb: the process for"
+        )
+        told = f"(exit code {signal.Signals(-code).name if -64 < code < 0 else code})"
+        expected = words if begun or code == -signal.SIGKILL else f"ended before it began {told}"
+        assert expected in str(refused.value)
+        assert refused.value.kind == (kind if begun else "crash")
+
+
 @SERVED
 def test_where_no_process_can_be_started_that_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(_: object) -> None:

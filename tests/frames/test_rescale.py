@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from places import SAMPLES
-from rigs import chain
+from rigs import chain, poses, random_rig
 
 import rigtri
 from rigtri.evaluation.sampling import locals_at
-from rigtri.frames.rescale import rescale
+from rigtri.frames.rescale import convert, rescale
+from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import PoseReaderRecord
+from rigtri.model.pending_edits import Conversion
 
 
 @pytest.mark.parametrize(
@@ -38,6 +40,31 @@ def test_a_mirrored_frame_stands_as_it_did_in_its_clips_too(
     assert_allclose(out.scale[1], left)
     for before, after in zip(*(locals_at(one, one.clips[0], [0.0, 1.0]) for one in (rig, out)), strict=True):
         assert_allclose(after[1, :3, :3], -before[1, :3, :3], atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_in_another_scene_all_stands_turned_and_scaled_in_every_pose(seed: int) -> None:
+    """From metres with y up to centimetres with z up: what was at (x, y, z) is at 100·(x, −z, y)."""
+    quarter = from_axis_angle(np.array([1.0, 0, 0]), np.pi / 2)
+    rig = random_rig(seed)
+    out = convert(rig, Conversion("z", 0.01, quarter, 100.0))
+    assert (out.rules.up, out.rules.metres_per_unit) == ((0.0, 0.0, 1.0), 0.01)
+    was, now = poses(rig), poses(out)
+    assert_allclose(now[..., 3, :3], 100 * was[..., 3, :3][..., [0, 2, 1]] * [1, -1, 1], atol=1e-9)
+    assert_allclose(now[..., :3, :3], 100 * was[..., :3, :3][..., [0, 2, 1]] * [1, -1, 1], atol=1e-9)
+    assert out.pending.conversion is not None
+    back = convert(out, Conversion("y", 1.0, *out.pending.conversion.frame))
+    assert_allclose(poses(back), was, atol=1e-9)
+
+
+def test_in_another_scene_groups_stay_and_what_is_in_them_turns() -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), limbs="auto")
+    out = convert(rig, Conversion("z", 0.01, from_axis_angle(np.array([1.0, 0, 0]), np.pi / 2), 100.0))
+    (group,) = rig.nodes_of("group")
+    assert (out.local[group] == rig.local[group]).all()
+    others = [node for node in range(len(rig)) if node != group]
+    for was, now in zip(poses(rig)[:, others, 3, :3], poses(out)[:, others, 3, :3], strict=True):
+        assert_allclose(now, 100 * was[:, [0, 2, 1]] * [1, -1, 1], atol=1e-6)
 
 
 def test_what_a_corrective_joint_moves_is_in_the_units_of_the_frame_above_it() -> None:

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.quaternions import from_axis_angle, to_axes
-from rigtri.maths.similarity_fit import AXIS_TURNS, fit_similarity
+from rigtri.maths.similarity_fit import AXIS_TURNS, fit_similarity, nearest_axis_turn, upright_turn
 
 POINTS = np.array([[0, 0, 0], [0, 3, 0], [1, 2, 0], [-1, 2, 0.5], [0.5, 1, -2]], dtype=float)
 
@@ -48,3 +48,30 @@ def test_the_origin_stays_on_request() -> None:
     assert_allclose(fit.matrix[:3, :3], np.eye(3) * 100.0, rtol=0.02)
     known = fit_similarity(POINTS, POINTS * 100.0, about_origin=True, ratio=99.0)
     assert_allclose(known.matrix[:3, :3], np.eye(3) * 99.0)
+
+
+@pytest.mark.parametrize("number", range(24))
+def test_the_nearest_of_the_24_rotations_is_that_of_most_joints(number: int) -> None:
+    axes = to_axes(from_axis_angle(np.array([[1.0, 2.0, 3.0], [0.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]), 0.3))
+    other = AXIS_TURNS[[(number + 7) % 24, (number + 11) % 24]]  # two in another pose
+    turns = np.concatenate([axes @ AXIS_TURNS[number], other])
+    assert np.array_equal(nearest_axis_turn(turns), AXIS_TURNS[number])
+
+
+@pytest.mark.parametrize(
+    ("degrees", "turns"), [(0, 0), (44, 0), (50, 0), (70, 1), (90, 1), (-70, 3), (180, 2)]
+)
+def test_another_rotation_than_none_is_taken_where_it_is_clearly_nearer(degrees: float, turns: int) -> None:
+    """What the identity leaves, 1 - cos 50°, is less than twice 1 - cos 40°."""
+    x = np.array([1.0, 0.0, 0.0])
+    axes = to_axes(from_axis_angle(x, np.radians(degrees)))[np.newaxis]
+    assert_allclose(nearest_axis_turn(axes), to_axes(from_axis_angle(x, np.radians(90 * turns))), atol=1e-12)
+    assert np.array_equal(nearest_axis_turn(axes[:0]), np.eye(3))
+
+
+def test_the_smallest_rotation_takes_one_up_axis_to_another() -> None:
+    x, y, z = np.eye(3)
+    for up, to, angle in ((y, y, 0), (z, y, 90), (y, z, 90), (x, -z, 90), (y, -y, 180), (x + y, y, 0)):
+        turn = upright_turn(up, to)
+        assert np.trace(turn) == pytest.approx(1 + 2 * np.cos(np.radians(angle)))
+        assert np.array_equal(up @ turn, to) or (up == x + y).all()

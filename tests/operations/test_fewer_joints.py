@@ -12,13 +12,15 @@ import pytest
 from gltf_files import glb_bytes, glb_json, glb_parts, small
 from places import SAMPLES, real_files
 from program import cli
+from rigs import chain
 
 import rigtri
 from rigtri.errors import GeometryError
 from rigtri.formats import ReadOptions, read
+from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip, Track
-from rigtri.model.skin import WeightLimit
+from rigtri.model.skin import Skin, WeightLimit
 from rigtri.model.skin_weights import limited, within
 from rigtri.report import Report
 
@@ -184,6 +186,39 @@ def test_a_joint_with_a_mesh_below_is_not_merged() -> None:
     rig = rigtri.add_polevector(rigtri.read(SAMPLES / "biped.glb"), limbs="auto")
     with pytest.raises(GeometryError, match="cannot be merged"):
         rigtri.merge_joints(rig, joints=("forearm_L",))
+
+
+@pytest.mark.parametrize(
+    ("second", "gone", "heirs"),
+    [
+        ("abcd", "d", {"d": "c"}),
+        ("abd", "d", {"d": "b"}),  # c is of the first skin alone
+        ("ad", "d", {"d": "a"}),
+        ("ad", "c", {"c": "b", "d": "a"}),
+        ("ab", "d", {"d": "c"}),  # which the second skin does not have
+    ],
+)
+def test_weights_go_to_the_nearest_joint_above_that_all_skins_have(
+    second: str, gone: str, heirs: dict[str, str]
+) -> None:
+    rig, report = chain(*((float(k), 0.0, 0.0) for k in range(4))), Report()
+    joints = np.array([rig.find(name) for name in second])
+    rig = replace(rig, skins=(*rig.skins, Skin("second", joints, inverse(rig.world[joints]))))
+    keyed = tuple(replace(skin, key=k) for k, skin in enumerate(rig.skins))
+    less = rigtri.merge_joints(replace(rig, skins=keyed), joints=[gone], report=report)
+    assert {each["joint"]: each["heir"] for each in report.joints} == heirs
+    assert [name for name in less.names if name] == [name for name in rig.names if name not in heirs]
+    for fold, skin in zip(less.pending.joint_merges, rig.skins, strict=False):
+        mine = [heirs.get(rig.names[k], rig.names[k]) for k in skin.joints.tolist()]
+        left = less.skins[fold.skin].joints
+        assert [less.names[left[row]] for row in fold.rows.tolist()] == mine
+
+
+def test_a_joint_goes_only_where_a_joint_above_is_in_all_its_skins() -> None:
+    rig = chain(*((float(k), 0.0, 0.0) for k in range(3)))
+    alone = Skin("second", np.array([2]), inverse(rig.world[2:]))
+    with pytest.raises(GeometryError, match="no joint above is in its skin"):
+        rigtri.merge_joints(replace(rig, skins=(*rig.skins, alone)), joints=["c"])
 
 
 def test_influences_by_hand() -> None:

@@ -10,6 +10,7 @@ import sys
 import zipfile
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,13 +23,14 @@ from gltf_files import small
 from places import files_of_all_kinds, leave_out_refused
 from program import cli
 from pxr import Sdf
+from rigs import chain
 from second_opinions import validator
 from usd_of_everything import planted
 
 from rigtri import diff
 from rigtri.errors import FileError, RigtriError
 from rigtri.formats import read
-from rigtri.maths.quaternions import multiply, to_axes, unit
+from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes, unit
 from rigtri.maths.vectors import normalise
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
@@ -600,6 +602,25 @@ def test_rotations_of_many_frames_are_those_of_each_alone() -> None:
     same_line = np.abs((normalise(lines) * axes).sum(axis=1))
     assert np.allclose(same_line, 1.0, atol=1e-9)
     assert np.isnan(turns(np.full((1, 3, 3), np.nan), np.eye(3)[np.newaxis])[0][0])
+
+
+@pytest.mark.parametrize("size", [1.0, 1000.0])
+@pytest.mark.parametrize(
+    ("tolerance", "share", "shown"),
+    [(0.0, 0.5e-6, False), (0.0, 2e-6, True), (1e-4, 0.5e-4, False), (1e-4, 2e-4, True)],
+)
+def test_places_and_axes_count_from_the_rounding_of_the_joints_above_on(
+    size: float, tolerance: float, share: float, shown: bool
+) -> None:
+    """From a millionth of the rig's size on, axes from a millionth of a radian on, or from the tolerance."""
+    before = chain((0, 0, 0), (0.6 * size, 0, 0), (0.6 * size, 0.8 * size, 0))
+    moved, turned = before.translation.copy(), before.rotation.copy()
+    moved[2, 2] = share * size
+    turned[1] = from_axis_angle(np.array([1.0, 0, 0]), share)
+    places = rig_changes(before, replace(before, translation=moved), tolerance=tolerance * size)
+    axes = rig_changes(before, replace(before, rotation=turned), tolerance=tolerance)
+    assert [each.where for each in places if each.group == "places"] == ["c"] * shown
+    assert [each.where for each in axes if each.group == "axes"] == ["b", "c"] * shown
 
 
 @pytest.mark.ci
