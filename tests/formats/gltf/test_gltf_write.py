@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gltf_files import Builder, character, glb_bytes, glb_json, small
+from gltf_files import Builder, character, glb_bytes, glb_json, glb_parts, small
 from places import ASSETS, GLTF, asset_files, sample_files, samples_of_all_kinds
 from rigs import lawful
 from second_opinions import khronos_errors
@@ -258,6 +258,40 @@ def test_a_value_that_was_not_written_and_has_not_changed_stays_unwritten(tmp_pa
     assert nodes[0] == glb_json(tmp_path / "a.glb")["nodes"][0]
     assert set(nodes[1]) == {"name", "translation", "children", "rotation"}
     assert "scale" not in nodes[2]
+
+
+def test_bounds_are_those_of_the_numbers_that_are_written(tmp_path: Path) -> None:
+    """Of accessors that are written over, each alone or several of one shape, and of new ones."""
+    builder = small(4)
+    turns = unit(np.random.default_rng(2).normal(size=(2, 2, 4))).astype("<f4")
+    animation = builder.gltf["animations"][0]
+    time = animation["samplers"][0]["input"]
+    for k, rows in enumerate(turns):
+        animation["samplers"].append({"input": time, "output": builder.accessor(rows)})
+        animation["channels"].append({"sampler": k + 1, "target": {"node": k + 2, "path": "rotation"}})
+    widths = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+
+    def rows_of(gltf: Any, binary: bytes, accessor: Any) -> Any:
+        start = gltf["bufferViews"][accessor["bufferView"]]["byteOffset"] + accessor.get("byteOffset", 0)
+        count = accessor["count"] * widths[accessor["type"]]
+        return np.frombuffer(binary, "<f4", count, start).reshape(accessor["count"], -1)
+
+    for accessor in builder.gltf["accessors"]:
+        if accessor["componentType"] == 5126:
+            rows = rows_of(builder.gltf, bytes(builder.binary), accessor)
+            accessor |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
+    document = GltfDocument.read(builder.glb(tmp_path / "in.glb"))
+    turned = reframe(document.rig, random_turns(document.rig))
+    gltf, binary = glb_parts(written(document, turned, tmp_path / "out" / "out.glb"))
+    bounded = [each for each in gltf["accessors"] if "min" in each]
+    assert len(bounded) >= 6
+    changed = 0
+    for number, each in enumerate(bounded):
+        rows = rows_of(gltf, binary, each)
+        assert each["min"] == rows.min(axis=0).tolist(), number
+        assert each["max"] == rows.max(axis=0).tolist(), number
+        changed += each not in builder.gltf["accessors"]
+    assert changed >= 4
 
 
 def test_bytes_that_something_else_overlaps_are_not_written_over(tmp_path: Path) -> None:

@@ -17,6 +17,9 @@ from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import put_tracks, timelines, without_steps
 from rigtri.formats import ReadOptions
 from rigtri.formats import read as open_file
+from rigtri.formats.usd.passes.retime_samples import retime_samples
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.run_passes import VALUES
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Interpolation, Track
@@ -115,6 +118,24 @@ def test_each_joint_gets_its_own_keys_and_old_ones_go(tmp_path: Path) -> None:
         assert_allclose(sample(got, times), sample(asked, times), atol=3e-7)
     layer = Sdf.Layer.FindOrOpen(str(out))
     assert str(layer.GetAttributeAtPath("/Root/Anim.rotations").typeName) == "quatf[]"
+
+
+def test_other_values_at_the_same_times_need_no_new_samples(tmp_path: Path) -> None:
+    """The arrays are written once, by the pass that writes values; other times, or a step, come before."""
+    document = read(source(tmp_path))
+    track = motion(document.rig, "a", "rotation")
+    jumping = replace(track, interpolation="STEP")
+    for other, same in (
+        (replace(track, values=track.values[::-1]), True),
+        (replace(track, times=track.times.copy(), values=track.values[::-1]), True),
+        (replace(track, times=track.times + 1.0), False),
+        (jumping, False),
+        (replace(jumping, times=track.times[:1], values=track.values[:1]), False),
+    ):
+        rig = played(document.rig, other)
+        edit = UsdEdit(document.source, rig, ReadOptions(), [], VALUES)
+        retime_samples(edit)
+        assert (edit.rig is rig) == same, other
 
 
 def test_a_held_track_jumps_where_it_did_beside_tracks_that_move(tmp_path: Path) -> None:

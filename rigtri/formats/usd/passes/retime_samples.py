@@ -90,6 +90,7 @@ def _retimed(source: Source, rig: Rig) -> list[str]:
 
 
 def _other_keys(rig: Rig, clip: Hashable, was: Track, now: Track) -> bool:
+    """Whether a track has other times or steps than it had: arrays that keep theirs need no second write."""
     if now.key == HELD:
         return not _is_default(now, _defaults(rig, parts(clip)[1]))
     if was.times is not now.times and not np.array_equal(was.times, now.times):
