@@ -15,6 +15,7 @@ from rigtri.formats.document import FOUR, Embedded
 from rigtri.formats.gltf.uris import file_of, is_data, is_there, uris, why_absent
 from rigtri.formats.image_types import KINDS, shows
 from rigtri.formats.json_values import Value
+from rigtri.text import listed
 
 _DECODERS = {
     "EXT_meshopt_compression": "meshopt",
@@ -25,8 +26,6 @@ _DECODERS = {
 # Extensions that have an image for a texture, in the order in which three.js asks them.
 _IMAGES = ("EXT_texture_webp", "EXT_texture_avif")
 _KTX2 = "KHR_texture_basisu"
-# How many names of images a warning has.
-_MOST = 3
 
 # The bytes of an entry of ``images``; FileError where they are not to be had.
 Images = Callable[[dict[str, object]], bytes | memoryview]
@@ -58,7 +57,7 @@ def embedded(gltf: dict[str, Any], path: Path, images: Images, *, allow_external
 def _unshown(gltf: dict[str, Any], images: Images) -> Iterator[str]:
     """Which textures are not shown, and why."""
     packed, other = 0, dict[str, None]()
-    listed = list(Value(gltf, "").each("images"))
+    entries = list(Value(gltf, "").each("images"))
     for texture in Value(gltf, "").each("textures"):
         with suppress(FileError):  # of images that are missing, which is reported with their files
             used = texture.object().get("extensions")
@@ -67,17 +66,16 @@ def _unshown(gltf: dict[str, Any], images: Images) -> Iterator[str]:
             if source is None:
                 packed += isinstance(used, dict) and _KTX2 in used
                 continue
-            number = source.index(len(listed), "image")
-            if not shows(images(listed[number].object())):
-                other[_called(listed[number].object(), number)] = None
+            number = source.index(len(entries), "image")
+            if not shows(images(entries[number].object())):
+                other[_called(entries[number].object(), number)] = None
     if packed:
         yield (
             f"textures in KTX2 are not shown ({packed}), for a page that runs nothing but its own script can "
             "have no decoder of it; give them PNG, JPEG or WebP as well"
         )
     if other:
-        names = ", ".join([*list(other)[:_MOST], *(["…"] if len(other) > _MOST else [])])
-        yield f"textures whose images are not one of {KINDS} are not shown: {names}"
+        yield f"textures whose images are not one of {KINDS} are not shown: {listed(list(other))}"
 
 
 def _called(image: dict[str, Any], number: int) -> str:
