@@ -10,38 +10,19 @@ from recognition_bodies.skeletons import (
     FLAT,
     HAIR,
     HORSE,
+    INSECT,
     MAN,
     SITTING,
     SKIRT,
     THINGS,
     TWISTED,
     Joint,
-    both,
-    line,
     rig_with,
 )
 
 from rigtri.recognition.layout_output import as_json
 from rigtri.recognition.recognise import recognise
 
-INSECT: list[Joint] = [
-    *line("thorax head", "", (0, 0.2, 0), (0, 0.22, 0.15)),
-    *line("abdomen1 abdomen2", "thorax", (0, 0.21, -0.12), (0, 0.2, -0.26)),
-    *both(
-        [
-            joint
-            for place, z in (("front", 0.08), ("middle", 0.0), ("back", -0.08))
-            for joint in line(
-                " ".join(f"{place}_leg_{k}.L" for k in range(1, 5)),
-                "thorax",
-                (0.04, 0.19, z),
-                (0.16, 0.28, z * 1.8),
-                (0.26, 0.1, z * 2.6),
-                (0.32, 0.0, z * 3),
-            )
-        ]
-    ),
-]
 BODIES: dict[str, list[Joint]] = {
     "man": [*MAN, *FINGERS],
     "sitting": SITTING,

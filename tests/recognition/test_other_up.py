@@ -9,7 +9,7 @@ import pytest
 from recognition_bodies.cases import Case
 from recognition_bodies.measure import stands_right
 from recognition_bodies.population import population
-from recognition_bodies.skeletons import HORSE, MAN, SITTING, Joint, rig_with
+from recognition_bodies.skeletons import HORSE, INSECT, MAN, SITTING, Joint, rig_with
 from recognition_bodies.truth import nameless
 
 from rigtri.model.rig import Rig
@@ -61,3 +61,15 @@ def test_the_legs_of_an_insect_have_sides_although_nothing_is_named() -> None:
         for part in (part for part in case.truth.parts if "leg" in part.kinds):
             assert sides[min(part.joints[0])] == part.side
         assert not any(chain.is_sure for chain in character.limbs)
+
+
+@pytest.mark.parametrize("named", [True, False], ids=["named", "nameless"])
+def test_each_of_six_legs_that_are_alike_begins_at_the_thorax_and_bends_twice(named: bool) -> None:
+    rows = {name: k for k, (name, _, _) in enumerate(INSECT)}
+    (character,) = recognise(rig_with(INSECT, named=named)).characters
+    assert character.form == "creature"
+    assert {chain.bend for chain in character.limbs} == {
+        tuple(rows[f"{place}_leg_{k}.{side}"] for k in (1, 2, 3))
+        for place in ("front", "middle", "back")
+        for side in "LR"
+    }

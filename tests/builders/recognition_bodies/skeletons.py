@@ -176,6 +176,24 @@ HORSE = [
         ]
     ),
 ]
+INSECT: list[Joint] = [
+    *line("thorax head", "", (0, 0.2, 0), (0, 0.22, 0.15)),
+    *line("abdomen1 abdomen2", "thorax", (0, 0.21, -0.12), (0, 0.2, -0.26)),
+    *both(
+        [
+            joint
+            for place, z in (("front", 0.08), ("middle", 0.0), ("back", -0.08))
+            for joint in line(
+                " ".join(f"{place}_leg_{k}.L" for k in range(1, 5)),
+                "thorax",
+                (0.04, 0.19, z),
+                (0.16, 0.28, z * 1.8),
+                (0.26, 0.1, z * 2.6),
+                (0.32, 0.0, z * 3),
+            )
+        ]
+    ),
+]
 THINGS = {
     "car": [
         ("chassis", "", (0, 0.5, 0)),
