@@ -13,7 +13,7 @@ from typing import Protocol, TypeVar
 
 from rigtri.errors import GeometryError
 from rigtri.model.constraints import Constraint, constraints_of
-from rigtri.model.metadata import ROTATION, TRANSLATION, ControlRecord, Names, PoleVectorRecord
+from rigtri.model.metadata import ROTATION, TRANSLATION, ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 
 Dependencies = dict[int, set[int]]
@@ -59,7 +59,7 @@ def dependencies(rig: Rig, without: int | None = None) -> Dependencies:
     """For each node those that it depends on. without: a node whose record does not count."""
     found: Dependencies = {node: {parent} for node, parent in enumerate(rig.parents.tolist()) if parent >= 0}
 
-    chains: dict[int, Names] = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
+    chains = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
     for node, record in rig.records(ControlRecord).items():
         chains[node] = record.chain or ((record.joint,) if record.kind == "fk" else ())
     for node in rig.nodes_of("control", "poleVector"):

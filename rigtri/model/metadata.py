@@ -24,7 +24,6 @@ SWITCH = re.compile(r"rigtri_ik([._][0-9]+)?")
 Triple = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 Names = tuple[str, ...]
-LimbNames = tuple[str, str, str]
 # Rows of 4 × 4 matrices, one after another.
 Matrices = Annotated[tuple[float, ...], 16]
 ControlKind = Literal["fk", "ik", "root", "heel", "tip", "ball"]
@@ -170,10 +169,8 @@ class ControlRecord(Record):
     @classmethod
     def from_dict(cls, stored: Mapping[str, Any]) -> Self:
         found = super().from_dict(stored)
-        if found.kind not in ("ik", *PIVOTS) or len(found.chain) == 3:
-            return found
-        wrong = f"its chain does not name the three joints of its limb: {list(found.chain)!r:.60}"
-        return replace(found, problems=(*found.problems, wrong))
+        has_limb = found.kind in ("ik", *PIVOTS)
+        return replace(found, problems=found.problems or _limb_problems(found.chain)) if has_limb else found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -238,7 +235,7 @@ class PoleVectorRecord(Record):
     """A locator that gives the direction in which a limb bends."""
 
     type: ClassVar[str] = "poleVector"
-    chain: LimbNames
+    chain: Names
     method: PoleMethod | None = None
     from_: PoleOrigin | None = None
     distance: float | None = None
@@ -250,6 +247,11 @@ class PoleVectorRecord(Record):
     shape: str = ""
     size: float | None = None
     color: Triple | None = None
+
+    @classmethod
+    def from_dict(cls, stored: Mapping[str, Any]) -> Self:
+        found = super().from_dict(stored)
+        return replace(found, problems=found.problems or _limb_problems(found.chain))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -445,6 +447,12 @@ def damage(stored: Mapping[str, Any]) -> str:
     return ", ".join(RECORDS[stored["type"]].from_dict(stored).problems)
 
 
+def _limb_problems(chain: Names) -> tuple[str, ...]:
+    """What is wrong with the names of a limb's joints, of which there are three."""
+    wrong = f"its chain does not name the three joints of its limb: {list(chain)!r:.60}"
+    return () if len(chain) == 3 else (wrong,)
+
+
 class _Key(NamedTuple):
     """One field of a record. read: gives a value of its kind, or None for what is none."""
 
@@ -488,9 +496,9 @@ def _reader(kind: Any) -> tuple[Callable[[Any], Any], Any]:
     if origin is Literal:
         return lambda value: value if isinstance(value, str) and value in inner else None, inner[0]
     if origin is tuple:
-        read, empty = _reader(inner[0])
+        read, _ = _reader(inner[0])
         count = None if inner[-1] is Ellipsis else len(inner)
-        return lambda value: _tuple(value, read, count), () if count is None else (empty,) * count
+        return lambda value: _tuple(value, read, count), () if count is None else (0.0,) * count
     if isinstance(kind, type):
         return lambda value: _nested(kind, value), None
     # A union: the first of its kinds that fits.

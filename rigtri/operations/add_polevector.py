@@ -228,9 +228,8 @@ def _pole_record(
     rig: Rig, limb: Limb, options: AddPolevectorOptions, found: Bend, degrees: float
 ) -> PoleVectorRecord:
     far = options.distance is not None
-    root, mid, end = limb.triple
     return PoleVectorRecord(
-        chain=(rig.address(root), rig.address(mid), rig.address(end)),
+        chain=tuple(map(rig.address, limb.triple)),
         method=options.method,
         from_=options.from_,
         distance=options.distance,

@@ -100,9 +100,9 @@ def test_what_cannot_be_used_is_named() -> None:
 @pytest.mark.parametrize("kind", ["ik", "heel"])
 @pytest.mark.parametrize("chain", [(), ("hand",), ("a", "b", "c", "d")])
 def test_a_limb_has_three_joints(kind: str, chain: tuple[str, ...]) -> None:
-    control = ControlRecord.from_dict({"kind": kind, "joint": "hand", "chain": chain})
-    assert control.problems == (f"its chain does not name the three joints of its limb: {list(chain)}",)
-    assert PoleVectorRecord.from_dict({"chain": chain}).problems == (f"its chain is {chain!r}",)
+    wrong = (f"its chain does not name the three joints of its limb: {list(chain)}",)
+    assert ControlRecord.from_dict({"kind": kind, "joint": "hand", "chain": chain}).problems == wrong
+    assert PoleVectorRecord.from_dict({"chain": chain}).problems == wrong
 
 
 @given(st.sampled_from(sorted(RECORDS)).map(RECORDS.__getitem__).flatmap(

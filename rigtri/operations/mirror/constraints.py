@@ -12,7 +12,7 @@ from rigtri.maths.matrices import identity
 from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, from_axes, multiply, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import Constraint, constraints_of
-from rigtri.model.metadata import ConstraintRecord, ControlRecord, Names, PoleVectorRecord, Triple
+from rigtri.model.metadata import ConstraintRecord, ControlRecord, PoleVectorRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import follow
 from rigtri.operations.constrain.weight_keys import WeightKeys
@@ -56,7 +56,7 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
 
 def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
     """Warn of clips in which controls have keys that a new rule overrules: the next bake moves them."""
-    found: dict[int, Names] = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
+    found = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
     found |= {node: record.chain for node, record in rig.records(ControlRecord).items()}
     chain = tuple(map(rig.address, rule.chain))
     moved = {node for node, limb in found.items() if node == rule.child or (chain and limb == chain)}

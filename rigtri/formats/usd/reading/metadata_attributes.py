@@ -195,8 +195,7 @@ def usd_type(kind: Any) -> str:
     """The USD type of what an annotation allows; "" where there are several, or namespaces hold it."""
     plain = {bool: _types.Bool, int: _types.Int, float: _types.Double, str: _types.String}
     lists = {one: name for one, (_, name, _) in _LISTS.items()}
-    names = dict.fromkeys((records.Names, records.LimbNames), _types.TokenArray)
-    types = {**plain, **lists, **names}
+    types = {**plain, **lists, records.Names: _types.TokenArray}
     if get_origin(kind) is Literal or kind in types:
         return str(types.get(kind, _types.String))
     found = {usd_type(one) for one in get_args(kind) if one is not type(None)}
