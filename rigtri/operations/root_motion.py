@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.timelines import chosen_timelines
+from rigtri.evaluation.active_controls import controls_at_work
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import chosen_timelines, timelines
 from rigtri.maths.quaternions import conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.model.animation import Clip, Track
@@ -46,6 +48,8 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
             continue
         still = _without_roots_own(rig, clip, root, options) if options.mode == "remove" else clip
         made = move(rig, still, hips, root, options, report)
+        if made is not clip:
+            _refuse_driven(rig, k, [root] if options.mode == "extract" else [root, hips])
         if made is not still:
             made = keeping_children(rig, still, made, hips, others)
         if made is still and still is not clip:
@@ -69,6 +73,19 @@ def _warn_still_moving(rig: Rig, clip: Clip, root: int, report: Report) -> None:
         names = listed([rig.title(node) for node in sorted(moving)], 6)
         text = f"In clip '{clip.name}', {names} above the hips move, too, and keep their keys"
         report.warn("still-moving", f"{text}: key the hips for that in a DCC")
+
+
+def _refuse_driven(rig: Rig, number: int, nodes: list[int]) -> None:
+    """GeometryError where controls move one of the nodes in a clip, so that its own keys would not count."""
+    (timeline,) = (each for each in timelines(rig) if number in each.members)
+    if not (driven := controls_at_work(rig, timeline)):
+        return
+    if lost := [node for node in nodes if node in Solver(rig, driven).sets]:
+        raise GeometryError(
+            f"Controls move '{rig.title(lost[0])}' in clip '{timeline.name}': other keys of its own would be "
+            "lost with the next bake. Take the motion to the joints and the controls out before, with: "
+            "rigtri bake --to joints, then rigtri strip"
+        )
 
 
 def _without_roots_own(rig: Rig, clip: Clip, root: int, options: RootMotionOptions) -> Clip:

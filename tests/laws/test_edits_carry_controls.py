@@ -30,6 +30,7 @@ from rigtri.report import Report
 # What cannot be carried, and what says so.
 REFUSED = {
     "strip": "that motion would be lost",
+    "root-motion": "Controls move 'root'",
     "snap": "has no IK end|follows",
     "freeze --unit --up-axis": "glTF has the up axis y",
 }

@@ -443,6 +443,22 @@ def test_ik_bones_of_what_is_not_known_are_left_out(tmp_path: Path) -> None:
         rigtri.add_root(taken, profile="unreal")
 
 
+def test_a_root_that_controls_move_gets_no_motion_that_a_bake_would_take_away() -> None:
+    rig = rigtri.add_root(rigtri.read(SAMPLES / "biped.glb"))
+    keyed = rigtri.bake(rigtri.add_controls(rig, joints=("root", "hips"), root_control=True), to="controls")
+    for mode in ("extract", "remove"):
+        with pytest.raises(GeometryError, match="Controls move 'root' in clip 'walk'"):
+            rigtri.root_motion(keyed, mode=mode)
+    rigtri.root_motion(rigtri.strip(rigtri.bake(keyed, to="joints")))
+    # A new root above what controls move has none, and what they move stays where it is.
+    above = rigtri.bake(
+        rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), joints=("hips",)), to="controls"
+    )
+    rigtri.root_motion(rigtri.add_root(above))
+    with pytest.raises(GeometryError, match="Controls move 'hips'"):
+        rigtri.root_motion(rigtri.add_root(above), mode="remove")
+
+
 @pytest.mark.ci
 def test_controls_of_joints_that_are_known_by_their_paths_find_them_below_the_root() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
