@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from rigtri.maths.matrices import orthonormal_axes
+from rigtri.maths.matrices import unsheared_axes
 from rigtri.maths.quaternions import angle_between, conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, arc_tangent, exponential
@@ -102,7 +102,7 @@ def weights(reader: PoseReader, driver: Floats, frame: Floats, nodes: Mapping[st
 
 def relative(driver: Floats, frame: Floats) -> Floats:
     """The rotation xyzw, (..., 4), of a driver seen from a frame; scale and mirroring do not count."""
-    mine, seen_from = orthonormal_axes(driver), orthonormal_axes(frame)
+    mine, seen_from = unsheared_axes(driver), unsheared_axes(frame)
     # Rows are axes, so the axes of one along those of the other are dot products.
     along = [dot(mine, seen_from[..., k, np.newaxis, :]) for k in range(3)]
     return from_axes(np.stack(along, axis=-1))
@@ -112,14 +112,14 @@ def _pointed(
     reader: PoseReader, target: Target, driver: Floats, frame: Floats, nodes: Mapping[str, Floats]
 ) -> Floats:
     """How much the axis points at one target, (f,)."""
-    points = rotate(from_axes(orthonormal_axes(driver)), reader.axis)
+    points = rotate(from_axes(unsheared_axes(driver)), reader.axis)
     if target.node:
         towards = normalise(nodes[target.node][..., 3, :3] - driver[..., 3, :3])
     else:
         direction = target.direction
         if direction is None:
             raise ValueError(f"target '{target.name}' has no direction for a {reader.kind} reader")
-        towards = rotate(from_axes(orthonormal_axes(frame)), normalise(direction))
+        towards = rotate(from_axes(unsheared_axes(frame)), normalise(direction))
     if reader.kind == "dot":
         return np.clip(dot(normalise(points), towards), -1.0 if reader.signed else 0.0, 1.0)
     off = angle(points, towards)

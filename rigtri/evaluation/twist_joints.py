@@ -18,9 +18,9 @@ from rigtri.maths.matrices import (
     determinant,
     inverse,
     multiply,
-    orthonormal_axes,
     transform_directions,
     transform_points,
+    unsheared_axes,
 )
 from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, quadruple, rotate, twist_angle
 from rigtri.maths.quaternions import multiply as product
@@ -82,7 +82,7 @@ def twist_of(rig: Rig, node: int, record: TwistRecord) -> TwistJoint:
         back = rotate(rest, own_axis) if record.rest else transform_directions(own_axis, whole)
         axis = normalise(back)
         sign = -1.0 if determinant(whole) < 0 else 1.0
-    standing = record.standing or from_axes(orthonormal_axes(rig.local[node]))
+    standing = record.standing or from_axes(unsheared_axes(rig.local[node]))
     return TwistJoint(
         node=node,
         path=path,
@@ -140,4 +140,4 @@ def _product(matrices: Sequence[Floats]) -> Floats:
 
 
 def _rotation(matrices: Sequence[Floats]) -> Floats:
-    return from_axes(orthonormal_axes(_product(matrices)))
+    return from_axes(unsheared_axes(_product(matrices)))

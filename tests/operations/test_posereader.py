@@ -20,12 +20,13 @@ from second_opinions import khronos_errors, usd_errors, validator
 import rigtri
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
-from rigtri.evaluation.pose_readers import PoseReader, Target, twist, weights
+from rigtri.evaluation.pose_readers import PoseReader, Target, relative, twist, weights
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import read
 from rigtri.limits import TOLERANCE
-from rigtri.maths.matrices import compose, identity
+from rigtri.maths.matrices import compose, identity, multiply, rotate_before
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
+from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, exponential
 from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
@@ -648,3 +649,17 @@ def test_corrective_joints_are_written_as_they_were_declared(tmp_path: Path) -> 
         assert result.exit_code == 0, result.stderr
         rig = rigtri.read(out)
         assert [output.joint for r in rig.records(PoseReaderRecord).values() for output in r.outputs]
+
+
+def test_other_axes_of_a_sheared_driver_are_seen_as_just_that_rotation() -> None:
+    """Below a squashed joint; where x would go before the other axes, the weight changes with them."""
+    turn, own, seen_from = (
+        from_axis_angle(axis, angle)
+        for axis, angle in (([0.6, 0.0, 0.8], 2.0), ([0.8, 0.6, 0.0], 0.7), ([0.0, 1.0, 0.0], 0.4))
+    )
+    squashed = compose(np.zeros(3), IDENTITY, np.array([1.0, 1.5, 0.7]))
+    driver = multiply(compose(np.zeros(3), own, np.ones(3)), squashed)
+    frame = compose(np.zeros(3), seen_from, np.ones(3))
+    expected = product(relative(driver, frame), turn)
+    found = relative(rotate_before(turn, driver), frame)
+    assert min(abs(found - expected).max(), abs(found + expected).max()) < 1e-12

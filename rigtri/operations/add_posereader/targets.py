@@ -13,7 +13,7 @@ from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.pose_readers import relative
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.evaluation.timelines import timeline_and_time
-from rigtri.maths.matrices import orthonormal_axes
+from rigtri.maths.matrices import unsheared_axes
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
@@ -96,7 +96,7 @@ class ReaderFrame:
             raise UsageError("a target is a direction other than 0,0,0, a pose or a node")
         if self.frame < 0:
             return normalise(required)
-        axes = from_axes(orthonormal_axes(self.rig.world[self.frame]))
+        axes = from_axes(unsheared_axes(self.rig.world[self.frame]))
         return np.asarray(rotate(conjugate(axes), normalise(required)))
 
     def rotation_in_pose(self, text: str) -> Floats:
