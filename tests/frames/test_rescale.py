@@ -47,6 +47,10 @@ def test_in_another_scene_all_stands_turned_and_scaled_in_every_pose(seed: int) 
     """From metres with y up to centimetres with z up: what was at (x, y, z) is at 100·(x, −z, y)."""
     quarter = from_axis_angle(np.array([1.0, 0, 0]), np.pi / 2)
     rig = random_rig(seed)
+    sizes = np.array([[1.0, 1.0, 1.0], [2.0, 2.0, 2.0]])
+    roots = [k for k in range(len(rig)) if rig.parents[k] < 0 and not rig.has_matrix[k]]
+    grow = Clip("grow", tuple(Track(k, "scale", "LINEAR", np.array([0.0, 1.0]), sizes) for k in roots))
+    rig = replace(rig, clips=(*rig.clips, grow))
     out = convert(rig, Conversion("z", 0.01, quarter, 100.0))
     assert (out.rules.up, out.rules.metres_per_unit) == ((0.0, 0.0, 1.0), 0.01)
     was, now = poses(rig), poses(out)
