@@ -10,6 +10,7 @@ import pytest
 from program import cli
 from usd_files import MESH, animation, read, save, scene, skeleton
 
+from rigtri.errors import GeometryError
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.node_matching import pairs
@@ -71,3 +72,48 @@ def test_what_is_animated_on_one_of_two_characters_comes_home_to_it(shot: Rig) -
         for was, now in zip(before.tracks, after.tracks, strict=True):
             far = 0.25 if was.node == end and was.path == "translation" else 0.0
             assert np.abs(now.values - was.values).max() == pytest.approx(far, abs=1e-6)
+
+
+def further(rig: Rig, end: int) -> Rig:
+    """The rig with a node moved along x in every clip."""
+    clips = []
+    for clip in rig.clips:
+        tracks = [
+            replace(t, values=t.values + np.array([0.25, 0, 0]))
+            if (t.node, t.path) == (end, "translation")
+            else t
+            for t in clip.tracks
+        ]
+        clips.append(replace(clip, tracks=tuple(tracks)))
+    return replace(rig, clips=tuple(clips))
+
+
+@pytest.mark.parametrize("name", ["A", "B"])
+def test_the_motion_of_one_file_goes_to_one_of_several_characters(
+    shot: Rig, name: str, tmp_path: Path
+) -> None:
+    alone = read(tmp_path / "keyed.usda").rig
+    edited = further(alone, alone.find("c_ik_ctl"))
+    with pytest.raises(GeometryError, match="character"):
+        take_clips(shot, from_=edited)
+    home = take_clips(shot, from_=edited, character=name)
+    assert home.names == shot.names
+    moved = [
+        shot.labels[now.node]
+        for before, after in zip(shot.clips, home.clips, strict=True)
+        for was, now in zip(before.tracks, after.tracks, strict=True)
+        if now is not was
+    ]
+    assert len(moved) == 1
+    assert moved[0].startswith(f"/W/{name}/")
+    both = further(shot, next(k for k, at in enumerate(shot.labels) if at == moved[0]))
+    assert take_clips(shot, from_=both, character="AB".replace(name, "")) is shot
+    with pytest.raises(GeometryError, match=r"--exclude|exclude="):
+        take_clips(alone, from_=both)
+    took = take_clips(alone, from_=both, exclude=[f"/W/{'AB'.replace(name, '')}*"])
+    changed = [
+        now.node
+        for now, was in zip(took.clips[0].tracks, alone.clips[0].tracks, strict=True)
+        if now is not was
+    ]
+    assert all(node == alone.find("c_ik_ctl") for node in changed)

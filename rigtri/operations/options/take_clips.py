@@ -6,11 +6,11 @@ from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import Tolerance
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import ClipNames, Clips, EditedFile, Names
+from rigtri.operations.option_kinds import ClipNames, Clips, EditedFile, Names, OneCharacter
 
 
-@dataclass(frozen=True)
-class TakeClipsOptions:
+@dataclass(frozen=True, kw_only=True)
+class TakeClipsOptions(OneCharacter):
     """Options of take-clips.
 
     as_: by the name of a clip of the edited file, or its glob, the clip of the rig. exclude: names or globs

@@ -5,6 +5,7 @@ Only what the user leaves out by name (``--exclude``) is left out.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -18,6 +19,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.morph_targets import MorphPairs
+from rigtri.recognition.one_character import titles
 
 # Of the size of the rig: a node that moves less far does not move; see docs/take-clips.md.
 _STILL = 1e-5
@@ -26,12 +28,28 @@ _TURNED = 1e-4
 
 
 def without(edited: Rig, patterns: Sequence[str]) -> Rig:
-    """EDITED without the motion of nodes that globs match. NameNotFoundError for one that matches none."""
+    """EDITED without names and motion of nodes that globs match. NameNotFoundError where one matches none."""
     left = {node for pattern in patterns for node in edited.match(pattern)}
     if not left:
         return edited
     clips = (replace(c, tracks=tuple(t for t in c.tracks if t.node not in left)) for c in edited.clips)
-    return replace(edited, clips=tuple(clips))
+    names = tuple("" if node in left else name for node, name in enumerate(edited.names))
+    return replace(edited, clips=tuple(clips), names=names)
+
+
+def of_character(rig: Rig, name: str) -> Rig:
+    """A rig in which names that several nodes share mean those at or below a node."""
+    inside, counts = set(rig.below(rig.find(name, "character"))), Counter(rig.names)
+    names = ("" if counts[n] > 1 and k not in inside else n for k, n in enumerate(rig.names))
+    return replace(rig, names=tuple(names))
+
+
+def others_of(edited: Rig, name: str) -> list[str]:
+    """The nodes of EDITED that are of other characters than one, by their labels; none where it has none."""
+    mine = edited.known(name)
+    inside = set() if mine is None else set(edited.below(mine))
+    tops = [edited.below(edited.find(title)) for title in titles(edited)] if inside else []
+    return [edited.labels[node] for nodes in tops if inside.isdisjoint(nodes) for node in nodes]
 
 
 def refuse_lost(both: Counterparts, clip: Clip, morphs: MorphPairs) -> None:

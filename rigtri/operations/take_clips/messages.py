@@ -29,6 +29,12 @@ def why_nothing_matches(rig: Rig, edited: Rig) -> str:
             f"The nodes of {' and '.join(nameless)} have no names, and their positions do not show "
             f"which is which: {why_unmatched(rig, edited)}. Give the nodes names before you edit the file"
         )
+    if both := [name for name in dict.fromkeys(rig.names) if name and name in edited.names]:
+        return (
+            f"Several nodes are called {list_names(both)}, so it is not clear which is which. Of several "
+            "characters, take one of RIG with --character NAME, and leave those of EDITED out with "
+            "--exclude '/PATH*'"
+        )
     return (
         f"No node of EDITED has the name of one of RIG: there are {list_names(edited.names)} and "
         f"{list_names(rig.names)}. Is one an export of the other?"

@@ -59,8 +59,9 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         raise GeometryError(
             f"Several nodes match {list_names(many)} of the file of --rig; give each node a name of its own"
             if many
-            else f"Nothing that rigtri built in the file of --rig is in this file, none of {lost}: "
-            "another program has dropped it, or this file is not an export of that one"
+            else f"Nothing that rigtri built in the file of --rig is in this file, none of {lost}, and "
+            "--rig only restores what is stored on nodes that are here: add them with rigtri add-controls, "
+            "or take the motion of this file to that rig with: rigtri take-clips RIG --from IN"
         )
     if missing:
         _refuse_lost_keys(rig, both, found, [described.names[node] for node in missing])

@@ -36,7 +36,7 @@ from rigtri.operations.take_clips.ik_switches import (
     switches,
 )
 from rigtri.operations.take_clips.key_merging import merged, thinned
-from rigtri.operations.take_clips.lost_motion import refuse_lost, without
+from rigtri.operations.take_clips.lost_motion import of_character, others_of, refuse_lost, without
 from rigtri.operations.take_clips.messages import (
     moves,
     warn_followers,
@@ -71,6 +71,11 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             f"from_ is to be a Rig, the one with the motion, not {type(edited).__name__}; "
             "read(path).rig is that of a file"
         )
+    if options.character is not None:
+        one = replace(options, from_=without(edited, others_of(edited, options.character)), character=None)
+        small = of_character(rig, options.character)
+        made = take_clips(small, options=one, report=report)
+        return rig if made is small else replace(made, names=rig.names)
     edited = without(edited, options.exclude)
     # Where Blender's IK was on or off, as the script of export-blender stores it.
     of = pairs(rig, edited).of
