@@ -32,8 +32,9 @@ class TakeClipsOptions(OneCharacter):
     )
     exclude: Names = option(
         (),
-        metavar="GLOB",
-        help="Leave out the motion of these nodes of EDITED. What RIG has no node for is refused otherwise.",
+        metavar="PATTERN",
+        help="Leave out the motion of these nodes of EDITED, names or globs. What RIG has no node for is "
+        "refused otherwise. Repeatable.",
         group="what",
     )
     tolerance: Tolerance = option(
