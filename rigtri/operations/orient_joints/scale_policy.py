@@ -129,7 +129,7 @@ class ScalePolicy:
             if self.in_place == "skip":
                 exact[node] = IDENTITY
         # The one that is farthest off first: of many, only a few are shown.
-        off = {node: float(angle_between(delta[node], exact[node])) for node in refused}
+        off = dict(zip(refused, angle_between(delta[refused], exact[refused]).tolist(), strict=True))
         for node in sorted(refused, key=lambda node: -round(off[node], 6)):
             aim = _axes_of(styles[node])[0] if node in styles else 0
             self._warn(node, delta[node], exact[node], aim, report, refused)
@@ -154,7 +154,9 @@ class ScalePolicy:
     @staticmethod
     def refused(delta: Floats, nearest: Mapping[int, Floats]) -> list[int]:
         """The nodes whose delta, (n, 4), is not the `nearest` one that they can take."""
-        return [node for node, exact in nearest.items() if angle_between(exact, delta[node]) > EXACT]
+        nodes = list(nearest)
+        off = angle_between(np.array([nearest[node] for node in nodes]).reshape(-1, 4), delta[nodes])
+        return [node for node, angle in zip(nodes, off.tolist(), strict=True) if angle > EXACT]
 
     def _warn(
         self, node: int, requested: Floats, got: Floats, aim: int, report: Report, alike: list[int]
