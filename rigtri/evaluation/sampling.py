@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import compose, multiply
-from rigtri.maths.quaternions import norm, normalise, slerp, slerp_rows, unit
+from rigtri.maths.quaternions import norm, normalise, slerp_rows, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Column, Interpolation, Path, Track, columns
 from rigtri.model.mesh import Mesh
@@ -71,18 +71,30 @@ def locals_at(rig: Rig, clip: Clip, times: ArrayLike, *, normalised: bool = True
 
 
 class Motion:
-    """A clip of a rig with its tracks gathered into few arrays, ready to be evaluated in blocks."""
+    """Clips of a rig with their tracks gathered into few arrays, ready to be evaluated in blocks.
 
-    def __init__(self, rig: Rig, clip: Clip) -> None:
-        columns = [column for column in clip.columns if column.path != "weights"]
+    Of many short clips most time goes into the number of arrays: they are evaluated as one.
+    """
+
+    def __init__(self, rig: Rig, *clips: Clip) -> None:
+        moving = [[column for column in clip.columns if column.path != "weights"] for clip in clips]
+        nodes = [np.concatenate([_NONE, *(column.nodes for column in columns)]) for columns in moving]
         self.rig = rig
-        self.driven = np.flatnonzero(np.bincount(np.concatenate([_NONE, *(c.nodes for c in columns)])))
-        self.packs = [_Pack.of(alike, self.driven) for alike in _together(columns)]
+        self.driven = np.flatnonzero(np.bincount(np.concatenate([_NONE, *nodes])))
+        # What a clip does not drive, but another one, and no parts can say.
+        kept = self.driven[rig.has_matrix[self.driven]].tolist()
+        self.still = [[node for node in kept if node not in mine] for mine in nodes]
+        self.packs = [[_Pack.of(alike, self.driven) for alike in _together(columns)] for columns in moving]
 
-    def locals_at(self, times: ArrayLike, *, normalised: bool = True) -> Floats:
-        """Local matrices, (f, n, 4, 4), at ``times``, (f,); see the function of the same name."""
-        times = np.atleast_1d(np.asarray(times, dtype=np.float64))
-        rig, count = self.rig, len(times)
+    def locals_at(self, *times: ArrayLike, normalised: bool = True) -> Floats:
+        """Local matrices, (f, n, 4, 4), at ``times``, (f,), of each clip, one clip after the other.
+
+        See the function of the same name.
+        """
+        every = [np.atleast_1d(np.asarray(some, dtype=np.float64)) for some in times]
+        ends = np.cumsum([len(some) for some in every]).tolist()
+        spans = [slice(end - len(some), end) for some, end in zip(every, ends, strict=True)]
+        rig, count = self.rig, ends[-1]
         # Each number of a node at all times in one row of memory, and these together: see `worlds`.
         local: Floats = np.empty((len(rig), 4, 4, count)).transpose(3, 0, 1, 2)
         still = np.ones(len(rig), dtype=bool)
@@ -92,7 +104,7 @@ class Motion:
             return local
         # With nodes before times, as they lie in memory.
         translation, rotation, scale = (
-            self._sampled(path, values, times).swapaxes(0, 1)
+            self._sampled(path, values, every, spans).swapaxes(0, 1)
             for path, values in (
                 ("translation", rig.translation),
                 ("rotation", rig.rotation),
@@ -101,20 +113,27 @@ class Motion:
         )
         composed = compose(translation, normalise(rotation) if normalised else rotation, scale)
         local[:, self.driven] = composed.swapaxes(0, 1)
+        for nodes, span in zip(self.still, spans, strict=True):
+            if nodes:
+                local[span, nodes] = rig.matrix[nodes]
         return local
 
-    def _sampled(self, path: str, still: Floats, times: Floats) -> Floats:
+    def _sampled(self, path: str, still: Floats, times: Sequence[Floats], spans: Sequence[slice]) -> Floats:
         """What the driven nodes have of one path, (f, d, c); ``still``, (n, c), where no track drives it."""
-        found = None
-        for pack in self.packs:
-            if pack.path != path:
-                continue
-            if pack.columns is None:
-                found = pack.sample(times)
-                continue
-            found = _held(still[self.driven], len(times)) if found is None else found
-            found[:, pack.columns] = pack.sample(times)
-        return _held(still[self.driven], len(times)) if found is None else found
+        parts = [
+            (pack, some, span)
+            for packs, some, span in zip(self.packs, times, spans, strict=True)
+            for pack in packs
+            if pack.path == path
+        ]
+        turned = iter(_turned([pack.segments(some)[:3] for pack, some, _ in parts if pack.turns]))
+        values = [next(turned) if pack.turns else pack.sample(some) for pack, some, _ in parts]
+        if len(times) == len(parts) == 1 and isinstance(parts[0][0].columns, slice):
+            return values[0]
+        found = _held(still[self.driven], spans[-1].stop)
+        for (pack, _, span), some in zip(parts, values, strict=True):
+            found[span, pack.columns] = some
+        return found
 
 
 def sample(track: Track, times: ArrayLike) -> Floats:
@@ -126,7 +145,7 @@ def sample(track: Track, times: ArrayLike) -> Floats:
 def key_times(clip: Clip, nodes: Sequence[int] | None = None) -> Floats:
     """All key times of a clip, or of some nodes in it, sorted, each once."""
     every = clip.columns
-    some = every if nodes is None else [column for column in every if np.isin(column.nodes, nodes).any()]
+    some = [c for c in every if nodes is None or not set(nodes).isdisjoint(c.nodes.tolist())]
     distinct = {id(column.times): column.times for column in some}
     return sorted_unique(np.concatenate([*distinct.values(), np.zeros(0)]))
 
@@ -198,7 +217,7 @@ class _Pack:
     """Tracks that share path, interpolation and times, of one or more columns.
 
     places: where the tracks of each column stand among all. columns: where each track's node stands among
-    the driven nodes, None for all of them in order.
+    the driven nodes.
     """
 
     path: Path
@@ -206,7 +225,7 @@ class _Pack:
     times: Floats
     alike: Sequence[Column]
     places: Sequence[Integers]
-    columns: Integers | None
+    columns: Integers | slice
 
     @staticmethod
     def of(alike: Sequence[Column], driven: Integers) -> _Pack:
@@ -216,7 +235,8 @@ class _Pack:
         place = np.empty_like(order)
         place[order] = np.arange(len(order))
         places = np.split(place, np.cumsum([len(column) for column in alike])[:-1])
-        columns = None if np.array_equal(nodes[order], driven) else np.searchsorted(driven, nodes[order])
+        whole = np.array_equal(nodes[order], driven)
+        columns = slice(None) if whole else np.searchsorted(driven, nodes[order])
         return _Pack(first.path, first.interpolation, first.times, alike, places, columns)
 
     def keyed(self, keys: Integers | slice) -> Floats:
@@ -228,25 +248,36 @@ class _Pack:
             values[:, place] = part.swapaxes(0, 1)
         return values
 
+    @property
+    def turns(self) -> bool:
+        """Whether values go on turning from key to key."""
+        return self.path == "rotation" and self.interpolation == "LINEAR" and len(self.times) > 1
+
     def sample(self, times: Floats) -> Floats:
         """Values, (f, tracks, c), at ``times``, (f,)."""
-        keys, cubic = self.times, self.interpolation == "CUBICSPLINE"
-        if len(keys) == 1:
+        cubic = self.interpolation == "CUBICSPLINE"
+        if len(self.times) == 1:
             values = self.keyed(slice(None))
             return np.repeat(values[:, :, 1] if cubic else values, len(times), axis=0)
-        left = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)
-        span = keys[left + 1] - keys[left]
-        inside = np.clip((times - keys[left]) / np.where(span == 0, 1.0, span), 0.0, 1.0)
+        values, left, inside, span = self.segments(times)
+        if self.turns:
+            return _turned([(values, left, inside)])[0]
         share = inside[:, np.newaxis, np.newaxis]
-        values, left = self._around(left)
         if cubic:
             return _hermite(values, left, share, span[:, np.newaxis, np.newaxis], self.path)
-        if self.path == "rotation" and self.interpolation == "LINEAR":
-            return _turned(values, left, inside)
         here, there = _taken(values, left), _taken(values, left + 1)
         if self.interpolation == "STEP":
             return np.where(share >= 1.0, there, here)
         return here + (there - here) * share
+
+    def segments(self, times: Floats) -> tuple[Floats, Integers, Floats, Floats]:
+        """Keys around times, (k, tracks, [3,] c); of each time the key on its left, the share of the way to
+        the next one, and how far that is, (f,)."""
+        keys = self.times
+        left = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)
+        span = keys[left + 1] - keys[left]
+        inside = np.clip((times - keys[left]) / np.where(span == 0, 1.0, span), 0.0, 1.0)
+        return *self._around(left), inside, span
 
     def _around(self, left: Integers) -> tuple[Floats, Integers]:
         """The values of the keys on both sides of times, and which of them is on the left of each, (f,)."""
@@ -263,26 +294,47 @@ def _taken(values: Floats, rows: Integers) -> Floats:
     return taken.transpose()
 
 
-def _turned(values: Floats, left: Integers, inside: Floats) -> Floats:
-    """Turns, (f, t, 4), between keys ``left`` and the next ones of values, (k, t, 4)."""
-    share = inside[:, np.newaxis, np.newaxis]
-    first, last = int(left.min()), int(left.max()) + 1
-    if last - first >= len(left):
-        return _turn_between(_taken(values, left), _taken(values, left + 1), share)
-    values, left = values[first : last + 1], left - first  # times are more than keys
-    size = norm(values)[..., np.newaxis]
+def _turned(segments: Sequence[tuple[Floats, Integers, Floats]]) -> list[Floats]:
+    """Turns, (f, t, 4), of each of some tracks: at a share, (f,), of the way from keys ``left``, (f,), of
+    values, (k, t, 4), to the next ones.
+
+    slerp takes unit values; their stored length is interpolated beside it, as in a renderer's mixer.
+    """
+    if not segments:
+        return []
+    values, left, inside = segments[0] if len(segments) == 1 else _in_a_row(segments)
+    size, share = norm(values)[..., np.newaxis], inside[:, np.newaxis, np.newaxis]
     with np.errstate(divide="ignore", invalid="ignore"):
         turns = values / size
         blended = slerp_rows(turns[:-1], turns[1:], left, inside)
-    return blended * ((1.0 - share) * size[left] + share * size[left + 1])
+        blended = blended * ((1.0 - share) * size[left] + share * size[left + 1])
+    if len(segments) == 1:
+        return [blended]
+    ends = np.cumsum([len(some) * each.shape[1] for each, some, _ in segments])[:-1]
+    parts = np.split(blended.transpose(), ends, axis=2)
+    return [
+        part.reshape(4, each.shape[1], len(some)).transpose()
+        for part, (each, some, _) in zip(parts, segments, strict=True)
+    ]
 
 
-def _turn_between(here: Floats, there: Floats, share: Floats) -> Floats:
-    """slerp takes unit values; their stored length is interpolated beside it, as in a renderer's mixer."""
-    size, end = norm(here)[..., np.newaxis], norm(there)[..., np.newaxis]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        blended = slerp(here / size, there / end, share[..., 0])
-    return blended * ((1.0 - share) * size + share * end)
+def _in_a_row(segments: Sequence[tuple[Floats, Integers, Floats]]) -> tuple[Floats, Integers, Floats]:
+    """The keys of all tracks as those of one, (k, 1, 4), with the keys on the left and the shares, (f,).
+
+    Between the last key of a track and the first of the next one nothing is asked for.
+    """
+    keys = [values.transpose().reshape(4, -1) for values, _, _ in segments]
+    starts = np.cumsum([0, *(part.shape[1] for part in keys)]).tolist()
+    left = [
+        (np.arange(start, end, len(values))[:, np.newaxis] + some).ravel()
+        for start, end, (values, some, _) in zip(starts, starts[1:], segments, strict=False)
+    ]
+    inside = [np.tile(share, values.shape[1]) for values, _, share in segments]
+    return (
+        np.concatenate(keys, axis=1).transpose()[:, np.newaxis],
+        np.concatenate(left),
+        np.concatenate(inside),
+    )
 
 
 def _hermite(values: Floats, left: Integers, share: Floats, span: Floats, path: str) -> Floats:

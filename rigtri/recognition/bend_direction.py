@@ -11,8 +11,9 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.evaluation.sampling import key_times, locals_at, sorted_unique, thinned, worlds
+from rigtri.evaluation.sampling import Motion, key_times, locals_at, sorted_unique, thinned, worlds
 from rigtri.maths.angle_limits import cosine_below, sine_below
+from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import determinant, inverse, transform_directions
 from rigtri.maths.quaternions import between as rotation_between
 from rigtri.maths.quaternions import rotate
@@ -99,12 +100,12 @@ def towards(limb: Limb, world: Floats, direction: Floats, source: Source, sine: 
     return Bend(normalise(side), normalise(cross(side, chord)), source, sine)
 
 
-def in_motion(rig: Rig, limbs: Sequence[Limb], world: Floats, other_pose: Floats | None) -> Bend | None:
-    """The hinge that bent keys of clips and the other pose agree on, seen in the root joint's own space.
+def in_motion(rig: Rig, limbs: Sequence[Limb], world: Floats, other_pose: Floats | None) -> list[Bend | None]:
+    """The hinges that bent keys of clips and the other pose agree on, seen in the root joints' own space.
 
-    Of several limbs that share joints the first that shows one. world, other_pose: (n, 4, 4). Where some are
-    clearly bent, these alone are heard. The `sine` is that of the least bend of those heard. None: nothing
-    bends, or not about one hinge.
+    limbs: a few, as all are in memory at once. world, other_pose: (n, 4, 4). Where some are clearly bent,
+    these alone are heard. The `sine` is that of the least bend of those heard. None: nothing bends, or not
+    about one hinge.
     """
     other = world[:0] if other_pose is None else other_pose
     shown = [[_bent_hinges(limb, other.reshape(-1, *world.shape))] for limb in limbs]
@@ -118,8 +119,7 @@ def in_motion(rig: Rig, limbs: Sequence[Limb], world: Floats, other_pose: Floats
             start, middle, end = (inner[place[node]] for node in limb.triple)
             mine = replace(limb, start=start, middle=middle, end=end)
             found.append(_bent_hinges(mine, worlds(small, local)))
-    agreed = (_agreed(limb, found, world) for limb, found in zip(limbs, shown, strict=True))
-    return next((bend for bend in agreed if bend is not None), None)
+    return [_agreed(limb, found, world) for limb, found in zip(limbs, shown, strict=True)]
 
 
 def _agreed(limb: Limb, shown: Sequence[tuple[Floats, Floats]], world: Floats) -> Bend | None:
@@ -142,18 +142,33 @@ def _keyed_poses(rig: Rig, parts: Sequence[Sequence[int]]) -> Iterator[list[Floa
 
     For each of the ``parts``, which have keys of their own; all are sampled together.
     """
-    some: list[list[Floats]] = [[] for _ in parts]
+    clips: list[Clip] = []
+    times: list[Floats] = []
+    rows: list[list[Integers]] = [[] for _ in parts]
+    count = 0
     for clip in (clip for clip in rig.clips if clip.tracks and not clip.idle):
         keys = [thinned(key_times(clip, nodes), MOST_KEYS) for nodes in parts]
-        times = sorted_unique(np.concatenate(keys))
-        local = locals_at(rig, clip, times)
-        for nodes, own, found in zip(parts, keys, some, strict=True):
-            found.append(local[np.searchsorted(times, own)][:, nodes])
-        if max(sum(map(len, found)) for found in some) >= MOST_KEYS:
-            yield [np.concatenate(found) for found in some]
-            some = [[] for _ in parts]
-    if some[0]:
-        yield [np.concatenate(found) for found in some]
+        clips.append(clip)
+        times.append(sorted_unique(np.concatenate(keys)))
+        for own, found in zip(keys, rows, strict=True):
+            found.append(count + np.searchsorted(times[-1], own))
+        count += len(times[-1])
+        if count >= MOST_KEYS:
+            yield _posed(rig, clips, times, parts, rows)
+            clips, times, rows, count = [], [], [[] for _ in parts], 0
+    if clips:
+        yield _posed(rig, clips, times, parts, rows)
+
+
+def _posed(
+    rig: Rig,
+    clips: Sequence[Clip],
+    times: Sequence[Floats],
+    parts: Sequence[Sequence[int]],
+    rows: Sequence[Sequence[Integers]],
+) -> list[Floats]:
+    local = Motion(rig, *clips).locals_at(*times)
+    return [local[np.concatenate(some)][:, list(nodes)] for nodes, some in zip(parts, rows, strict=True)]
 
 
 def _bent_hinges(limb: Limb, world: Floats) -> tuple[Floats, Floats]:

@@ -135,7 +135,10 @@ class LimbBends:
         if posed.sine >= STRAIGHT_SINE:
             yield posed
         if limb.triple not in self._moved:
-            self._moved[limb.triple] = in_motion(self.rig, [limb], self.world, self.other_pose)
+            twin = self._twin(limb)  # which is asked next, as often as not
+            both = [limb] if twin is None or twin.triple in self._moved else [limb, twin]
+            found = in_motion(self.rig, both, self.world, self.other_pose)
+            self._moved.update(zip([k.triple for k in both], found, strict=True))
         moved = self._moved[limb.triple]
         if moved is not None and (posed.sine < STRAIGHT_SINE or moved.sine >= CLEAR):
             yield moved

@@ -42,6 +42,26 @@ def test_a_motion_gives_what_the_clip_gives(seed: int) -> None:
     assert_array_equal(motion.locals_at(times[3:]), motion.locals_at(times)[3:])
 
 
+@pytest.mark.parametrize("normalised", [True, False])
+def test_clips_evaluated_as_one_are_what_each_is_alone(normalised: bool) -> None:
+    """Each has tracks, key times and interpolations of its own; what one leaves alone may keep a matrix."""
+    rig, others = random_rig(1), [random_rig(seed).clips[0] for seed in (2, 3)]
+    count = len(rig)
+    lone = [Clip("lone", [t for t in others[0].tracks if t.node == count - 1]), Clip("none", ())]
+    known = [replace(c, tracks=[t for t in c.tracks if t.node < count - 1]) for c in (rig.clips[0], *others)]
+    clips = [*known, *lone]
+    has_matrix, matrix = rig.has_matrix.copy(), rig.matrix.copy()
+    has_matrix[-1], matrix[-1] = True, np.arange(16.0).reshape(4, 4)
+    rig = replace(rig, has_matrix=has_matrix, matrix=matrix)
+    times = [np.linspace(-0.5, 1.5, 3 + 4 * k) for k in range(len(clips))]
+    together = sampling.Motion(rig, *clips).locals_at(*times, normalised=normalised)
+    alone = [
+        sampling.locals_at(rig, clip, some, normalised=normalised)
+        for clip, some in zip(clips, times, strict=True)
+    ]
+    assert together.tobytes() == np.concatenate(alone).tobytes()
+
+
 def test_tracks_that_share_their_times_move_as_if_they_did_not() -> None:
     held = character()
     (clip,) = held.rig.clips

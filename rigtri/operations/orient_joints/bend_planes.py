@@ -284,7 +284,7 @@ def _in_clips(targets: Targets, nodes: list[int]) -> Bend | None:
             apart.append(node)
     limbs = [Limb(*triple) for triple in zip(apart, apart[1:], apart[2:], strict=False)]
     groups = (limbs[start : start + _TRIPLES] for start in range(0, len(limbs), _TRIPLES))
-    found = (in_motion(targets.tree.rig, group, ref.world, ref.other) for group in groups)
+    found = (bend for group in groups for bend in in_motion(targets.tree.rig, group, ref.world, ref.other))
     return next((bend for bend in found if bend is not None), None)
 
 
