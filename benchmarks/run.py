@@ -21,6 +21,7 @@ from datetime import date
 from pathlib import Path
 
 from bake import tables
+from cold import PROGRAM, cold_starts
 from growth import commands
 from size import differences, growth, large_files
 from warm import BLENDER, measured, side_by_side, version
@@ -29,7 +30,6 @@ ROOT = Path(__file__).resolve().parent.parent
 SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc", ".usdz")
 # Bytes of the files that are measured beside glTF-Transform.
 LEAST_CHARACTER = 100_000
-PROGRAM = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]
 
 
 @dataclass
@@ -190,9 +190,7 @@ def character(source: Path, folder: Path, runs: int) -> list[str]:
 
 def small(folder: Path, assets: Path | None, runs: int) -> list[str]:
     """Ordinary characters, beside the peers, and what a run imports."""
-    start = median_of(runs, process(*PROGRAM, "--help"))
-    lines = [f"`rigtri --help`: {start:.3f} s.", ""]
-    lines += character(ROOT / "samples" / "biped.glb", folder, runs)
+    lines = [*cold_starts(folder, runs), *character(ROOT / "samples" / "biped.glb", folder, runs)]
     usd = [ROOT / "samples" / "biped.usdz"]
     if assets:
         man = next(assets.rglob("*CesiumMan*.glb"))

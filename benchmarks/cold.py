@@ -1,0 +1,93 @@
+"""New processes beside each other, in turns, by processor time and by the clock.
+
+See benchmarks/README.md. On POSIX alone, which says what processors the children took.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import os
+import resource
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from warm import Times, version
+
+ROOT = Path(__file__).resolve().parent.parent
+PROGRAM = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]
+
+
+def commands(folder: Path) -> dict[str, list[str]]:
+    """What is started, by its name in the table; peers that are not installed are left out."""
+    found = {"import numpy, click": [sys.executable, "-c", "import numpy, click"]}
+    found["rigtri --help"] = [*PROGRAM, "--help"]
+    found["rigtri orient-joints biped.glb, verified"] = _orient("biped.glb", folder)
+    place, node = os.environ.get("RIGTRI_GLTF_TRANSFORM"), shutil.which("node")
+    sample, copy = str(ROOT / "samples" / "biped.glb"), str(folder / "copy.glb")
+    if place and node:
+        script = str(Path(__file__).with_name("rewrite.mjs"))
+        name = f"glTF-Transform {version()}, a script: read, write biped.glb"
+        found[name] = [node, script, place, sample, copy, "0"]
+    transform = os.environ.get("GLTF_TRANSFORM") or shutil.which("gltf-transform")
+    if transform:
+        found["glTF-Transform, its command line: copy biped.glb"] = [transform, "copy", sample, copy]
+    if importlib.util.find_spec("pxr"):
+        found["from pxr import Usd, UsdSkel"] = [sys.executable, "-c", "from pxr import Usd, UsdSkel"]
+        found["rigtri orient-joints biped.usdz, verified"] = _orient("biped.usdz", folder)
+    return found
+
+
+def _orient(name: str, folder: Path) -> list[str]:
+    target = str(folder / f"cold-{name}")
+    return [*PROGRAM, "orient-joints", str(ROOT / "samples" / name), "-o", target, "--overwrite", "-q"]
+
+
+def started(command: list[str]) -> Times:
+    """Seconds, and seconds of processors, of a new process and its children."""
+    start, before = time.perf_counter(), _used()
+    subprocess.run(command, capture_output=True, check=True)
+    return time.perf_counter() - start, _used() - before
+
+
+def _used() -> float:
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)  # os.times counts hundredths of a second
+    return children.ru_utime + children.ru_stime
+
+
+def cold_starts(folder: Path, runs: int) -> list[str]:
+    """A table of new processes, medians of their runs; the first of each, which finds no compiled modules or
+    cached files, does not count."""
+    every = commands(folder)
+    times: dict[str, list[Times]] = {name: [] for name in every}
+    for _ in range(runs + 1):
+        for name, command in every.items():
+            times[name].append(started(command))
+    medians = {
+        name: [statistics.median(column) for column in zip(*found[1:], strict=True)]
+        for name, found in times.items()
+    }
+    base = medians["import numpy, click"]
+    lines = ["## New processes", "", f"Medians of {runs} runs, in turns; ratios to the first row.", ""]
+    lines += ["| process | s of processors | ratio | s by the clock | ratio |", "|---|---|---|---|---|"]
+    for name, (wall, used) in medians.items():
+        lines.append(f"| {name} | {used:.3f} | {used / base[1]:.2f} | {wall:.3f} | {wall / base[0]:.2f} |")
+    return [*lines, ""]
+
+
+def main() -> None:
+    """Measure, and print the table."""
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("--runs", type=int, default=7)
+    given = arguments.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        print("\n".join(cold_starts(Path(name), given.runs)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
