@@ -165,7 +165,7 @@ def test_a_control_is_switched_by_its_offset_and_keeps_its_keys(suffix: str, tmp
         ({"weight_keys": {"swing": {"times": [0], "top": [1]}}}, UsageError, "not one of the drivers"),
         ({"weight_from": ("left=root.rx",)}, UsageError, "CHANNEL"),
         ({"type": "aim", "match": True}, UsageError, "space= means nothing"),
-        ({"type": "orient", "space": ("local",)}, UsageError, "driver_space= local"),
+        ({"type": "orient", "space": ("local",)}, UsageError, 'driver_space="local"'),
     ],
 )
 def test_what_is_no_switch_is_refused(given: dict[str, Any], error: type[Exception], words: str) -> None:
