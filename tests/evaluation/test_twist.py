@@ -14,7 +14,7 @@ from strategies import directions, quaternions
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import locals_at, worlds
-from rigtri.evaluation.twist_joints import twist_joints
+from rigtri.evaluation.twist_joints import driver_path, twist_joints
 from rigtri.formats import read
 from rigtri.maths.quaternions import (
     IDENTITY,
@@ -148,6 +148,18 @@ def test_a_mirrored_joint_rotates_its_twist_joints_the_other_way() -> None:
     for one, other in zip(twist_joints(rig), twist_joints(straight), strict=True):
         world = [worlds(r, locals_at(r, r.clips[0], [1.0]))[0] for r in (rig, straight)]
         assert_allclose(world[0][one.node, :3, :3], -world[1][other.node, :3, :3], atol=1e-9)
+
+
+def test_the_way_from_a_driver_goes_up_to_the_joint_whose_bone_it_twists() -> None:
+    """Or, for an upper bone, over what holds the driver's axes and no further."""
+    assert driver_path(ARM, 3, 0) == (3, 2, 1)
+    assert driver_path(ARM, 1, 0) == (1,)
+    assert driver_path(ARM, 3, -1) == (3,)
+    held = replace(ARM, metadata={2: {"type": "frame", "joint": "d"}, 1: {"type": "frame", "joint": "c"}})
+    assert held.holders == {1, 2}
+    assert driver_path(held, 3, -1) == (3, 2, 1)
+    with pytest.raises(GeometryError, match="'c' does not lie below 'd'"):
+        driver_path(ARM, 2, 3)
 
 
 def test_between_keys_a_twist_joint_is_off_by_less_than_the_bound() -> None:

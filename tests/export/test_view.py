@@ -139,6 +139,15 @@ def test_joints_of_usd_are_known_by_skeleton_and_number(samples: Path) -> None:
     }
 
 
+def test_nodes_of_usd_have_the_place_at_which_the_page_makes_those_it_does_not_find(samples: Path) -> None:
+    """In glTF it finds them all."""
+    rig = read(samples / "biped.usda").rig
+    local = {rig.path(node): rig.local[node].reshape(-1).tolist() for node in range(len(rig))}
+    told = {node["path"]: node["local"] for node in facts(rig)["nodes"]}
+    assert told == {path: local[path] for path in told} != {}
+    assert not any("local" in node for node in facts(read(samples / "biped.glb").rig)["nodes"])
+
+
 def test_a_usd_file_becomes_one_crate_and_the_file_stays_as_it_was(samples: Path) -> None:
     before = (samples / "biped.usda").read_bytes()
     document = read(samples / "biped.usda")

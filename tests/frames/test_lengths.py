@@ -269,6 +269,16 @@ def test_a_reach_is_the_longest_way_along_bones_and_out_to_the_points() -> None:
     assert np.allclose(LeverArm(rig).exact, [8 / 5, 5 / 5, 0])
 
 
+@pytest.mark.parametrize("skin", [None, 0])
+def test_points_that_no_joint_moves_count_as_reach_of_their_node(skin: int | None) -> None:
+    """A point 12 above the end of bones of 3 and 4; also of a mesh with a skin and no influences."""
+    rig = chain((0, 0, 0), (3, 0, 0), (3, 4, 0))
+    none = {"joints": np.zeros((2, 0), np.int64), "weights": np.zeros((2, 0))}
+    body = Mesh("body", 2, np.array([[0.0, 0, 0], [0.0, 12, 0]]), skin=skin, **none)
+    reach = LeverArm(replace(rig, content=Content(read_outlines=lambda: [body]))).exact
+    assert np.allclose(reach / reach[2], [19 / 12, 16 / 12, 1])
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_what_a_reach_is_at_most_is_found_without_posing_and_is_no_less(seed: int) -> None:
     chance = np.random.default_rng(seed)

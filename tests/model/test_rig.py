@@ -25,6 +25,20 @@ def hero() -> Rig:
     return replace(rig, skins=(skin,), humanoid={"hips": 0})
 
 
+def test_what_is_below_a_control_is_ours_by_its_name_and_what_it_shows_alone() -> None:
+    """Lines (by name, what they show, no children), what holds ours alone, the switch of export-blender."""
+    ours, others = (
+        ["ctl", "ctl_shape", "between", "knob", "rigtri_ik_001"],
+        ["prop", "prop_shape", "shape", "held", "hat"],
+    )
+    parents = {"ctl": -1, "held": 7, "knob": 2}
+    names = ours + others
+    rig = rig_of(names, [parents.get(name, 0) for name in names], np.zeros((10, 3)))
+    shows = np.array([k if name in ("ctl_shape", "prop", "shape") else -1 for k, name in enumerate(names)])
+    made = {names.index(name): {"type": "control"} for name in ("ctl", "knob")}
+    assert {names[node] for node in replace(rig, attachment=shows, metadata=made).own} == set(ours)
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_worlds_are_locals_times_the_parents_world(seed: int) -> None:
     rig = random_rig(seed)

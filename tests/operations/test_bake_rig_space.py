@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from program import cli
 from pxr import Gf, Usd, UsdGeom, UsdSkel
+from rigs import rig_of
 from usd_files import MESH, animation, read, save, scene, skeleton
 
 from rigtri.evaluation.rig_space import in_rig_space
+from rigtri.model.skin import Skin
+from rigtri.operations.bake.warnings import warn_outside
+from rigtri.report import Report
 
 PLACE = """
 double3 xformOp:translate = (3, 1, 0)
@@ -108,3 +113,13 @@ def test_controls_beside_an_uneven_scale_give_joints_back(samples: Path, tmp_pat
 def test_a_uniform_scale_changes_nothing(asset: Path, tmp_path: Path) -> None:
     rig = read(shot(tmp_path, asset.name, PLACE.replace("2, 0.5", "1, 1").replace("1.5", "1"))).rig
     assert in_rig_space(rig, lambda seen: seen) is rig
+
+
+def test_a_bake_warns_of_each_node_above_the_joints_whose_scale_is_uneven() -> None:
+    names = ["squashed", "hips", "beside"]
+    rig = rig_of(names, [-1, 0, -1], np.zeros((3, 3)), scale=np.array([[1.0, 2, 1], [1, 1, 1], [1, 1, 3]]))
+    report = Report()
+    warn_outside(replace(rig, skins=(Skin("skin", np.array([1]), np.eye(4)[np.newaxis]),)), report)
+    (warning,) = report.warnings
+    assert warning.code == "uneven-above"
+    assert "The scale of 'squashed' is not uniform" in str(warning)

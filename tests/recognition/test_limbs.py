@@ -61,6 +61,10 @@ def test_joints_that_are_only_numbered_make_a_limb_of_the_first_three() -> None:
     assert triples(rig) == [["leg_joint_L_1", "leg_joint_L_2", "leg_joint_L_3"]]
 
 
+def test_joints_that_are_only_numbered_on_no_side_make_no_limb() -> None:
+    assert not triples(named(["torso", "leg_joint_1", "leg_joint_2", "leg_joint_3"], [-1, 0, 1, 2]))
+
+
 def test_a_limb_has_three_different_joints() -> None:
     rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
     with pytest.raises(UsageError, match="three different joints"):

@@ -23,7 +23,7 @@ from gltf_files import small
 from places import files_of_all_kinds, leave_out_refused
 from program import cli
 from pxr import Sdf
-from rigs import chain
+from rigs import chain, rig_of
 from second_opinions import validator
 from usd_of_everything import planted
 
@@ -621,6 +621,17 @@ def test_places_and_axes_count_from_the_rounding_of_the_joints_above_on(
     axes = rig_changes(before, replace(before, rotation=turned), tolerance=tolerance)
     assert [each.where for each in places if each.group == "places"] == ["c"] * shown
     assert [each.where for each in axes if each.group == "axes"] == ["b", "c"] * shown
+
+
+def test_another_order_of_children_and_roots_is_that_of_those_that_both_have() -> None:
+    names, more = ["top", "a", "b", "c", "side"], ["side", "top", "c", "new", "a", "b"]
+    before = rig_of(names, [-1, 0, 0, 0, -1], np.eye(5, 3))
+    after = rig_of(more, [-1, -1, 1, 1, 1, 1], np.eye(6, 3))
+    moved = [str(each) for each in rig_changes(before, after) if each.kind == "moved"]
+    assert [text.split("order: ")[1] for text in moved if "order" in text] == [
+        "a b c → c a b",
+        "top side → side top",
+    ]
 
 
 @pytest.mark.ci

@@ -21,8 +21,11 @@ from usd_files import (
 )
 
 from rigtri.errors import FileError, UsageError
+from rigtri.formats.usd.opinions.skin_influences import WEIGHTS
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY
+from rigtri.operations.limit_weights import LimitWeightsOptions, limit_weights
+from rigtri.report import Report
 from rigtri.verification.compare.compare import self_check
 
 ASSET = scene(skeleton(), animation(), MESH)
@@ -323,3 +326,16 @@ def test_an_index_that_no_joint_has_is_refused_where_it_weighs(tmp_path: Path) -
     # Padding of points with fewer influences weighs nothing, and may say anything.
     padded = scene(skeleton(), animation(), MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, -1, 1, 2, 2, 9]"))
     assert len(read(save(tmp_path, padded, "padded.usda")).meshes()) == 1
+
+
+def test_a_limit_leaves_meshes_within_it_alone_also_where_they_could_not_be_written(tmp_path: Path) -> None:
+    """A weight of all for each point, stored once and indexed: only more joints than allowed need an edit."""
+    fine = MESH.replace('Mesh "Skin"', 'Mesh "Fine"')
+    fine = fine.replace("[0, 1, 1, 2, 2, 1] (elementSize = 2", "[0, 1, 2] (elementSize = 1")
+    fine = fine.replace("[1, 0, 0.5, 0.5, 1, 0] (elementSize = 2", "[1] (elementSize = 1")
+    fine = fine.replace("rel skel", "int[] primvars:skel:jointWeights:indices = [0, 0, 0]\n    rel skel")
+    document = read(save(tmp_path, scene(skeleton(), animation(), MESH, fine)))
+    limited = limit_weights(document.rig, options=LimitWeightsOptions(max_influences=1), report=Report())
+    out = Usd.Stage.Open(str(write(document, limited, tmp_path / "out.usda")))
+    weights = {name: out.GetAttributeAtPath(f"/Root/{name}.{WEIGHTS}").Get() for name in ("Skin", "Fine")}
+    assert {name: list(found) for name, found in weights.items()} == {"Skin": [1, 0, 1, 0, 1, 0], "Fine": [1]}

@@ -17,6 +17,7 @@ import sysconfig
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -32,7 +33,7 @@ from program import cli
 
 from rigtri import edit, orient_joints
 from rigtri.errors import FileError
-from rigtri.pipeline.batch import dask
+from rigtri.pipeline.batch import dask, dask_worker, urls
 from rigtri.pipeline.batch.dask_worker import Event
 from rigtri.pipeline.batch.file_task import Assignment, Record
 from rigtri.pipeline.batch.inputs import Entry
@@ -235,6 +236,17 @@ def test_a_scheduler_that_is_not_there_is_reported_before_anything_is_done(
     assert result.exit_code == 3, result.stderr
     assert f"no Dask scheduler answers at {address}" in result.stderr
     assert not Path("out").exists()
+
+
+def test_a_worker_knows_the_secrets_of_urls_before_it_touches_a_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    """This process is no worker: what comes next has nobody to ask."""
+    monkeypatch.setattr(urls, "_users", {})
+    monkeypatch.setattr(urls, "_queries", {})
+    monkeypatch.setattr(dask_worker, "leave_out_working_folder", lambda: None)
+    secrets = {"s3://studio": "me:word"}, {"https://server/a.glb": "?sig=1"}
+    with pytest.raises(ValueError, match="worker"):
+        dask_worker.do(pickle.dumps((1, None, SimpleNamespace(secrets=secrets))))
+    assert urls.secrets() == secrets
 
 
 @pytest.mark.parametrize("address", ["foo", slow("tcp://foo"), slow("foo://127.0.0.1:1")])
