@@ -385,6 +385,27 @@ def test_a_mirrored_constraint_warns_of_keys_of_the_control_that_follows(samples
     assert text.startswith("hand_R_ik_ctl has keys in reach")
 
 
+@pytest.mark.parametrize(
+    ("first", "told"),
+    [
+        ("chest", ["hand_R_ik_ctl has keys in reach and follows a constraint from now on"]),
+        ("root", []),  # where it was before
+    ],
+)
+def test_mirrored_spaces_warn_of_keys_that_count_from_elsewhere(
+    first: str, told: list[str], samples: Path
+) -> None:
+    rig = add_controls(read(samples / "biped.glb").rig, whole_character=True)
+    rig = constrain(rig, options=ConstrainOptions(child="hand_L_ik_ctl", space=(first, "world")))
+    nodes = [rig.find(name) for name in ("hand_R_ik_ctl", "hand_L_ik_ctl", "head_ctl")]
+    keys = [Track(node, "translation", "STEP", np.zeros(1), np.full((1, 3), 0.1)) for node in nodes]
+    report = Report()
+    rig = replace(rig, clips=(Clip("reach", tuple(keys)),))
+    mirror(rig, options=MirrorOptions(from_side="left"), report=report)
+    said = [each.text.split(":")[0] for each in report.warnings if each.code == "mirror-moves"]
+    assert said == told
+
+
 @pytest.mark.ci
 def test_a_mirrored_constraint_warns_of_weights_that_switch_in_clips(samples: Path) -> None:
     """Keys are motion, and stay on their side; before, nothing said so."""

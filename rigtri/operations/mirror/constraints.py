@@ -12,7 +12,7 @@ from rigtri.maths.matrices import identity
 from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, from_axes, multiply, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import Constraint, constraints_of
-from rigtri.model.metadata import ConstraintRecord, ControlRecord, PoleVectorRecord, Triple
+from rigtri.model.metadata import ConstraintRecord, ControlRecord, OffsetRecord, PoleVectorRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import follow
 from rigtri.operations.constrain.weight_keys import WeightKeys
@@ -47,23 +47,34 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             same_values(stored, built.metadata[k], farthest_joint(rig)) for k, stored in rig.metadata.items()
         )
         if not same:
-            _warn_keyed(rig, mirrored, report)
+            if not (keep and _follows_parent(rig, mirrored)):
+                _warn_keyed(rig, mirrored, report)
             _warn_switched(rig, rule, report)
         return rig if same else built
 
     return mirror_each(rig, of_side(rig, options, ConstraintRecord), "constraint", build, report)
 
 
+def _follows_parent(rig: Rig, rule: Constraint) -> bool:
+    """Whether a child is carried at rest as its parent carries it: a space in which it was already."""
+    parent = int(rig.parents[rule.child])
+    counting = {driver for driver, weight in zip(rule.drivers, rule.weights, strict=True) if weight}
+    return rule.kind == "parent" and counting == {parent}
+
+
 def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
-    """Warn of clips in which controls have keys that a new rule overrules: the next bake moves them."""
+    """Warn of clips whose keys a new rule overrules, or lets count from elsewhere: bakes then differ."""
     found = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
     found |= {node: record.chain for node, record in rig.records(ControlRecord).items()}
     chain = tuple(map(rig.address, rule.chain))
-    moved = {node for node, limb in found.items() if node == rule.child or (chain and limb == chain)}
-    clips = [clip.name for clip in rig.clips if any(track.node in moved for track in clip.tracks)]
-    if clips:
-        names = listed([rig.title(node) for node in sorted(moved)], 6)
-        text = f"{names} has keys in {listed(clips, 6)} and follows a constraint from now on"
+    moved = {node for node, limb in found.items() if chain and limb == chain} | {rule.child}
+    if rule.child in rig.records(OffsetRecord):  # the space of the control below it
+        moved.update(rig.children[rule.child])
+    keyed = {clip.name: moved & {track.node for track in clip.tracks} for clip in rig.clips}
+    if nodes := set[int]().union(*keyed.values()):
+        names = listed([rig.title(node) for node in sorted(nodes)], 6)
+        clips = listed([clip for clip, nodes in keyed.items() if nodes], 6)
+        text = f"{names} has keys in {clips} and follows a constraint from now on"
         report.warn("mirror-moves", f"{text}: the next bake gives other motion there")
 
 
