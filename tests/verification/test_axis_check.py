@@ -12,6 +12,7 @@ from body_files import AXES, FINGERS, backwards, rolled, with_poles
 from broken_vrm import avatar_0
 from places import SAMPLES, samples_of_all_kinds
 from posed_bodies import Pose, posed_body, poses
+from recognition_bodies.skeletons import MAN, TRUNK, line, rig_with
 
 from rigtri import mirror, orient_joints
 from rigtri.formats import ReadOptions, read
@@ -52,6 +53,19 @@ def test_no_preset_leaves_anything_to_report_of_the_samples(path: Path) -> None:
         assert rules(rig)
     for preset in PRESETS:
         assert list(axis_findings(orient_joints(rig, preset=preset))) == [], preset
+
+
+def test_a_spine_that_folds_back_on_itself_is_not_rolled() -> None:
+    """As Second Life's, where mSpine1 goes up, mSpine2 down again, and mTorso up once more."""
+    (_, _, hips), (_, _, spine), *above = TRUNK
+    names = "hips fold_1 fold_2 spine chest neck head"
+    trunk = line(names, "", hips, (0, 1.15, 0.01), (0, 1.005, 0), spine, *(place for _, _, place in above))
+    rig = rig_with([*trunk, *MAN[len(TRUNK) :]])
+    for preset in PRESETS:
+        assert rules(orient_joints(rig, preset=preset)) == set(), preset
+    rig, delta = orient_joints(rig), np.tile(IDENTITY, (len(rig), 1))
+    delta[rig.find("fold_2")] = from_axis_angle(np.array([1.0, 0.0, 0.0]), np.pi)
+    assert rules(reframe(rig, delta)) == {"axes.trunk"}
 
 
 @pytest.mark.parametrize("side", ["behavior", "blender"])

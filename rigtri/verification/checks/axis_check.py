@@ -21,7 +21,7 @@ from rigtri.errors import NameNotFoundError, RigtriError
 from rigtri.frames.skeleton import Skeleton, reference, skeleton
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import determinant
-from rigtri.maths.quaternions import between, rotate
+from rigtri.maths.quaternions import between, from_axis_angle, rotate
 from rigtri.maths.triangle import bend_sine
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, dot, length, normalise, perpendicular
@@ -214,11 +214,17 @@ class _Seen:
         off += [joint for joint in odd if joint not in off]
         return None if odd else best
 
-    def _roll(self, aim: Signed, one: int, other: int) -> float:
-        """How far a joint is rolled against another about the axis that aims, degrees."""
+    def _roll(self, aim: Signed, one: int, other: int, folds: Floats | None = None) -> float:
+        """How far a joint is rolled against another about the axis that aims, degrees.
+
+        folds: the axis about which bones fold back, (3,): opposite ones have no shortest turn.
+        """
         (k, sign), up = aim, (aim[0] + 1) % 3
-        start, end = self.axes[one, k] * sign, self.axes[other, k] * sign
-        return float(np.degrees(angle(rotate(between(start, end), self.axes[one, up]), self.axes[other, up])))
+        start, end, axis = self.axes[one, k] * sign, self.axes[other, k] * sign, self.axes[one, up]
+        if folds is not None and dot(start, end) < 0:
+            half = from_axis_angle(perpendicular(folds, start), np.pi)
+            start, axis = rotate(half, start), rotate(half, axis)
+        return float(np.degrees(angle(rotate(between(start, end), axis), self.axes[other, up])))
 
     def _hand(self, side: str, hand: Sequence[Chain], off: list[int]) -> Iterator[Found]:
         aim = self._aim([finger.joints[:2] for finger in hand], off)  # type: ignore[misc]
@@ -297,7 +303,7 @@ class _Seen:
         if len(trunk) > 2 and not dot(bone[trunk[-1]], bone[trunk[-2]]) > FLEXES:
             trunk = trunk[:-1]  # a head without a bone of its own
         for below, joint in pairwise(trunk):
-            roll = self._roll(aim, below, joint)
+            roll = self._roll(aim, below, joint, None if self.body is None else self.body.left)
             if roll > TRUNK:
                 yield "axes.trunk", joint, f"is rolled by {roll:.0f}° against '{self.rig.title(below)}'"
         if self.body is None:
