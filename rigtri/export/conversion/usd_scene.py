@@ -263,7 +263,7 @@ class _Reader:
             found.setdefault(name, []).extend(moved)
         clips = []
         for name, some in found.items():
-            start = min(0.0, *(float(track.times[0]) for track in some))
+            start = min([0.0, *(float(track.times[0]) for track in some)])
             if start < 0:
                 self.scene.lose(f"that clip '{name}' begins {-start:g} time codes before 0: it begins at 0")
             kept = [self._in_seconds(track, rig, start) for track in some]

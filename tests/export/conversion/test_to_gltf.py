@@ -44,6 +44,14 @@ def test_openusd_prints_nothing_about_a_stage_that_lacks_what_it_names(
     assert capfd.readouterr().err == ""
 
 
+def test_an_animation_of_empty_samples_is_no_clip(tmp_path: Path) -> None:
+    """Before, a TypeError."""
+    empty = "quatf[] rotations.timeSamples = { 0: [], 5: [] }"
+    source = save(tmp_path, scene(skeleton(), animation(rotations=empty, translations="", scales=""), MESH))
+    cli("convert", source, "-o", tmp_path / "out.glb", code=0)
+    assert "animations" not in glb_json(tmp_path / "out.glb")
+
+
 @pytest.mark.parametrize("path", sample_files(".usda", ".usdz"), ids=lambda path: path.name)
 @pytest.mark.parametrize("suffix", [".glb", ".gltf"])
 def test_a_stage_in_gltf_looks_the_same(path: Path, suffix: str, tmp_path: Path) -> None:
