@@ -5,9 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from program import cli
 from usd_files import MESH, animation, at, read, save, scene, skeleton
 
+import rigtri
+from rigtri.errors import FileError
 from rigtri.formats.usd.opinions.xform_edits import op_samples
 from rigtri.model.animation import Track
 
@@ -26,6 +29,13 @@ def test_a_clip_library_has_no_rest_pose_to_write(tmp_path: Path) -> None:
     ran = cli("pose", source, "-o", out, "--at", "Anim@5", "--no-evaluate", code=3)
     assert "there is no Skeleton that could hold another rest pose" in ran.stderr
     assert not out.exists()
+
+
+def test_a_clip_library_with_new_keys_has_no_other_rest_pose_either(tmp_path: Path) -> None:
+    """As conform does it: another pose, then other axes. Before, "the result would look different"."""
+    rig = rigtri.take_pose(rigtri.read(save(tmp_path, scene(animation()))), at="Anim@5", evaluate=False)
+    with pytest.raises(FileError, match="no Skeleton that could hold another rest pose"):
+        rigtri.write(rigtri.orient_joints(rig, aim="x", up="y"), tmp_path / "out.usda")
 
 
 def test_samples_are_made_unit_where_rounding_has_left_them_and_nowhere_else() -> None:

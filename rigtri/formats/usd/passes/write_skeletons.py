@@ -11,7 +11,9 @@ from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, refuse_unskinned
 from rigtri.maths.arrays import Integers
-from rigtri.maths.matrices import inverse, multiply
+from rigtri.maths.matrices import compose, inverse, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
@@ -23,7 +25,8 @@ def write_skeletons(edit: UsdEdit) -> None:
     """Write the matrices of joints that differ. FileError where a skeleton cannot be edited."""
     source, rig, moved = edit.source, edit.rig, edit.changes.moved
     for old, new in zip(source.rig.skins, rig.skins, strict=False):  # new ones come last
-        if kind(old.key) == "library" and moved[old.joints].any() and not _keyed(source.rig, rig, old.joints):
+        posed = old.joints[moved[old.joints]]
+        if kind(old.key) == "library" and len(posed) and not _posed_first(rig, posed):
             raise FileError(
                 f"<{parts(old.key)[1]}>: there is no Skeleton that could hold another rest pose, only an "
                 "animation. Edit the file that has the skeleton"
@@ -38,11 +41,12 @@ def write_skeletons(edit: UsdEdit) -> None:
             bind = skeleton.bind.copy()
             bind[rebound] = inverse(new.inverse_bind[rebound])
             edit.values.append(set_matrices(path, "bindTransforms", bind))
-        posed = moved[old.joints]
-        if posed.any() and (skeleton.has_rest or not _at_bind(rig, new, skeleton)):
+        if len(posed) and (skeleton.has_rest or not _at_bind(rig, new, skeleton)):
             refuse(skeleton.locked)
             refuse_unskinned(skeleton, "the requested rest pose")
-            rest = np.where(posed[:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest)
+            rest = np.where(
+                moved[old.joints][:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest
+            )
             edit.values.append(set_matrices(path, "restTransforms", rest))
 
 
@@ -55,11 +59,13 @@ def _at_bind(rig: Rig, skin: Skin, skeleton: Skeleton) -> bool:
     return bool((np.abs(shifts - where) <= _STANDING * size).all())
 
 
-def _keyed(before: Rig, after: Rig, joints: Integers) -> bool:
-    """Whether joints have other keys than before."""
-    inside = set(joints.tolist())
-    was, now = (
-        [track for clip in rig.clips for track in clip.tracks if track.node in inside]
-        for rig in (before, after)
+def _posed_first(rig: Rig, joints: Integers) -> bool:
+    """Whether joints rest as clips pose them first: so they are read again where no skeleton holds a rest."""
+    first: dict[tuple[int, str], Floats] = {}
+    for track in (track for clip in rig.clips for track in clip.tracks):
+        first.setdefault((track.node, track.path), key_values(track)[0])
+    parts = ("translation", "rotation", "scale")
+    posed = compose(
+        *(np.array([first.get((j, p), getattr(rig, p)[j]) for j in joints.tolist()]) for p in parts)
     )
-    return len(was) != len(now) or any(a is not b for a, b in zip(was, now, strict=True))
+    return bool((np.abs(posed - rig.local[joints]) <= _STANDING * np.maximum(1.0, np.abs(posed))).all())
