@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from rigtri.operations.options.merge_joints import MergeJointsOptions
 from rigtri.report import Report
+from rigtri.text import listed
 
 from .edit_command import edit_command
 from .terminal_text import counted
@@ -25,8 +26,8 @@ def summary(report: Report) -> str:
     if not report.joints:
         return "there is nothing to merge; nothing was changed"
     pairs = [f"{each['joint']} into {each['heir']}" for each in report.joints if "heir" in each]
-    more = " …" * (len(pairs) > 4)
-    return f"{counted(len(report.joints), 'node')} merged: {', '.join(pairs[:4])}{more}"
+    names = pairs or [each["joint"] for each in report.joints]
+    return f"{counted(len(report.joints), 'node')} merged: {listed(names, 4)}"
 
 
 command = edit_command("merge-joints", MergeJointsOptions, summary, __doc__)

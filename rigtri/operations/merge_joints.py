@@ -89,7 +89,9 @@ class _Merging:
             while node >= 0 and node not in self.kept:
                 self.kept.add(node)
                 node = self._above[node]
+        # What nothing above could take over stays: joints, and the top nodes of a plain hierarchy.
         self.kept |= {node for node in self._joints if self.heir(node) < 0}
+        self.kept |= set(np.flatnonzero(rig.parents < 0).tolist())
         # How many children each node has at or below which a joint stays.
         self._staying = [0] * len(rig)
         holds = [node in self._joints for node in range(len(rig))]
@@ -128,7 +130,8 @@ class _Merging:
             names = listed([self.rig.title(each) for each in needed], 4)
             raise GeometryError(
                 f"'{self.rig.title(node)}' cannot be merged: {names} or a joint below has a mesh, or the "
-                "file or rigtri's metadata name it, or no joint above is in its skin. Leave it out"
+                "file or rigtri's metadata name it, or nothing is above it, or no joint above is in its "
+                "skin. Leave it out"
             )
         self.gone.update(below)
         held = node in self._joints or self._staying[node]

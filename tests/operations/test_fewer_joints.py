@@ -43,12 +43,17 @@ def test_joints_without_weight_go_and_nothing_moves(suffix: str, tmp_path: Path)
         assert skin.weighted.sum() + len(after.nodes_of("twist")) >= len(skin.joints)
 
 
-def test_a_file_may_lose_all_its_nodes(tmp_path: Path) -> None:
+def test_the_top_nodes_of_a_plain_hierarchy_stay(tmp_path: Path) -> None:
+    """Nothing is above them that could take over what they move."""
     source, out = tmp_path / "in.gltf", tmp_path / "out.gltf"
     nodes = [{"name": "a", "children": [1]}, {"name": "b", "translation": [0, 1, 0]}]
     source.write_text(json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": nodes}))
-    cli("merge-joints", source, "-o", out, "--root", "a", "--joints", "*", code=0)
-    assert "nodes" not in glb_json(out)
+    ran = cli("merge-joints", source, "-o", out, "--joints", "*", code=5)
+    assert "'a' cannot be merged" in ran.stderr
+    assert not out.exists()
+    ran = cli("merge-joints", source, "-o", out, "--joints", "b", code=0)
+    assert "1 node merged: b\n" in ran.stderr
+    assert [node["name"] for node in glb_json(out)["nodes"]] == ["a"]
 
 
 def test_a_mesh_without_a_name_is_found_behind_joints_that_go(tmp_path: Path) -> None:
