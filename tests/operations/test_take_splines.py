@@ -56,15 +56,20 @@ PLACES = np.stack([0 * JUMP, 1 + JUMP, 0 * JUMP], axis=1)
 TURNS = from_axis_angle([1.0, 0.0, 0.0], np.sin(np.arange(20.0)) * 0.4)
 
 
-@pytest.mark.parametrize(("path", "values"), [("translation", PLACES), ("rotation", TURNS)])
-def test_the_smooth_curve_of_a_dcc_through_the_keys_is_no_edit(path: TrackPath, values: Floats) -> None:
+@pytest.mark.parametrize(
+    ("path", "values", "apart"), [("translation", PLACES, "0.016 of the size"), ("rotation", TURNS, "2.8°")]
+)
+def test_the_smooth_curve_of_a_dcc_through_the_keys_is_no_edit(
+    path: TrackPath, values: Floats, apart: str
+) -> None:
     """It swings beside a jump, where the keys of the spline, which lie flat, do not move at all."""
     flat, smooth = (spline(1, path, values, m) for m in (np.zeros_like(values), natural(values)))
     now = framed(smooth)
     assert np.abs(now.values - sample(flat, FRAMES)).max() > 1e-3
     rig, report = playing(RIG, flat), Report()
     assert take_clips(rig, from_=playing(RIG, now), report=report) is rig
-    assert "splines-kept" in {notice.code for notice in report.warnings}
+    said = {notice.code: notice.text for notice in report.warnings}
+    assert f"(up to {apart})" in said["splines-kept"]
 
 
 @pytest.mark.parametrize(("path", "values"), [("translation", PLACES), ("rotation", TURNS)])

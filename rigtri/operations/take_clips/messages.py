@@ -9,6 +9,7 @@ import numpy as np
 from rigtri.maths.matrices import from_frame, nearest_rotation, transform_directions
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.similarity_fit import SAME_TURN, upright_turn
+from rigtri.model.animation import Path as TrackPath
 from rigtri.model.animation import Track, key_values
 from rigtri.model.metadata import PoseReaderRecord, RivetRecord, TwistRecord
 from rigtri.model.rig import Rig
@@ -82,11 +83,12 @@ def warn_tracks(
     clip: str,
     sampled: Sequence[str],
     kept: Sequence[str],
-    splines: Sequence[tuple[str, float]],
+    splines: Sequence[tuple[str, TrackPath, float]],
 ) -> None:
     """Warn of the tracks of a clip, by the names of their nodes, that could not be taken key by key.
 
-    sampled: worked out anew; kept: those that only RIG has; splines: kept, and how far EDITED's are off.
+    sampled: worked out anew; kept: those that only RIG has; splines: kept, and how far EDITED's are off:
+    turns in radians, places as a share of the size.
     """
     if sampled:
         report.warn(
@@ -100,13 +102,23 @@ def warn_tracks(
             f"EDITED has no keys for {list_names(kept)} in '{clip}'; RIG's were kept",
         )
     if splines:
-        far = max(size for _, size in splines)
+        far = dict[TrackPath, float]()
+        for _, path, size in splines:
+            far[path] = max(size, far.get(path, 0.0))
+        apart = ", ".join(_in_words(path, size) for path, size in far.items())
         report.warn(
             "splines-kept",
             f"In '{clip}' EDITED has RIG's values at the spline keys of "
-            f"{list_names(n for n, _ in splines)}, and other curves between (up to {far:.2g}); "
+            f"{list_names(name for name, *_ in splines)}, and other curves between (up to {apart}); "
             "RIG's splines were kept",
         )
+
+
+def _in_words(path: TrackPath, far: float) -> str:
+    """How far the curves of a property are apart."""
+    if path == "rotation":
+        return f"{np.degrees(far):.2g}°"
+    return f"{far:.2g} " + {"translation": "of the size", "scale": "in scale", "weights": "in weight"}[path]
 
 
 def moves(track: Track) -> bool:

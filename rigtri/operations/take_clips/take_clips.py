@@ -13,11 +13,12 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import to_parts
-from rigtri.evaluation.key_reduction import key_tolerances
+from rigtri.evaluation.key_reduction import key_tolerances, parent_sizes
 from rigtri.evaluation.timelines import put_tracks, timelines, without_steps
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Track, key_values
+from rigtri.model.animation import Path as TrackPath
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.take_clips import TakeClipsOptions as TakeClipsOptions
@@ -152,7 +153,7 @@ class _Taking:
         self.same = 0
         self.sampled: list[str] = []
         self.kept: list[str] = []
-        self.splines: list[tuple[str, float]] = []
+        self.splines: list[tuple[str, TrackPath, float]] = []
         self.ranges: Ranges | None = None
         self.spans: dict[tuple[int, str], tuple[float, float]] = {}  # of EDITED's tracks, in the rig's time
 
@@ -195,7 +196,7 @@ class _Taking:
             if (t.name == self.taken.name if home is None else not set(home.members).isdisjoint(t.members))
         ]
         if played and (home is not None or self.changed):
-            splines = {name for name, _ in self.splines}
+            splines = {name for name, *_ in self.splines}
             left = self.follow | {n for n in self.both.of if self.rig.names[n] in splines}
             check = MotionCheck(self.seen, self.bodies, rig, played[-1].clip, left)
             refuse_other_motion(check, self.kept, self.report)
@@ -256,7 +257,9 @@ class _Taking:
             self.same += 1
             return None
         if far is not None:
-            self.splines.append((self.rig.names[now.node], far))
+            if now.path == "translation":
+                far *= float(parent_sizes(self.rig)[now.node]) / self.both.size
+            self.splines.append((self.rig.names[now.node], now.path, far))
             self.same += 1
             return None
         if self.ranges is not None and self.ranges.whole:
