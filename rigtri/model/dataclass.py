@@ -1,10 +1,9 @@
-"""`dataclasses.dataclass`, whose frozen classes are made in a third of the time.
+"""`dataclasses.dataclass`, whose frozen classes are made in a fraction of the time.
 
-A command makes some 130 frozen classes when it starts. The standard library compiles six functions for
-each, a fifth of the run of a small file (benchmarks/README.md). Here it compiles ``__init__`` alone,
-and the five others are the same functions for all classes. In turn an instance takes 0.3 µs longer for each
-field, and a comparison a few times as long; so the few classes that are made by thousands, such as tracks,
-keep the standard decorator.
+A command makes some 110 frozen classes when it starts. The standard library compiles six functions for
+each, a fifth of the run of a small file (benchmarks/README.md). Here all six are the same functions for all
+classes. In turn an instance takes a microsecond longer, and a comparison a few times as long; so the few
+classes that are made by thousands, such as tracks, keep the standard decorator.
 """
 
 from __future__ import annotations
@@ -13,8 +12,9 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import FrozenInstanceError
 from functools import cache
+from inspect import Parameter, Signature
 from reprlib import recursive_repr
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 
 def _frozen(*, eq: bool = True, kw_only: bool = False) -> Callable[[type], type]:
@@ -26,7 +26,7 @@ def _frozen(*, eq: bool = True, kw_only: bool = False) -> Callable[[type], type]
             return dataclasses.dataclass(frozen=True, eq=eq, kw_only=kw_only)(cls)
         own = vars(cls)
         shared: dict[str, Any] = {"__setattr__": _refuse_set, "__delattr__": _refuse_delete}
-        shared["__repr__"] = _repr
+        shared |= {"__init__": _init, "__repr__": _repr, "__signature__": _ShownSignature()}
         if eq:
             shared["__eq__"] = _equal
         if eq and own.get("__hash__") is None:  # which Python sets where a class has its own __eq__
@@ -38,7 +38,7 @@ def _frozen(*, eq: bool = True, kw_only: bool = False) -> Callable[[type], type]
             cls.__doc__ = (
                 ""  # for else the standard library asks for the signature, which takes as long again
             )
-        return dataclasses.dataclass(cls, repr=False, eq=False, kw_only=kw_only)
+        return dataclasses.dataclass(cls, init=False, repr=False, eq=False, kw_only=kw_only)
 
     return made
 
@@ -54,6 +54,76 @@ if TYPE_CHECKING:
     from dataclasses import dataclass as dataclass
 else:
     dataclass = _dataclass
+
+
+class _Parameters(NamedTuple):
+    """What ``__init__`` of a class takes. order: names by position. values: of all names, in the order of the
+    fields, their defaults, or `dataclasses.MISSING`. required: names that have none. made: names with what
+    makes their values. finish: whether the class does more."""
+
+    order: tuple[str, ...]
+    values: dict[str, Any]
+    required: tuple[str, ...]
+    made: tuple[tuple[str, Callable[[], Any]], ...]
+    finish: bool
+
+
+@cache
+def _parameters(cls: Any) -> _Parameters:
+    none, fields = dataclasses.MISSING, dataclasses.fields(cls)
+    given = [each for each in fields if each.init]
+    return _Parameters(
+        tuple(each.name for each in given if not each.kw_only),
+        {each.name: each.default for each in given},
+        tuple(each.name for each in given if each.default is none and each.default_factory is none),
+        tuple((each.name, each.default_factory) for each in fields if each.default_factory is not none),
+        hasattr(cls, "__post_init__"),
+    )
+
+
+def _init(self: Any, *values: Any, **named: Any) -> None:
+    order, defaults, required, made, finish = _parameters(self.__class__)
+    own = {**defaults, **dict(zip(order, values, strict=False)), **named}
+    twice = values and not named.keys().isdisjoint(order[: len(values)])
+    if twice or len(values) > len(order) or len(own) > len(defaults):
+        _refuse_call(self.__class__, values, named)
+    for name in required:
+        if own[name] is dataclasses.MISSING:
+            _refuse_call(self.__class__, values, named)
+    for name, make in made:
+        if own.get(name, dataclasses.MISSING) is dataclasses.MISSING:
+            own[name] = make()
+    self.__dict__.update(own)
+    if finish:
+        self.__post_init__()
+
+
+def _refuse_call(cls: Any, values: tuple[Any, ...], named: dict[str, Any]) -> None:
+    try:
+        _signature(cls).bind(*values, **named)
+    except TypeError as error:
+        raise TypeError(f"{cls.__qualname__}: {error}") from None
+
+
+def _signature(cls: Any) -> Signature:
+    """Of ``__init__``, for people: help and refusals."""
+    found = []
+    for each in dataclasses.fields(cls):
+        if not each.init:
+            continue
+        default: Any = Parameter.empty if each.default is dataclasses.MISSING else each.default
+        if each.default_factory is not dataclasses.MISSING:
+            default = each.default_factory
+        kind = Parameter.KEYWORD_ONLY if each.kw_only else Parameter.POSITIONAL_OR_KEYWORD
+        found.append(Parameter(each.name, kind, default=default, annotation=each.type))
+    return Signature(sorted(found, key=lambda each: each.kind), return_annotation=None)
+
+
+class _ShownSignature:
+    """Put together when somebody asks for it, by `inspect.signature`."""
+
+    def __get__(self, one: Any, cls: Any) -> Signature:
+        return _signature(cls)
 
 
 @cache

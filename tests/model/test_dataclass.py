@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import inspect
 import pickle
 from collections.abc import Callable
 from dataclasses import FrozenInstanceError, dataclass, field
@@ -117,3 +118,35 @@ def test_instances_travel_between_processes() -> None:
 
     for one in (Worst("mesh", "walk", 0.5), Notice("straight", "a limb")):
         assert pickle.loads(pickle.dumps(one)) == one
+
+
+def test_a_call_takes_what_the_standard_decorator_takes() -> None:
+    """Arguments by position and name, defaults, and fields that no call gives; and what it refuses."""
+    seen = []
+    for decorator in (dataclass, ours):
+
+        @decorator(frozen=True)
+        class Made:
+            name: str
+            size: int = 1
+            many: list[int] = field(default_factory=list)
+            own: dict[str, int] = field(default_factory=dict, init=False)
+            fixed: int = field(default=7, init=False)
+            last: str = field(default="", kw_only=True)
+
+        good = [Made("a"), Made("a", 2, [3], last="z"), Made(size=4, name="b")]
+        seen.append([(dataclasses.asdict(each), each.fixed) for each in good])
+        assert good[0].many is not good[2].many
+        seen.append([*inspect.signature(Made).parameters])
+        for values, named in [
+            ((), {}),
+            (("a",), {"name": "b"}),
+            (("a",), {"nome": 1}),
+            (("a", 1, [], {}), {}),
+        ]:
+            with pytest.raises(TypeError):
+                Made(*values, **named)
+        for wrong in ("own", "fixed"):
+            with pytest.raises(TypeError, match=wrong):
+                Made("a", **{wrong: 1})
+    assert seen[:2] == seen[2:]
