@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.active_controls import controls_at_work
+from rigtri.evaluation.active_controls import controls_at_work, skeleton_size
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import chosen_timelines, timelines
 from rigtri.maths.quaternions import conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.unbaked import UNBAKED, away_from_keys
 from rigtri.operations.ground_motion import is_none, over_ground, rests, turned, twist, up_of, values_minus
 from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
@@ -46,6 +47,8 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
         if not requested:
             clips.append(clip)
             continue
+        if options.mode == "extract":
+            _refuse_unbaked(rig, k, hips, options)
         still = _without_roots_own(rig, clip, root, options) if options.mode == "remove" else clip
         made = move(rig, still, hips, root, options, report)
         if made is not clip:
@@ -85,6 +88,20 @@ def _refuse_driven(rig: Rig, number: int, nodes: list[int]) -> None:
             f"Controls move '{rig.title(lost[0])}' in clip '{timeline.name}': other keys of its own would be "
             "lost with the next bake. Take the motion to the joints and the controls out before, with: "
             "rigtri bake --to joints, then rigtri strip"
+        )
+
+
+def _refuse_unbaked(rig: Rig, number: int, hips: int, options: RootMotionOptions) -> None:
+    """GeometryError where controls move the hips over the ground in a clip as their own keys do not."""
+    (timeline,) = (each for each in timelines(rig) if number in each.members)
+    away, up = away_from_keys(rig, timeline, hips), np.array(rig.rules.up)
+    over = away[:, 3, :3] - np.outer(away[:, 3, :3] @ up, up)
+    far = max(np.abs(over).max() / skeleton_size(rig), np.abs(away[:, :3, :3]).max() if options.yaw else 0.0)
+    if not far <= UNBAKED:
+        raise GeometryError(
+            f"Controls or constraints move '{rig.title(hips)}' in clip '{timeline.name}' as its own keys "
+            f"do not ({far:.2g} of the size), and the root gets what these do. Take that motion to the "
+            "joints first, with: rigtri bake --to joints"
         )
 
 

@@ -459,6 +459,38 @@ def test_a_root_that_controls_move_gets_no_motion_that_a_bake_would_take_away() 
         rigtri.root_motion(rigtri.add_root(above), mode="remove")
 
 
+@pytest.mark.parametrize(
+    ("path", "change", "yaw", "stale"),
+    [
+        ("translation", (0.1, 0.0, 0.0), False, True),
+        ("translation", (0.0, 0.1, 0.0), False, False),  # height stays with the hips
+        ("rotation", (0.0, 1.0, 0.0), False, False),
+        ("rotation", (0.0, 1.0, 0.0), True, True),
+    ],
+)
+def test_motion_over_the_ground_that_controls_alone_have_is_to_be_baked_first(
+    path: str, change: tuple[float, ...], yaw: bool, stale: bool
+) -> None:
+    rig = rigtri.add_controls(rigtri.add_root(rigtri.read(SAMPLES / "biped.glb")), joints=("hips",))
+    rig = rigtri.bake(rig, to="controls", clip=("walk",))
+    hips, axes = rig.find("hips_ctl"), rig.world[rig.find("hips_ctl_offset"), :3, :3]
+
+    def moved(track: Track) -> Track:
+        if (track.node, track.path) != (hips, path):
+            return track
+        if path == "rotation":
+            return track.having(product(from_axis_angle(axes @ np.array(change), 0.3), track.values))
+        return track.having(track.values + axes @ np.array(change))
+
+    walk = rig.clips[0]
+    rig = replace(rig, clips=(replace(walk, tracks=tuple(map(moved, walk.tracks))), *rig.clips[1:]))
+    if stale:
+        with pytest.raises(GeometryError, match="move 'hips' in clip 'walk' as its own keys do not"):
+            rigtri.root_motion(rig, yaw=yaw)
+        rig = rigtri.bake(rig, to="joints")
+    rigtri.root_motion(rig, yaw=yaw)
+
+
 @pytest.mark.ci
 def test_controls_of_joints_that_are_known_by_their_paths_find_them_below_the_root() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")

@@ -47,6 +47,16 @@ def unbaked(rig: Rig) -> str:
     return found
 
 
+def away_from_keys(rig: Rig, timeline: Timeline, node: int) -> Floats:
+    """Where controls and constraints have a node in a clip, less where its keys do, worlds, (f, 4, 4)."""
+    rig, _ = seen_alone(rig)
+    solver = Solver(rig, controls_at_work(rig, timeline))
+    if set(solver.sets).isdisjoint(rig.path_to_root(node)):
+        return np.zeros((1, 4, 4))
+    sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
+    return solver.run(sampled).world(node) - PoseCache(rig, sampled).world(node)
+
+
 def refuse_replaced(before: Rig, after: Rig, timeline: Timeline, size: float, bound: float) -> None:
     """GeometryError where new keys of controls move joints otherwise in a clip than the old ones.
 
