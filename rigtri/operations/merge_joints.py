@@ -154,7 +154,7 @@ class _Merging:
     def take_still(self) -> list[int]:
         """Let joints go that never move against their heirs; those that do not either, but are needed."""
         rig = self.rig
-        moving = _moving(rig)
+        moving = moving_nodes(rig)
         size = size_of(rig, rig.content.read_outlines())
 
         def is_still(node: int) -> bool:
@@ -251,7 +251,7 @@ def _corners(low: Floats, high: Floats) -> Floats:
     return np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
 
 
-def _moving(rig: Rig) -> Booleans:
+def moving_nodes(rig: Rig) -> Booleans:
     """The nodes that a clip moves away from their rest pose, (n,)."""
     found = np.zeros(len(rig), dtype=bool)
     for clip in rig.clips:

@@ -21,11 +21,13 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.body_pose import posed, sure_bones
 from rigtri.operations.joint_records import joint_record
+from rigtri.operations.merge_joints import moving_nodes
 from rigtri.operations.operation import operation
 from rigtri.operations.option_kinds import StandardPose
 from rigtri.operations.options.pose import PoseOptions
 from rigtri.operations.options.set_rest import SetRestOptions as SetRestOptions
 from rigtri.operations.pose import at_rest, pose_of
+from rigtri.operations.prune_joints import weighted_joints
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import listed
@@ -136,13 +138,20 @@ def _differs(rig: Rig, node: int, part: Parts, uneven: float) -> bool:
 
 
 def _bind(rig: Rig) -> Floats:
-    """World matrices with all joints in the bind pose of the first skin that has them and can be inverted."""
+    """World matrices with all joints in the bind pose of the first skin that has them and can be inverted.
+
+    Joints that move no point and keep still stand as they rest beside those above: exporters make up how they
+    were bound (Blender's leaf bones, without the transform of their armature).
+    """
     world, known = rig.world.copy(), np.zeros(len(rig), dtype=bool)
+    shows = weighted_joints(rig) | moving_nodes(rig)
+    for level in reversed(rig.levels[1:]):
+        shows[rig.parents[level[shows[level]]]] = True
     for number in sorted(range(len(rig.skins)), key=lambda k: -len(rig.skins[k].joints)):
         skin = rig.skins[number]
         bound = placed_bind_worlds(rig, number)
         for joint in skin.joints.tolist():
-            if not known[joint] and np.isfinite(bound[joint]).all():
+            if shows[joint] and not known[joint] and np.isfinite(bound[joint]).all():
                 world[joint], known[joint] = bound[joint], True
     for level in rig.levels[1:]:
         for node in level[~known[level]].tolist():

@@ -190,6 +190,22 @@ def test_a_skin_is_bound_in_the_space_above_a_node_of_another_size_that_is_place
     assert np.allclose(rigtri.set_rest(leaning, pose="bind").world[hips], bound, atol=1e-5)
 
 
+@pytest.mark.parametrize("pose", ["bind", "tpose"])
+def test_joints_that_move_nothing_rest_as_before_however_they_are_bound(pose: str) -> None:
+    """As Blender binds its leaf bones: without the transform that the armature has."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    skin, toe = rig.skins[0], rig.find("toe_L")
+    row = skin.joints.tolist().index(toe)
+    weighted, inverse_bind = skin.weighted.copy(), skin.inverse_bind.copy()
+    weighted[row] = False
+    inverse_bind[row] = 100 * np.eye(4)
+    inverse_bind[row, 3] = 0, 0, 0, 1
+    clips = tuple(replace(c, tracks=tuple(t for t in c.tracks if t.node != toe)) for c in rig.clips)
+    leaf = replace(skin, inverse_bind=inverse_bind, weigh=lambda: weighted)
+    found = rigtri.set_rest(replace(rig, skins=(leaf,), clips=clips, source=None), pose=pose)
+    assert np.allclose(found.local[toe], rig.local[toe], atol=1e-6)
+
+
 def test_a_clip_library_without_a_skin_rests_as_its_character_and_plays_as_before() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     arm = rig.find("upper_arm_L")
