@@ -89,7 +89,7 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     from rigtri.verification.checks.rule_catalogue import matching
 
     if values["list_rules"]:
-        _list(values["as_json"], engines=values["profile"] is not None)
+        _list(values["as_json"], values["profile"])
         return
     if not files:
         raise UsageError("name a file to check, or --list")
@@ -221,11 +221,11 @@ def _counted(numbers: dict[str, int]) -> str:
     return ", ".join(words)
 
 
-def _list(machine: bool, *, engines: bool) -> None:
-    from rigtri.verification.checks.profile_check import PROFILE_RULES
+def _list(machine: bool, profile: Profile | None) -> None:
+    from rigtri.verification.checks.profile_check import rules_of
     from rigtri.verification.checks.rule_catalogue import RULES
 
-    every = [*RULES.values(), *(PROFILE_RULES.values() if engines else ())]
+    every = [*RULES.values(), *(() if profile is None else rules_of(profile))]
     if machine:
         print_json([rule.as_json() for rule in every])
         return

@@ -76,6 +76,40 @@ def test_scales_names_influences_and_bones_are_found() -> None:
     assert "profile.influences" not in of_rig(replace(rig, content=content), "unity")
 
 
+def test_names_that_many_nodes_share_are_one_finding() -> None:
+    """Also that of a bone and a node that is no joint, among which Unity looks for bones, too."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    other = next(node for node in range(len(rig)) if not rig.is_joint[node])
+    names = list(rig.names)
+    names[other] = "head"
+    named = replace(rig, names=tuple(names))
+    assert "profile.names" in of_rig(named, "unity")
+    assert "profile.names" not in of_rig(named, "vrm")  # which names bones by their nodes
+    for side in "LR":
+        for bone in ("foot", "toe", "shin"):
+            names[rig.find(f"{bone}_{side}")] = bone
+    findings = Findings(PROFILE_RULES)
+    check_profile(replace(rig, names=tuple(names)), "unity", findings)
+    (shared,) = (item for item in findings.all() if item.id == "profile.names")
+    assert "3 other names" in shared.message
+
+
+def test_names_that_godot_alters_are_found() -> None:
+    rig = rigtri.rename_joints(rigtri.read(SAMPLES / "biped.glb"), to="mixamo")
+    assert "profile.names-altered" in of_rig(rig, "godot")
+    assert "profile.names-altered" not in of_rig(rigtri.rename_joints(rig, to="godot"), "godot")
+
+
+def test_the_list_has_the_rules_of_one_engine() -> None:
+    listed = {profile: cli("check", "--list", "--profile", profile).stdout for profile in PROFILES}
+    assert "profile.root" in listed["unreal"]
+    assert "profile.pose" not in listed["unreal"]
+    assert "profile.joints" in listed["webgl"]
+    assert "profile.character" not in listed["webgl"]
+    for rule in PROFILE_RULES:
+        assert any(f"{rule} (" in text for text in listed.values())
+
+
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_profile_costs_little(profile: str) -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import get_args
 
 import numpy as np
@@ -38,7 +38,8 @@ _AHEAD = cosine_below(45)
 class _Engine:
     """What one engine asks for. influences: joints of a point, joints: of a skin; 0 for any number.
 
-    first: it reads the first so many influences of a point, wherever others are 0.
+    first: it reads the first so many influences of a point, wherever others are 0. unique: it finds bones by
+    their names, among all nodes.
     """
 
     title: str
@@ -49,16 +50,37 @@ class _Engine:
     influences: int = 0
     first: bool = False
     joints: int = 0
+    unique: bool = False
     odd_names: str = ""
+
+    @property
+    def body(self) -> bool:
+        """Whether it asks for anything of a body, which is recognised for that."""
+        return self.humanoid or self.t_pose or self.root
+
+    def asks(self, rule: str) -> bool:
+        """Whether a rule of profiles, without its prefix, is one of this engine."""
+        return bool(
+            {
+                "character": self.humanoid,
+                "bones": self.humanoid,
+                "pose": self.t_pose,
+                "names": self.unique,
+                "names-altered": self.odd_names,
+                "facing": self.body,
+                "hierarchy": self.body,
+            }.get(rule)
+            or getattr(self, rule, False)
+        )
 
 
 # Sources of the numbers: Unity manual, QualitySettings.skinWeights; Unreal, "Skeletal Mesh" (8 influences);
-# Godot, ArrayMesh (ARRAY_FLAG_USE_8_BONE_WEIGHTS); three.js, GLTFLoader and PropertyBinding; WebGL 2.0
-# (MAX_VERTEX_UNIFORM_VECTORS is at least 256, and a joint takes 4).
+# Godot, ArrayMesh (ARRAY_FLAG_USE_8_BONE_WEIGHTS) and GLTFDocument; three.js, GLTFLoader and PropertyBinding;
+# WebGL 2.0 (MAX_VERTEX_UNIFORM_VECTORS is at least 256, and a joint takes 4).
 _ENGINES: Mapping[str, _Engine] = {
-    "unity": _Engine("Unity", humanoid=True, t_pose=True, scale=True, influences=4),
+    "unity": _Engine("Unity", humanoid=True, t_pose=True, scale=True, influences=4, unique=True),
     "unreal": _Engine("Unreal", root=True, scale=True, influences=8),
-    "godot": _Engine("Godot", t_pose=True, scale=True, influences=8),
+    "godot": _Engine("Godot", t_pose=True, scale=True, influences=8, odd_names=r"[:/]"),
     "vrm": _Engine("VRM", humanoid=True, t_pose=True, scale=True, influences=4),
     "three": _Engine("three.js", influences=4, first=True, odd_names=r"[\[\].:/\s]"),
     "webgl": _Engine("WebGL", influences=4, joints=64),
@@ -130,7 +152,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
     (
         "names",
         "warning",
-        "Several joints share a name, so that the engine's humanoid cannot tell them apart.",
+        "Joints share a name, or a bone and any node do: the engine's humanoid finds bones by name.",
         "Unity manual, Avatar Mapping",
         "Name them with rigtri rename-joints --name JOINT=NAME.",
     ),
@@ -138,7 +160,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "names-altered",
         "info",
         "A joint has a name that the engine alters when it loads it.",
-        "three.js, PropertyBinding.sanitizeNodeName",
+        "three.js, PropertyBinding.sanitizeNodeName; Godot, GLTFDocument (mixamorig:Hips is mixamorig_Hips)",
         "Where a program looks for it, name it with rigtri rename-joints.",
     ),
 )
@@ -146,6 +168,11 @@ PROFILE_RULES: Mapping[str, Rule] = {
     f"profile.{name}": Rule(f"profile.{name}", severity, f"{meaning} Source: {source}.", remedy)
     for name, severity, meaning, source, remedy in _ABOUT
 }
+
+
+def rules_of(profile: Profile) -> list[Rule]:
+    """What an engine is checked for."""
+    return [rule for name, rule in PROFILE_RULES.items() if _ENGINES[profile].asks(name.partition(".")[2])]
 
 
 def check_profile(rig: Rig, profile: Profile, findings: Findings) -> None:
@@ -159,7 +186,7 @@ def _found(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
     joints = np.flatnonzero(rig.is_joint).tolist()
     if not joints:
         return
-    bodies = recognise(rig).characters if engine.humanoid or engine.t_pose or engine.root else ()
+    bodies = recognise(rig).characters if engine.body else ()
     if engine.humanoid and not bodies:
         yield (
             "character",
@@ -177,7 +204,7 @@ def _found(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
     if engine.scale:
         yield from _scale(rig, joints)
     yield from _limits(rig, engine)
-    yield from _names(rig, joints, engine)
+    yield from _names(rig, joints, bodies, engine)
 
 
 def _bones(body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:
@@ -257,13 +284,22 @@ def _limits(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
             )
 
 
-def _names(rig: Rig, joints: list[int], engine: _Engine) -> Iterator[tuple[str, int, str]]:
+def _names(
+    rig: Rig, joints: list[int], bodies: Sequence[Character], engine: _Engine
+) -> Iterator[tuple[str, int, str]]:
     if engine.odd_names:
         for joint in joints:
             if re.search(engine.odd_names, rig.names[joint]):
                 yield "names-altered", joint, f"{engine.title} alters this name"
-    if engine.humanoid:
-        every = Counter(rig.names[joint] for joint in joints)
+    if engine.unique:
+        mine, every = Counter(rig.names[joint] for joint in joints), Counter(rig.names)
+        bones = {bone for body in bodies for bone in body.bones.values()}
+        shared = dict[str, int]()  # the first joint of each name
         for joint in joints:
-            if rig.names[joint] and every[rig.names[joint]] > 1:
-                yield "names", joint, f"{every[rig.names[joint]]} joints have this name"
+            name = rig.names[joint]
+            if name and (mine[name] > 1 or (joint in bones and every[name] > 1)):
+                shared.setdefault(name, joint)
+        if shared:
+            (name, joint), more = next(iter(shared.items())), len(shared) - 1
+            others = f", and {more} other names are shared, too" if more else ""
+            yield "names", joint, f"{every[name]} nodes have this name{others}"
