@@ -29,6 +29,8 @@ from rigtri.model.skin import Skin
 
 # Matrices evaluated at once: 64 bytes times nodes times this.
 _BLOCK = 1 << 15
+# Points moved at once: their numbers stay in a processor's cache.
+_POINTS = 1 << 13
 
 
 def skin_matrices(skin: Skin, world: Floats) -> Floats:
@@ -115,6 +117,12 @@ def _linear_still(points: Floats, matrices: Floats, joints: Integers, weights: F
 def _linear_once(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
     """At one time, matrices (m, 4, 4) → (v, 3): influence by influence, each point with its own joint."""
     beside = np.ascontiguousarray(matrices[..., :3].transpose(1, 2, 0))
+    blocks = [slice(start, start + _POINTS) for start in range(0, max(len(points), 1), _POINTS)]
+    return np.concatenate([_linear_block(points[k], joints[k], weights[k], beside) for k in blocks])
+
+
+def _linear_block(points: Floats, joints: Integers, weights: Floats, beside: Floats) -> Floats:
+    """A block of points; beside: entry by entry of the matrices, of all joints, (4, 3, m)."""
     coordinates = np.ascontiguousarray(points.T)
     moved = np.zeros((3, len(points)))
     for column in range(joints.shape[1]):

@@ -77,8 +77,9 @@ class Mesh:
         """Whether all joints that it names are joints of its skin."""
         if self.skin is None:
             return True
-        used, _ = self.moved
-        return not len(used) or 0 <= int(used[0]) <= int(used[-1]) < len(skins[self.skin].joints)
+        count = len(skins[self.skin].joints)
+        fit = (self.joints >= 0) & (self.joints < count)
+        return bool(fit.all() or not self.weights[~fit].any())
 
     @cached_property
     def surface_now(self) -> Surface | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -42,9 +42,9 @@ class UsdDocument:
         """layer: the one to edit; the stage's root layer, or the opinions above the file they are for."""
         self._notices = list(source.warnings)
         # Of the source alone: a rig that held its document would keep the stage open in a ring.
-        drawn = partial(read_meshes, source, self._notices)
+        self._drawn = cache(partial(read_meshes, source, self._notices))
         lines = partial(read_lines, source.stage)
-        rig = replace(source.rig, content=Content(lines, drawn, drawn))
+        rig = replace(source.rig, content=Content(lines, self._drawn, self._drawn))
         self._source, self._options = replace(source, rig=rig), options
         self._output = Output(self._source, layer, options)
         self._hidden: dict[str, list[str]] = {}
@@ -81,7 +81,7 @@ class UsdDocument:
 
     def meshes(self) -> Sequence[Mesh]:
         """Skinned and rigid points, blend shapes as morphs without inbetweens."""
-        return read_meshes(self._source, self._notices)
+        return self._drawn()
 
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         """The same: USD keeps what is drawn in memory anyway."""

@@ -85,15 +85,18 @@ def _check_brackets(text: memoryview, name: str) -> None:
 
 def _too_deep(plain: bytes, opening: bytes, closing: bytes, most: int) -> int:
     """Where more than ``most`` brackets of a kind are open; −1 where they never are."""
-    step = np.zeros(256, np.int32)
+    step, depth = np.zeros(256, np.int8), 0
     step[list(opening)], step[list(closing)] = 1, -1
-    marks, depth = np.frombuffer(plain, np.uint8), 0
-    for start in range(0, len(marks), _CHUNK):
-        open_there = depth + np.cumsum(step[marks[start : start + _CHUNK]])
+    others = bytes(np.flatnonzero(step == 0).tolist())
+    for start in range(0, len(plain), _CHUNK):
+        chunk = plain[start : start + _CHUNK]
+        brackets = np.frombuffer(chunk.translate(None, others), np.uint8)
+        open_there = depth + np.cumsum(step[brackets], dtype=np.int64)
         deep = np.flatnonzero(open_there > most)
         if len(deep):
-            return start + int(deep[0])
-        depth = int(open_there[-1])
+            places = np.flatnonzero(step[np.frombuffer(chunk, np.uint8)])
+            return start + int(places[deep[0]])
+        depth = int(open_there[-1]) if len(open_there) else depth
     return -1
 
 

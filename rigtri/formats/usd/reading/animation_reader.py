@@ -144,8 +144,8 @@ def _off_unit(path: str, tokens: Sequence[str], properties: Mapping[str, Propert
     item = properties.get("rotations")
     if item is None:
         return []
-    single = [] if item.default is None else [item.default]
-    off = np.stack([np.abs(norm(row) - 1.0) for row in (*item.samples, *single)])
+    single = item.samples[:0] if item.default is None else item.default[np.newaxis]
+    off = np.concatenate([np.abs(norm(rows) - 1.0) for rows in (item.samples, single)])
     if not (off > NON_UNIT).any():
         return []
     row, column = map(int, np.unravel_index(off.argmax(), off.shape))

@@ -262,15 +262,20 @@ def _influences(query: Any, tokens: Sequence[str], points: int | None) -> tuple[
     own = query.GetJointOrder()
     order = np.array([index.get(str(t), -1) for t in own]) if own else np.arange(len(tokens))
     usable = (indices >= 0) & (indices < len(order))
-    lost = ~usable & (weights != 0.0)
-    if lost.any():
-        raise FileError(
-            f"<{query.GetPrim().GetPath()}>.primvars:skel:jointIndices names joint {indices[lost][0]}, "
-            f"and it has the joints 0 to {len(order) - 1}. Export it again."
-        )
-    indices = order[np.where(usable, indices, 0)]
-    usable &= indices >= 0
-    return np.where(usable, indices, 0), np.where(usable, weights, 0.0)
+    if not usable.all():
+        lost = ~usable & (weights != 0.0)
+        if lost.any():
+            raise FileError(
+                f"<{query.GetPrim().GetPath()}>.primvars:skel:jointIndices names joint {indices[lost][0]}, "
+                f"and it has the joints 0 to {len(order) - 1}. Export it again."
+            )
+        indices[~usable] = 0
+    if own:
+        indices = order[indices]
+        usable &= indices >= 0
+    if not usable.all():
+        indices[~usable], weights[~usable] = 0, 0.0
+    return indices, weights
 
 
 def _morphs(query: Any, count: int) -> Floats:

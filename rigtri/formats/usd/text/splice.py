@@ -42,23 +42,44 @@ def spliced(content: bytes, before: Any, edited: Any, lost: list[str] | None = N
     with temp_dirs.folder() as folder:
         names = ("before", "edited", "spliced", "seen")
         was, now, made, seen = (Path(folder, f"{name}.usda") for name in names)
-        before.Export(str(was))
-        edited.Export(str(now))
-        edited_text = now.read_bytes()
-        splice = _Splice(Text(content), Text(was.read_bytes()), Text(edited_text))
+        for layer, path in zip(_without_same(before, edited), (was, now), strict=True):
+            layer.Export(str(path))
+        splice = _Splice(Text(content), Text(was.read_bytes()), Text(now.read_bytes()))
         text = splice.text()
         made.write_bytes(text)
         try:
             layer = Sdf.Layer.OpenAsAnonymous(str(made))
         except Tf.ErrorException as error:
             raise UnknownTextError("USD does not read the changed text") from error
-        layer.Export(str(seen))
+        for one, path in zip(_without_same(layer, edited), (seen, now), strict=True):
+            one.Export(str(path))
         # The first line has the version of the format, which the source keeps.
-        if _behind_first_line(seen.read_bytes()) != _behind_first_line(edited_text):
+        if _behind_first_line(seen.read_bytes()) != _behind_first_line(now.read_bytes()):
             raise UnknownTextError("USD reads something else from the changed text")
         if lost is not None:
             lost += splice.lost
         return text
+
+
+def _without_same(one: Any, other: Any) -> tuple[Any, Any]:
+    """Copies of two layers without the default arrays that both hold alike, which most of a text is."""
+    same: list[Any] = []
+
+    def compare(path: Any) -> None:
+        specs = one.GetAttributeAtPath(path), other.GetAttributeAtPath(path)
+        if all(spec and spec.typeName.isArray and spec.HasDefaultValue() for spec in specs):
+            mine, theirs = (spec.default for spec in specs)
+            if type(mine) is type(theirs) and mine == theirs:
+                same.append(path)
+
+    one.Traverse(Sdf.Path.absoluteRootPath, compare)
+    copies = Sdf.Layer.CreateAnonymous(".usda"), Sdf.Layer.CreateAnonymous(".usda")
+    for copy, layer in zip(copies, (one, other), strict=True):
+        copy.TransferContent(layer)
+        with Sdf.ChangeBlock():
+            for path in same:
+                copy.GetAttributeAtPath(path).ClearDefaultValue()
+    return copies
 
 
 def _behind_first_line(text: bytes) -> memoryview:
