@@ -8,6 +8,7 @@ import json
 import os
 import shutil
 import subprocess
+from dataclasses import replace
 from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
@@ -22,11 +23,13 @@ from gltf_files import EVIL, evil, small
 from places import ROOT, SAMPLES
 from posed_bodies import Pose, posed_body
 from program import cli
+from rigs import rig_of
 
 from rigtri.export.drawing.picture import seen
 from rigtri.export.viewer.page_data import facts
 from rigtri.export.viewer.view import Begin, shown_page
 from rigtri.formats import ReadOptions, read
+from rigtri.model.skin import Skin
 from rigtri.report import Report
 
 NO_ESBUILD = "esbuild, three.js and meshoptimizer are not here: set RIGTRI_THREE"
@@ -146,6 +149,13 @@ def test_nodes_of_usd_have_the_place_at_which_the_page_makes_those_it_does_not_f
     told = {node["path"]: node["local"] for node in facts(rig)["nodes"]}
     assert told == {path: local[path] for path in told} != {}
     assert not any("local" in node for node in facts(read(samples / "biped.glb").rig)["nodes"])
+
+
+def test_what_was_added_and_is_no_joint_is_marked() -> None:
+    rig = rig_of(["knob", "hips", "added", "mesh"], [-1, 0, 1, 1], np.zeros((4, 3)))
+    skin = Skin("skin", np.array([1, 2]), np.tile(np.eye(4), (2, 1, 1)))
+    page = facts(replace(rig, skins=(skin,), metadata={k: {"type": "control"} for k in (0, 2)}))
+    assert [page["nodes"][k]["name"] for k in page["marks"]] == ["knob"]
 
 
 def test_a_usd_file_becomes_one_crate_and_the_file_stays_as_it_was(samples: Path) -> None:

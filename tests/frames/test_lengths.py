@@ -17,7 +17,7 @@ from usd_files import deviation
 
 from rigtri.errors import DeviationError, FileError
 from rigtri.formats import ReadOptions, read
-from rigtri.frames.error_bounds import LeverArm, bearable
+from rigtri.frames.error_bounds import LeverArm, bearable, longest_stretch
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe, split
 from rigtri.limits import TOLERANCE
@@ -267,6 +267,16 @@ def test_a_reach_is_the_longest_way_along_bones_and_out_to_the_points() -> None:
     """Bones of 3 and 5 in a box of 3 by 4."""
     rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
     assert np.allclose(LeverArm(rig).exact, [8 / 5, 5 / 5, 0])
+
+
+def test_a_matrix_stretches_no_direction_by_more_than_its_bound() -> None:
+    """Of A·Aᵀ the largest sum of a row: exact without shear; √3 for one by 1, which is 1.618."""
+    sheared = np.array([[1.0, 0, 0], [1, 1, 0], [0, 0, 1]])
+    matrices = np.stack([np.eye(3), np.diag([1.0, -3, 2]), sheared, sheared[[2, 0, 1]], sheared[[1, 2, 0]]])
+    found = longest_stretch([matrices[:, k] for k in range(3)])
+    assert np.allclose(found, np.sqrt([1, 9, 3, 3, 3]))
+    some = np.random.default_rng(1).normal(size=(50, 3, 3))
+    assert (longest_stretch([some[:, k] for k in range(3)]) >= np.linalg.norm(some, 2, axis=(1, 2))).all()
 
 
 @pytest.mark.parametrize("skin", [None, 0])

@@ -135,6 +135,17 @@ def test_only_a_working_folder_that_holds_rigtri_is_searched(
         assert sys.path == (places if stays else places[2:])
 
 
+def test_processes_that_are_started_meanwhile_look_only_by_whole_paths(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(["", "packs", str(BUILDERS)]))
+    monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
+    before = dict(os.environ)
+    with import_path.no_working_folder_in_children():
+        assert (os.environ["PYTHONSAFEPATH"], os.environ["PYTHONPATH"]) == ("1", str(BUILDERS))
+    assert dict(os.environ) == before
+
+
 def test_a_program_that_imports_the_command_line_keeps_its_search_path_and_interrupts(tmp_path: Path) -> None:
     """Only the entry point is a program of ours; a console or another program looks and ends as it likes."""
     (tmp_path / "beside.py").write_text("print('mine')\n")

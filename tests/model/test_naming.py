@@ -53,3 +53,5 @@ def test_a_name_without_a_side_is_its_own_twin() -> None:
 def test_words_that_all_names_begin_with_are_ignored() -> None:
     assert without_prefix(["Fight_Hips", "Fight_LeftUpLeg"]) == ["Hips", "LeftUpLeg"]
     assert without_prefix(["arm", "armature"]) == ["arm", "armature"]
+    assert without_prefix(["Fight_Hips"]) == ["Fight_Hips"]
+    assert without_prefix([]) == []

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from baked_rigs import animated, apart, control, rigged, size
 from places import slow
+from rigs import chain
 
 from rigtri.evaluation import curve_refinement, sampling
 from rigtri.evaluation.active_controls import controls_at_work
@@ -18,6 +19,7 @@ from rigtri.evaluation.timelines import timelines
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.bake.warnings import warn_spline_swings
 from rigtri.report import Report
 
 BOUND = 1e-5
@@ -124,6 +126,25 @@ def test_a_spline_between_keys_of_opposite_sign_swings_round_as_its_file_states_
     (notice,) = (notice for notice in report.warnings if notice.code == "splines-swing")
     assert "splines of 'head' swing round" in notice.text
     assert "first after 0;" in notice.text
+
+
+def test_splines_swing_from_keys_to_keys_that_are_nearly_opposite_and_in_baked_clips_alone() -> None:
+    """From q to −q; the keys after it are at most at right angles, as quaternions."""
+    rig, head, times = chain((0, 0, 0), (1, 0, 0)), 1, np.arange(4.0)
+    keys = np.array([[0, 0, 0, 1.0], [0, 0, 0, -1], [0, 0, 0.8, -0.6], [0, 0, 0.6, 0.8]])
+    spline = np.stack([np.zeros((4, 4)), keys, np.zeros((4, 4))], axis=1)
+    swings = Clip("swings", (Track(head, "rotation", "CUBICSPLINE", times, spline),))
+    straight = Clip("straight", (Track(head, "rotation", "LINEAR", times, keys),))
+    late = Clip(
+        "late", (Track(head, "rotation", "CUBICSPLINE", times[1:], spline[1:] * [[[1]], [[1]], [[-1]]]),)
+    )
+    rig, report = replace(rig, clips=(swings, straight, late, replace(swings, name="else"))), Report()
+    report.added += [{"type": "clip", "clip": name} for name in ("swings", "straight", "late")]
+    warn_spline_swings(rig, report)
+    told = [str(warning) for warning in report.warnings]
+    assert len(told) == 1
+    assert "Clip 'swings'" in told[0]
+    assert "first after 0;" in told[0]
 
 
 def test_a_limb_that_passes_straight_gets_samples_where_it_does_and_few_elsewhere() -> None:

@@ -13,6 +13,7 @@ from recognition_bodies.truth import nameless
 
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import BENDS, Layout
+from rigtri.recognition.limb_words import agreement, limb_words
 from rigtri.recognition.recognise import recognise
 
 _FINGERS = {"t": "thumb", "f0": "index", "f1": "middle", "f2": "ring", "f3": "little"}
@@ -135,3 +136,14 @@ def test_arms_of_parted_straight_bones_are_what_their_names_say() -> None:
         assert [rig.names[k] for k in limb.bend] == [
             f"{k}{side}" for k in ("upperarm01", "lowerarm01", "wrist")
         ]
+
+
+@pytest.mark.parametrize(
+    ("names", "agreed"),
+    [
+        ("leg_upper leg_middle leg_lower", 2.5 / 3),  # the middle says half, and the lower ends the limb
+        ("leg_upper leg_lower leg_foot", 1.0),
+    ],
+)
+def test_names_of_a_chain_agree_with_the_places_at_which_it_bends(names: str, agreed: float) -> None:
+    assert agreement([limb_words(name) for name in names.split()], (0, 1, 2)) == pytest.approx(agreed)

@@ -107,6 +107,14 @@ def test_where_a_body_stands_and_how_it_is_rotated_changes_nothing(named: bool) 
     assert bends(MAN, recognise(moved)) == FOUR
 
 
+def test_no_place_and_no_direction_is_minus_nothing() -> None:
+    """Coordinates that float32 leaves next to zero, of either sign, are shown as 0.0."""
+    (found,) = recognise(read(SAMPLES / "tpose.glb").rig).characters
+    numbers = [*found.point, *found.normal, *found.facing, *found.up]
+    assert numbers.count(0.0) >= 6
+    assert not any(str(number).startswith("-") for number in numbers if number == 0.0)
+
+
 def test_spine_neck_and_head_stand_between_and_beyond_the_limbs() -> None:
     (character,) = recognise(rig_with(MAN, named=False)).characters
     chains = {chain.name: [MAN[joint][0] for joint in chain.joints] for chain in character.chains}
