@@ -34,10 +34,8 @@ def _frozen(*, eq: bool = True, kw_only: bool = False) -> Callable[[type], type]
         for name, method in shared.items():
             if name not in own:
                 setattr(cls, name, method)
-        if cls.__doc__ is None:
-            cls.__doc__ = (
-                ""  # for else the standard library asks for the signature, which takes as long again
-            )
+        if cls.__doc__ is None:  # the standard library would ask for the signature, which takes as long again
+            cls.__doc__ = ""
         return dataclasses.dataclass(cls, init=False, repr=False, eq=False, kw_only=kw_only)
 
     return made
