@@ -119,7 +119,8 @@ def _refuse_uneven(rig: Rig, moved: list[int], uneven: Floats) -> None:
     if odd := [node for node in moved if uneven[node] > UNEVEN]:
         node = odd[0]
         path = rig.path_to_root(node)[:0:-1]
-        above = next(k for k in path if rig.has_matrix[k] or np.ptp(np.abs(rig.scale[k])) > 0)
+        sizes = length(rig.local[path, :3, :3])
+        above = path[int((sizes.max(axis=1) / sizes.min(axis=1)).argmax())]
         raise GeometryError(
             f"The scale of '{rig.title(above)}' is not uniform, so that {len(odd)} joints below it, such "
             f"as '{rig.title(node)}', would be sheared as they turn: no rotations make this pose"

@@ -125,6 +125,14 @@ def test_a_scale_that_shears_is_refused() -> None:
         rigtri.set_rest(replace(rig, scale=scale, source=None), pose="tpose")
 
 
+def test_the_scale_that_shears_is_named_and_not_the_noise_above_it() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    scale = rig.scale.copy()
+    scale[rig.find("hips")], scale[rig.find("spine")] = (1, 1.0000001, 1), (1, 2, 1)
+    with pytest.raises(GeometryError, match="The scale of 'spine' is not uniform"):
+        rigtri.set_rest(replace(rig, scale=scale, source=None), pose="tpose")
+
+
 @pytest.mark.parametrize("path", real_files())
 def test_real_files_play_as_before(path: Path, tmp_path: Path) -> None:
     out, again = tmp_path / f"o{path.suffix}", tmp_path / f"a{path.suffix}"
