@@ -12,6 +12,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import chosen_timelines, timelines
 from rigtri.maths.quaternions import conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.vectors import perpendicular
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.unbaked import UNBAKED, away_from_keys
@@ -94,8 +95,8 @@ def _refuse_driven(rig: Rig, number: int, nodes: list[int]) -> None:
 def _refuse_unbaked(rig: Rig, number: int, hips: int, options: RootMotionOptions) -> None:
     """GeometryError where controls move the hips over the ground in a clip as their own keys do not."""
     (timeline,) = (each for each in timelines(rig) if number in each.members)
-    away, up = away_from_keys(rig, timeline, hips), np.array(rig.rules.up)
-    over = away[:, 3, :3] - np.outer(away[:, 3, :3] @ up, up)
+    away = away_from_keys(rig, timeline, hips)
+    over = perpendicular(away[:, 3, :3], rig.rules.up)
     far = max(np.abs(over).max() / skeleton_size(rig), np.abs(away[:, :3, :3]).max() if options.yaw else 0.0)
     if not far <= UNBAKED:
         raise GeometryError(
