@@ -16,6 +16,7 @@ from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.unbaked import unbaked
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.morph_targets import MorphPairs
@@ -67,11 +68,17 @@ def refuse_lost(both: Counterparts, clip: Clip, morphs: MorphPairs) -> None:
 
 
 def _nodes(both: Counterparts, clip: Clip) -> Iterator[tuple[int, str]]:
-    """Nodes of EDITED that move without a counterpart; not those whose motion is in what is below them."""
+    """Nodes of EDITED that move without a counterpart; not those whose motion is in what is below them.
+
+    Nor controls whose motion is in the keys of their joints.
+    """
     other = both.other
     known = other.with_ancestors(both.back)
     moving = {track.node for track in clip.tracks if track.path != "weights" and _moves(other, track)}
-    for node in sorted(moving.difference(both.back)):
+    alone = moving.difference(both.back)
+    if not alone.isdisjoint(other.own) and not unbaked(other):
+        alone -= other.own
+    for node in sorted(alone):
         if (name := other.names[node]) in both.unclear:
             yield node, f"several nodes are called '{name}', so it is not clear which is which"
         elif node not in known:
