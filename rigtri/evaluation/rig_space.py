@@ -13,8 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation.constraint_solver import to_parts
+from rigtri.maths.matrices import skew
 from rigtri.maths.quaternions import IDENTITY
-from rigtri.maths.vectors import dot
+from rigtri.maths.vectors import dot, length
 from rigtri.model.animation import Clip, key_values
 from rigtri.model.rig import Rig
 
@@ -38,6 +39,15 @@ def uneven_above(rig: Rig) -> list[int]:
         if track.node in nodes and (np.ptp(scales, axis=1) > _UNIFORM * scales.max(axis=1)).any():
             found.add(track.node)
     return sorted(found)
+
+
+def shearing_node(rig: Rig, node: int) -> int:
+    """The node above another whose local matrix is the least uniform at rest: what shears it as it turns."""
+    path = rig.path_to_root(node)[:0:-1] or [node]
+    sizes = length(rig.local[path, :3, :3])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        uneven = sizes.max(axis=1) / sizes.min(axis=1) - 1.0
+    return path[int(np.maximum(uneven, skew(rig.local[path])).argmax())]
 
 
 def seen_alone(rig: Rig, *, building: bool = False) -> tuple[Rig, list[int]]:

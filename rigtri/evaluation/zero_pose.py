@@ -16,6 +16,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import Parts, to_parts
+from rigtri.evaluation.rig_space import shearing_node
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import (
     SKEW,
@@ -249,9 +250,7 @@ def refuse_lost_zero(rig: Rig, before: Rig) -> None:
     apart = np.abs(was.world[joints] - now.world[joints])[:, :3, :3].max(axis=(1, 2))
     if lost := np.flatnonzero(apart > SKEW * sizes).tolist():
         node = joints[lost[0]]
-        sizes = length(rig.local[:, :3, :3])
-        uneven = (np.ptp(sizes, axis=1) > SKEW * sizes.max(axis=1)) | (skew(rig.local) > SKEW)
-        above = next((k for k in rig.path_to_root(node)[::-1] if uneven[k]), node)
+        above = shearing_node(rig, node)
         raise GeometryError(
             f"The scale of '{rig.title(above)}' is not uniform and shears {len(lost)} joints, such as "
             f"'{rig.title(node)}', which would stand elsewhere by their controls with another rest pose. "

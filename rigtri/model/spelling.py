@@ -82,9 +82,8 @@ def _python(one: Option, value: str) -> str:
         return f"{one.name}={not value}"
     if not value or value.startswith("'"):
         return f"{one.name}={value}"
-    if re.fullmatch(rf"[A-Z]+|{_NUMBER}", value) or (re.fullmatch(r"[\w, ]+", value) and not value.islower()):
-        return f"{one.name}={_listed(value, '(', ')')}"
-    if re.fullmatch(r"(?:[a-z],[a-z],[a-z] ?)+", value):
+    placeholders = re.fullmatch(r"[\w, ]+", value) and not value.islower()
+    if placeholders or re.fullmatch(rf"{_NUMBER}|(?:[a-z],[a-z],[a-z] ?)+", value):
         return f"{one.name}={_listed(value, '(', ')')}"
     return f'{one.name}="{value}"'
 

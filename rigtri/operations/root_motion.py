@@ -9,7 +9,7 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.active_controls import controls_at_work, skeleton_size
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import chosen_timelines, timelines
+from rigtri.evaluation.timelines import Timeline, chosen_timelines
 from rigtri.maths.quaternions import conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.vectors import perpendicular
@@ -38,7 +38,7 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
         raise UsageError(f"--axis {options.axis}: this is up, and height stays with the hips")
     hips, root = _joints(rig, options)
     going, others = besides(rig, hips, root)
-    chosen = {k for each in chosen_timelines(rig, options.clip) for k in each.members}
+    chosen = {k: each for each in chosen_timelines(rig, options.clip) for k in each.members}
     clips = []
     for k, clip in enumerate(rig.clips):
         requested = k in chosen and not clip.idle
@@ -49,11 +49,11 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
             clips.append(clip)
             continue
         if options.mode == "extract":
-            _refuse_unbaked(rig, k, hips, options)
+            _refuse_unbaked(rig, chosen[k], hips, options)
         still = _without_roots_own(rig, clip, root, options) if options.mode == "remove" else clip
         made = move(rig, still, hips, root, options, report)
         if made is not clip:
-            _refuse_driven(rig, k, [root] if options.mode == "extract" else [root, hips])
+            _refuse_driven(rig, chosen[k], [root] if options.mode == "extract" else [root, hips])
         if made is not still:
             made = keeping_children(rig, still, made, hips, others)
         if made is still and still is not clip:
@@ -79,12 +79,11 @@ def _warn_still_moving(rig: Rig, clip: Clip, root: int, report: Report) -> None:
         report.warn("still-moving", f"{text}: key the hips for that in a DCC")
 
 
-def _refuse_driven(rig: Rig, number: int, nodes: list[int]) -> None:
+def _refuse_driven(rig: Rig, timeline: Timeline, nodes: list[int]) -> None:
     """GeometryError where controls move one of the nodes in a clip, so that its own keys would not count."""
-    (timeline,) = (each for each in timelines(rig) if number in each.members)
-    if not (driven := controls_at_work(rig, timeline)):
-        return
-    if lost := [node for node in nodes if node in Solver(rig, driven).sets]:
+    driven = controls_at_work(rig, timeline)
+    sets = Solver(rig, driven).sets if driven else ()
+    if lost := [node for node in nodes if node in sets]:
         raise GeometryError(
             f"Controls move '{rig.title(lost[0])}' in clip '{timeline.name}': other keys of its own would be "
             "lost with the next bake. Take the motion to the joints and the controls out before, with: "
@@ -92,9 +91,8 @@ def _refuse_driven(rig: Rig, number: int, nodes: list[int]) -> None:
         )
 
 
-def _refuse_unbaked(rig: Rig, number: int, hips: int, options: RootMotionOptions) -> None:
+def _refuse_unbaked(rig: Rig, timeline: Timeline, hips: int, options: RootMotionOptions) -> None:
     """GeometryError where controls move the hips over the ground in a clip as their own keys do not."""
-    (timeline,) = (each for each in timelines(rig) if number in each.members)
     away = away_from_keys(rig, timeline, hips)
     over = perpendicular(away[:, 3, :3], rig.rules.up)
     far = max(np.abs(over).max() / skeleton_size(rig), np.abs(away[:, :3, :3]).max() if options.yaw else 0.0)

@@ -12,6 +12,7 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import NOTHING, skeleton_size
 from rigtri.evaluation.bind_pose import placed_bind_worlds
 from rigtri.evaluation.constraint_solver import Parts, to_parts
+from rigtri.evaluation.rig_space import shearing_node
 from rigtri.maths.matrices import local, multiply
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
@@ -118,9 +119,7 @@ def _refuse_uneven(rig: Rig, moved: list[int], uneven: Floats) -> None:
     """GeometryError for joints that would be sheared as they turn, so that no rotations make the pose."""
     if odd := [node for node in moved if uneven[node] > UNEVEN]:
         node = odd[0]
-        path = rig.path_to_root(node)[:0:-1]
-        sizes = length(rig.local[path, :3, :3])
-        above = path[int((sizes.max(axis=1) / sizes.min(axis=1)).argmax())]
+        above = shearing_node(rig, node)
         raise GeometryError(
             f"The scale of '{rig.title(above)}' is not uniform, so that {len(odd)} joints below it, such "
             f"as '{rig.title(node)}', would be sheared as they turn: no rotations make this pose"
@@ -145,14 +144,12 @@ def _bind(rig: Rig) -> Floats:
     were bound (Blender's leaf bones, without the transform of their armature).
     """
     world, known = rig.world.copy(), np.zeros(len(rig), dtype=bool)
-    shows = weighted_joints(rig) | moving_nodes(rig)
-    for level in reversed(rig.levels[1:]):
-        shows[rig.parents[level[shows[level]]]] = True
+    shows = rig.with_ancestors(np.flatnonzero(weighted_joints(rig) | moving_nodes(rig)).tolist())
     for number in sorted(range(len(rig.skins)), key=lambda k: -len(rig.skins[k].joints)):
         skin = rig.skins[number]
         bound = placed_bind_worlds(rig, number)
         for joint in skin.joints.tolist():
-            if shows[joint] and not known[joint] and np.isfinite(bound[joint]).all():
+            if joint in shows and not known[joint] and np.isfinite(bound[joint]).all():
                 world[joint], known[joint] = bound[joint], True
     for level in rig.levels[1:]:
         for node in level[~known[level]].tolist():

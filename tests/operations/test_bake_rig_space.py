@@ -12,7 +12,7 @@ from pxr import Gf, Usd, UsdGeom, UsdSkel
 from rigs import rig_of
 from usd_files import MESH, animation, read, save, scene, skeleton
 
-from rigtri.evaluation.rig_space import in_rig_space
+from rigtri.evaluation.rig_space import in_rig_space, shearing_node
 from rigtri.model.skin import Skin
 from rigtri.operations.bake.warnings import warn_outside
 from rigtri.report import Report
@@ -123,3 +123,9 @@ def test_a_bake_warns_of_each_node_above_the_joints_whose_scale_is_uneven() -> N
     (warning,) = report.warnings
     assert warning.code == "uneven-above"
     assert "The scale of 'squashed' is not uniform" in str(warning)
+
+
+def test_what_shears_a_node_is_no_noise_above_it() -> None:
+    rig = rig_of(["place", "hips", "arm", "hand"], [-1, 0, 1, 2], np.zeros((4, 3)))
+    scale = np.array([(1, 1.00002, 1), (1, 1, 1), (1, 2, 1), (1, 9, 1)])
+    assert shearing_node(replace(rig, scale=scale), 3) == 2  # its own is along its axes

@@ -108,6 +108,13 @@ def test_take_clips_reports_how_far_what_it_took_moves(name: str, tmp_path: Path
     assert home.motion.deviation * home.diagonal == pytest.approx(0.5, rel=1e-3)
 
 
+def test_take_clips_refuses_motion_that_only_controls_have(tmp_path: Path) -> None:
+    """Of the same file, baked, all is taken: see the test above."""
+    edited = read(whole("biped.glb", tmp_path)).rig
+    with pytest.raises(GeometryError, match="RIG has no 'hips_root_ctl'"):
+        take_clips(read(SAMPLES / "biped.glb").rig, from_=edited)
+
+
 def bare(path: Path) -> Path:
     """Nodes without a mesh: one that turns by 90° in a second, another that follows its turn, and a third."""
     values = np.array([0, 1, 0, 0, 0, 1, 0, 0, np.sqrt(0.5), np.sqrt(0.5)], dtype="<f4").tobytes()

@@ -14,7 +14,7 @@ import numpy as np
 
 from rigtri.export.conversion.scene import Scene
 from rigtri.maths.matrices import determinant, from_frame, inverse, multiply
-from rigtri.maths.trigonometry import Floats
+from rigtri.maths.trigonometry import Floats, cube_root
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
 
@@ -22,8 +22,6 @@ from rigtri.model.rig import Rig
 SAME_BIND = 1e-6
 # A bind pose this share larger than its joints has their scale: nobody sees the difference.
 SAME_SCALE = 1e-4
-# Of Newton's method; each of the first takes a third off, the last double the digits.
-_STEPS = 64
 
 
 @dataclass(eq=False)
@@ -86,15 +84,8 @@ def _size(matrices: Floats) -> Floats:
 
 
 def _cubic_size(matrices: Floats) -> Floats:
-    """The edge of the cube that has the volume of the axes, (..., 4, 4) → (...).
-
-    Newton's method, so that all machines find the same bits.
-    """
-    volume = np.abs(determinant(matrices))
-    edge = np.asarray(_size(matrices))
-    for _ in range(_STEPS):
-        edge = (2.0 * edge + volume / (edge * edge)) / 3.0
-    return np.where(volume > 0, edge, np.nan)
+    """The edge of the cube that has the volume of the axes, (..., 4, 4) → (...)."""
+    return cube_root(np.abs(determinant(matrices)))
 
 
 def _smaller(matrix: Floats, scale: float) -> Floats:

@@ -39,6 +39,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.unbaked import unbaked
 from rigtri.operations.take_clips.bind_axes import BoundAxes, median_ratio
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, largest_angle, world_turns
 from rigtri.operations.take_clips.node_matching import pairs
@@ -90,6 +91,11 @@ class Counterparts:
     def bound(self) -> frozenset[int]:
         """The joints whose C comes from the bind poses of both files."""
         return frozenset(self._bound)
+
+    @cached_property
+    def baked(self) -> bool:
+        """Whether the joints of the other have the motion of its controls in keys of their own."""
+        return not unbaked(self.other)
 
     @cached_property
     def unbound(self) -> list[int]:

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
 
-import numpy as np
-
 from rigtri.errors import GeometryError
-from rigtri.evaluation.sampling import sample
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.morph_targets import SAME_WEIGHT
+from rigtri.operations.take_clips.track_comparison import same_at_keys
 
 
 def refuse_lost_instances(rig: Rig, edited: Rig, of: Mapping[int, int]) -> None:
@@ -81,8 +79,7 @@ def _alike(
         other = theirs.get((of.get(node, -1), path))
         if other is None or track.values.shape[-1] != other.values.shape[-1]:
             return False
-        times = np.union1d(track.times, other.times)
-        if not np.abs(sample(track, times) - sample(other, times)).max(initial=0.0) <= SAME_WEIGHT:
+        if not same_at_keys(track, other, SAME_WEIGHT):
             return False
     return len(ours) == len(theirs)
 

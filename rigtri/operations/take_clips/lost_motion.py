@@ -16,7 +16,6 @@ from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.rig import Rig
-from rigtri.operations.bake.unbaked import unbaked
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.morph_targets import MorphPairs
@@ -74,9 +73,10 @@ def _nodes(both: Counterparts, clip: Clip) -> Iterator[tuple[int, str]]:
     """
     other = both.other
     known = other.with_ancestors(both.back)
-    moving = {track.node for track in clip.tracks if track.path != "weights" and _moves(other, track)}
+    size = skeleton_size(other)
+    moving = {track.node for track in clip.tracks if track.path != "weights" and _moves(other, track, size)}
     alone = moving.difference(both.back)
-    if not alone.isdisjoint(other.own) and not unbaked(other):
+    if not alone.isdisjoint(other.own) and both.baked:
         alone -= other.own
     for node in sorted(alone):
         if (name := other.names[node]) in both.unclear:
@@ -85,12 +85,12 @@ def _nodes(both: Counterparts, clip: Clip) -> Iterator[tuple[int, str]]:
             yield node, f"RIG has no '{other.title(node)}'"
 
 
-def _moves(rig: Rig, track: Track) -> bool:
+def _moves(rig: Rig, track: Track, size: float) -> bool:
     values, bound = key_values(track), _TURNED
     if track.path == "translation":
         above = int(rig.parents[track.node])
         unit = float(length(rig.world[above, 0, :3])) if above >= 0 else 1.0
-        bound = _STILL * skeleton_size(rig) / (unit or 1.0)
+        bound = _STILL * size / (unit or 1.0)
     return bool(np.abs(values - values[0]).max(initial=0.0) > bound)
 
 

@@ -139,12 +139,6 @@ class MorphPairs:
         return replace(track, node=home, values=values, key=None)
 
 
-def same_weights(a: Track, b: Track) -> bool:
-    """Whether two tracks of weights show the same at the keys of both."""
-    times = np.union1d(a.times, b.times)
-    return bool(np.abs(sample(a, times) - sample(b, times)).max(initial=0.0) <= SAME_WEIGHT)
-
-
 def _grouped(nodes: Iterable[int], by: Sequence[T]) -> dict[T, list[int]]:
     """Nodes by what stands for each of them in ``by``."""
     found: dict[T, list[int]] = {}

@@ -44,14 +44,14 @@ from rigtri.operations.take_clips.messages import (
     warn_tracks,
     why_nothing_matches,
 )
-from rigtri.operations.take_clips.morph_targets import same_weights
+from rigtri.operations.take_clips.morph_targets import SAME_WEIGHT
 from rigtri.operations.take_clips.motion_check import MotionCheck, refuse_other_motion
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.skeleton_check import checked_bodies
 from rigtri.operations.take_clips.time_ranges import Ranges
-from rigtri.operations.take_clips.track_comparison import MISSED
+from rigtri.operations.take_clips.track_comparison import MISSED, same_at_keys
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
 from rigtri.operations.take_clips.unsure_axes import AxesEvidence
 from rigtri.progress import counted
@@ -330,7 +330,7 @@ class _Taking:
                 if home not in made:
                     made[home] = merged
                     self._add(self._fresh(merged))
-                elif not same_weights(made[home], merged):
+                elif not same_at_keys(made[home], merged, SAME_WEIGHT):
                     raise GeometryError(
                         f"Several meshes of EDITED are one of RIG, '{self.rig.title(home)}', and their morph "
                         f"targets move differently in '{self.taken.name}': give "

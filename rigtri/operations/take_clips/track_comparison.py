@@ -49,6 +49,12 @@ def off(was: Track, now: Track, missed: float = MISSED) -> Floats:
     return found if lean is was else np.minimum(found, _off(lean, now, missed))
 
 
+def same_at_keys(a: Track, b: Track, bound: float) -> bool:
+    """Whether numbers of two tracks differ by no more at the keys of both."""
+    times = np.union1d(a.times, b.times)
+    return bool(np.abs(sample(a, times) - sample(b, times)).max(initial=0.0) <= bound)
+
+
 def without_near_keys(track: Track, frames: Floats) -> Track:
     """A track as Blender's importer makes it: a key within a hundredth of a frame of one before it gives that
     one its value."""
