@@ -3,8 +3,7 @@
 `Usd.Attribute.Get` maps a time back into the layer it comes from; under a scaled
 or offset layer that can miss the sample by one bit and find its neighbour, which
 may be blocked. So samples are taken from their layer. Value clips are read by
-time, for their samples lie in many layers; where they jump between two samples,
-a sample just before the jump holds the value before it. Splines (OpenUSD 25.5) have no
+time, for their samples lie in many layers. Splines (OpenUSD 25.5) have no
 samples; they are read at their knots and at every frame, and never written. What places a prim is what its op
 does not do where its samples are blocked, and jumps there.
 """
@@ -126,19 +125,14 @@ def _down_to_samples(attribute: Any) -> Iterator[_Opinion]:
 
 
 def _of_clips(attribute: Any, times: Sequence[float]) -> Samples:
-    """The samples of value clips, with one more before each jump that they do not show."""
+    """The samples of value clips; where one jumps to another, USD lists a time just before itself."""
     found: Samples = [(time, attribute.Get(time)) for time in times]
-    step = Usd.TimeCode.SafeStep()
-    jumps = [end for (_, _), (end, _) in _wrong(attribute, found)]
-    found += [(time - step, attribute.Get(time - step)) for time in jumps]
-    found.sort(key=lambda sample: sample[0])
     for (start, _), (end, _) in _wrong(attribute, found):
-        if end - start > 2 * step:
-            layer = attribute.GetPropertyStack(start)[0].layer.identifier
-            raise FileError(
-                f"<{attribute.GetPath()}>: the value clips (of {layer}) do not run straight between "
-                f"{start:g} and {end:g}, and time samples would. Flatten the stage, or fix their times."
-            )
+        layer = attribute.GetPropertyStack(start)[0].layer.identifier
+        raise FileError(
+            f"<{attribute.GetPath()}>: the value clips (of {layer}) do not run straight between "
+            f"{start:g} and {end:g}, and time samples would. Flatten the stage, or fix their times."
+        )
     return found
 
 
