@@ -13,6 +13,7 @@ from gltf_files import glb_bytes, glb_json, glb_parts, small
 from places import SAMPLES, real_files
 from program import cli
 from rigs import chain
+from usd_files import MESH, animation, deviation, save, scene, skeleton
 
 import rigtri
 from rigtri.errors import GeometryError
@@ -23,6 +24,7 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.skin import Skin, WeightLimit
 from rigtri.model.skin_weights import limited, within
 from rigtri.report import Report
+from rigtri.verification.checks import check
 
 TRUST = ReadOptions(allow_external_paths=True)
 
@@ -159,6 +161,30 @@ def test_a_mesh_that_moves_as_a_whole_stays_with_its_joint(own: bool, tmp_path: 
         assert staff.skin is not None
         holders.append(rig.names[int(rig.skins[staff.skin].joints[staff.joints[0, 0]])])
     assert holders == ["hand_R", "hand_R"]
+
+
+@pytest.mark.parametrize("order", ["", 'uniform token[] skel:joints = ["a", "a/b", "a/b/c"]\n'])
+def test_usd_points_name_no_joint_that_goes_though_it_has_no_weight(order: str, tmp_path: Path) -> None:
+    """UsdSkel does not skin a mesh any further where it finds the number of a joint that is not there."""
+    mesh = MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, 2, 1, 2, 1, 2]").replace("0.5, 0.5", "1, 0")
+    mesh = mesh.replace("    rel skel:skeleton", f"    {order}    rel skel:skeleton")
+    source, out = save(tmp_path, scene(skeleton(), animation(), mesh)), tmp_path / "out.usda"
+    rigtri.write(rigtri.prune_joints(rigtri.read(source)), out)
+    assert len(read(out).rig.skins[0].joints) == 2
+    assert deviation(source, out) == 0
+    assert not check(out)
+
+
+def test_gltf_points_name_no_joint_that_goes_though_it_has_no_weight(tmp_path: Path) -> None:
+    small_file = small()
+    joints = small_file.accessor([[2, 0, 2, 1]] * 3, "u1")
+    attributes = small_file.gltf["meshes"][0]["primitives"][0]["attributes"]
+    attributes |= {"JOINTS_0": joints, "WEIGHTS_0": small_file.accessor([[0, 0.5, 0, 0.5]] * 3)}
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    small_file.glb(source)
+    rigtri.write(rigtri.prune_joints(rigtri.read(source)), out)
+    assert len(read(out).rig.skins[0].joints) == 2
+    assert {found.id for found in check(out)} <= {found.id for found in check(source)}
 
 
 def test_as_many_joints_go_as_it_takes(tmp_path: Path) -> None:

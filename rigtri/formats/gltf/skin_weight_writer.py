@@ -66,11 +66,11 @@ class WeightWriter:
         by_skin: dict[int, list[WeightRedistribution]] = {}
         for spread in rig.pending.weight_redistributions:
             by_skin.setdefault(int(str(rig.skins[spread.skin].key)), []).append(spread)
-        merges = (fold for fold in rig.pending.joint_merges if not fold.idle)
-        folds = {int(str(rig.skins[fold.skin].key)): fold for fold in merges}
+        folds = {int(str(rig.skins[fold.skin].key)): fold for fold in rig.pending.joint_merges}
         for skin in {**by_skin, **folds}:
             for mesh in self._meshes(skin):
-                self._check_alone(mesh, skin)
+                if skin in by_skin or not folds[skin].idle:  # else joints of no weight alone are renamed
+                    self._check_alone(mesh, skin)
                 for number, primitive in enumerate(self._primitives(mesh)):
                     self._primitive(mesh, number, primitive, skin, by_skin.get(skin, ()), folds.get(skin))
 
@@ -225,16 +225,23 @@ class WeightWriter:
             own = slice(4 * number, 4 * number + 4)
             same = np.array_equal(joints[:, own], before.joints[:, own])
             if not (same and np.array_equal(weights[:, own], before.weights[:, own])):
-                found |= self._again(number, joints[:, own], weights[:, own], before.weight, sets)
+                left = int(fold.rows.max(initial=0)) + 1
+                found |= self._again(number, joints[:, own], weights[:, own], before.weight, sets, left)
         return found | dict(self._added(sets, before, joints, weights, found))
 
     def _again(
-        self, number: int, joints: Integers, weights: Floats, kind: int, sets: Mapping[str, int]
+        self,
+        number: int,
+        joints: Integers,
+        weights: Floats,
+        kind: int,
+        sets: Mapping[str, int],
+        left: int,
     ) -> dict[str, int]:
         """Accessors of the file that hold the influences of a set, by name; none is one too few.
 
-        joints, weights: (v, 4) each. Joints of no weight may be any. The primitive's own comes first, and
-        then those that nobody uses: meshes alike had one each.
+        joints, weights: (v, 4) each. Joints of no weight may be any of the ``left`` that the skin has. The
+        primitive's own comes first, and then those that nobody uses: meshes alike had one each.
         """
         found: dict[str, int] = {}
         users = self._storage.users
@@ -245,7 +252,8 @@ class WeightWriter:
                 rows = self._influences(index, len(joints), kind if name == "WEIGHTS" else None)
                 if rows is None:
                     continue
-                off = np.abs(rows - weights) if name == "WEIGHTS" else (rows != joints) & (weights != 0)
+                wrong = (rows >= left) | ((rows != joints) & (weights != 0))
+                off = np.abs(rows - weights) if name == "WEIGHTS" else wrong
                 if off.max(initial=0) <= (SAME if name == "WEIGHTS" and kind == FLOAT else 0):
                     found[f"{name}_{number}"] = index
                     break

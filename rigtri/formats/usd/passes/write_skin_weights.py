@@ -60,8 +60,6 @@ def _merged(query: Any, tokens: Sequence[str], merge: JointMerge, width: int) ->
     width: how many a point had before, 0 where that is not known.
     """
     path, own = query.GetPrim().GetPath(), query.GetJointOrder()
-    if merge.idle and not own:
-        return []
     kept: dict[int, str] = {}
     for row, token in zip(merge.rows.tolist(), tokens, strict=True):
         kept.setdefault(row, token)  # heirs come before those that go
@@ -75,8 +73,7 @@ def _merged(query: Any, tokens: Sequence[str], merge: JointMerge, width: int) ->
     # A mesh that moves as a whole has one row for all of its points.
     rigid = query.IsRigidlyDeformed()
     count = 1 if rigid else len(seen_at_start(query.GetPrim().GetAttribute("points")) or ())
-    same_rows = merge.idle and left == order[: len(left)]
-    before = None if same_rows else read_influences(query, count)
+    before = read_influences(query, count)
     if before is not None:
         rows = np.array([left.index(heir) for heir in heirs], dtype=np.int64)
         at = np.array([merge.at[tokens.index(token)] if token in tokens else 0.0 for token in order])
