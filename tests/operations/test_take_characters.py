@@ -13,6 +13,7 @@ from usd_files import MESH, animation, read, save, scene, skeleton
 from rigtri.errors import GeometryError
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.bake import bake
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.take_clips import take_clips
 
@@ -117,3 +118,15 @@ def test_the_motion_of_one_file_goes_to_one_of_several_characters(
         if now is not was
     ]
     assert all(node == alone.find("c_ik_ctl") for node in changed)
+
+
+def test_one_rig_describes_each_of_several_characters(shot: Rig, tmp_path: Path) -> None:
+    """A program has dropped the metadata of both, and the asset that they were made of has it."""
+    plain, asset = replace(shot, metadata={}), read(tmp_path / "keyed.usda").rig
+    with pytest.raises(GeometryError, match="character.*'A', 'B'"):
+        bake(plain, rig_=asset)
+    done = bake(bake(plain, rig_=asset, character="A"), rig_=asset, character="B")
+    assert done.names == shot.names
+    assert done.records(ControlRecord).keys() == shot.records(ControlRecord).keys()
+    shown, expected = (rig.clips[0].tracks for rig in (done, bake(shot)))
+    assert {(track.node, track.path) for track in shown} == {(track.node, track.path) for track in expected}

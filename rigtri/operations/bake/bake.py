@@ -70,6 +70,7 @@ from rigtri.operations.pose import at_rest
 from rigtri.operations.rigtri_nodes import with_record
 from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warnings
 from rigtri.operations.take_clips.ik_switches import ik_ends
+from rigtri.operations.take_clips.lost_motion import of_character
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.progress import as_share, count_done, counted
@@ -96,8 +97,11 @@ def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
     """
     rigged: Rig | None = options.rig_
     if rigged is not None:
+        names = rig.names
+        if options.character is not None:
+            rig = of_character(rig, options.character)
         rig = joined(rig, rigged, names=options.as_, between=options.between, report=report)
-        rig = as_described(rig, rigged, report=report)
+        rig = replace(as_described(rig, rigged, report=report), names=names)
     rig = _with_limits(rig, options)
     return in_rig_space(rig, lambda seen: _Baker(seen, options, report).baked())
 
@@ -129,7 +133,8 @@ class _Baker:
         ):
             raise GeometryError(
                 "There is nothing to bake: the file has no controls and no constraints of rigtri. "
-                "Add some with: rigtri add-controls, or name a file that has them with --rig"
+                "Add some with: rigtri add-controls IN -o OUT --whole-character; or, if a program has "
+                "dropped them, name the file that has them with --rig"
             )
 
     def baked(self) -> Rig:

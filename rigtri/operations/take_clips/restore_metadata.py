@@ -30,6 +30,7 @@ from rigtri.operations.take_clips.ik_switches import (
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.node_matching import Pairs, pairs
 from rigtri.operations.take_clips.unkeyed_poses import key_unkeyed_poses
+from rigtri.recognition.one_character import titles
 from rigtri.report import Report
 
 # Matrices that differ by less, moves as a share of the largest, went through another program's float32.
@@ -56,8 +57,14 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     if missing == others:
         many = [described.names[node] for node in missing if described.names[node] in both.unclear]
         lost = list_names(described.names[node] for node in missing)
+        several = titles(rig)
+        remedy = (
+            f"bake one character at a time, with --character: {list_names(several)}"
+            if len(several) > 1
+            else "give each node a name of its own"
+        )
         raise GeometryError(
-            f"Several nodes match {list_names(many)} of the file of --rig; give each node a name of its own"
+            f"Several nodes match {list_names(many)} of the file of --rig; {remedy}"
             if many
             else f"Nothing that rigtri built in the file of --rig is in this file, none of {lost}, and "
             "--rig only restores what is stored on nodes that are here: add them with rigtri add-controls, "
