@@ -123,7 +123,7 @@ def test_the_motion_of_one_file_goes_to_one_of_several_characters(
 def test_one_rig_describes_each_of_several_characters(shot: Rig, tmp_path: Path) -> None:
     """A program has dropped the metadata of both, and the asset that they were made of has it."""
     plain, asset = replace(shot, metadata={}), read(tmp_path / "keyed.usda").rig
-    with pytest.raises(GeometryError, match="character.*'A', 'B'"):
+    with pytest.raises(GeometryError, match=r"character.*'A', 'B'"):
         bake(plain, rig_=asset)
     done = bake(bake(plain, rig_=asset, character="A"), rig_=asset, character="B")
     assert done.names == shot.names

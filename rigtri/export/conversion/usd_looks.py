@@ -6,7 +6,7 @@ Source: UsdPreviewSurface specification 2.6; glTF 2.0 §3.9; UsdGeomCamera; UsdL
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -19,8 +19,10 @@ from rigtri.export.conversion.usd_cameras_lights import CANDELA, FAR, TENTHS
 from rigtri.export.conversion.usd_materials import DEGREES, flipped
 from rigtri.export.conversion.usd_networks import source_of, value_of
 from rigtri.export.conversion.usd_values import rest_value
-from rigtri.maths.trigonometry import arc_tangent
+from rigtri.maths.trigonometry import arc_tangent, sin_cos
 
+# Texture coordinates this near to an edge are on it: float32, turned over and back.
+_ROUNDED = 1e-6
 _WRAPS = {"clamp": "clamp", "mirror": "mirror", "repeat": "repeat"}
 # The channels of textures that glTF takes; of colour and roughness those of two others, too.
 _CHANNELS: Mapping[Slot, str] = {
@@ -46,18 +48,27 @@ class Looks:
         """read: the bytes of the texture that an asset path names; FileError where they are not to be had."""
         self._scene, self._content = scene, read
         self._known: dict[tuple[str, bool, str], int] = {}
+        # Textures that are black beside their edges, and whether along u and v, by material and by path.
+        self._black: dict[int, dict[str, tuple[Texture, list[bool]]]] = {}
         self._images: dict[str, Image | None] = {}
         self._names: set[str] = set()
 
-    def number(self, material: Any, coordinates: Mapping[str, int], *, double_sided: bool) -> int | None:
-        """The number of a material in the scene, for a mesh with these texture coordinates."""
-        if material is None:
-            return None
+    def number(
+        self, material: Any, coordinates: Mapping[str, int], values: Mapping[str, Any], *, double_sided: bool
+    ) -> int:
+        """The number of a material in the scene, for faces with these texture coordinates.
+
+        coordinates: the number of each set. values: what corners have, by glTF's names, (c, ...).
+        """
         key = str(material.GetPath()), double_sided, str(sorted(coordinates.items()))
         if key not in self._known:
             self._known[key] = len(self._scene.materials)
             self._scene.materials.append(self._read(material, coordinates, double_sided))
-        return self._known[key]
+        number = self._known[key]
+        for path, (texture, black) in self._black.get(number, {}).items():
+            if _leaves(texture, values.get(f"TEXCOORD_{texture.texcoord}"), black):
+                self._scene.lose(f"that '{path}' is black beside its edges: its last texels go on")
+        return number
 
     def unused(self, prim: Any) -> bool:
         """Whether a prim is a material that no mesh has."""
@@ -212,11 +223,12 @@ class Looks:
             reader = source_of(change, "in")
         named = value_of(reader[0], "varname") if reader is not None else None
         wraps = [str(value_of(node, key)) for key in ("wrapS", "wrapT")]
-        if "black" in wraps:
-            self._scene.lose(f"that '{asset.path}' is black beside its edges: its last texels go on")
         wrap = tuple(_WRAPS.get(each, "clamp") for each in wraps)
         number = coordinates.get("st" if named is None else str(named), 0)
         texture = Texture(image, number, wrap, offset, rotation, scale)  # type: ignore[arg-type]
+        if "black" in wraps:
+            mine = self._black.setdefault(len(self._scene.materials), {})
+            mine[asset.path] = texture, [wrap == "black" for wrap in wraps]
         return texture, tuple(self._value(node, "scale", (1.0,) * 4)), channel
 
     def _image(self, asset: Any) -> Image | None:
@@ -255,6 +267,16 @@ def _is_grey(image: Image) -> bool:
             return content[at + 9] == 1
         at += 2 + int.from_bytes(content[at + 2 : at + 4], "big")
     return False
+
+
+def _leaves(texture: Texture, coordinates: Any, along: Sequence[bool]) -> bool:
+    """Whether texture coordinates, (c, 2), are beside the image along u or v, once they are transformed."""
+    if coordinates is None:
+        return False
+    sine, cosine = (float(x) for x in sin_cos(np.array(texture.rotation)))
+    u, v = (np.asarray(coordinates, dtype=np.float64) * texture.scale).T
+    placed = np.stack([cosine * u + sine * v, cosine * v - sine * u], axis=1) + texture.offset
+    return bool(((placed < -_ROUNDED) | (placed > 1.0 + _ROUNDED))[:, list(along)].any())
 
 
 def _is_colour_of_points(shader: Any) -> bool:

@@ -167,7 +167,8 @@ class _Reader:
             if material is None:
                 number = self.looks.coloured(colour_of(prim), double_sided=sided)
             else:
-                number = self.looks.number(material, faces.coordinates, double_sided=sided)
+                shown = {each: of[corners] for each, of in faces.values.items()}
+                number = self.looks.number(material, faces.coordinates, shown, double_sided=sided)
             if len(corners):
                 self.scene.primitives.setdefault(mesh.node, []).append(
                     Primitive(found, surface, name, number)

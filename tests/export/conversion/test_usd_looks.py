@@ -164,6 +164,33 @@ def test_roughness_and_metallic_share_a_texture_as_gltf_has_them(tmp_path: Path)
         (tmp_path / "out.glb").unlink()
 
 
+@pytest.mark.parametrize(
+    ("wrap", "change", "leaves"),
+    [
+        ("wrapS", "", False),  # the coordinates are those of the image's corners
+        ("wrapS", "float2 inputs:translation = (0.25, 0)", True),
+        ("wrapT", "float2 inputs:translation = (0.25, 0)", False),
+        ("wrapS", "float inputs:rotation = 30", True),
+        ("wrapT", "float inputs:rotation = 30", False),
+        ("wrapT", "float inputs:rotation = -30", True),
+    ],
+)
+def test_black_edges_are_listed_where_texture_coordinates_are_beside_them(
+    wrap: str, change: str, leaves: bool, tmp_path: Path
+) -> None:
+    body = _map("t", more=f'token inputs:{wrap} = "black"')
+    if change:
+        body = body.replace("</m/look/uv.outputs:result>", "</m/look/move.outputs:result>")
+        body += (
+            f'def Shader "move" {{ uniform token info:id = "UsdTransform2d"\n {change}\n'
+            " float2 inputs:in.connect = </m/look/uv.outputs:result>\n float2 outputs:result\n}\n"
+        )
+    _, lost = _look(tmp_path, "color3f inputs:diffuseColor.connect = </m/look/t.outputs:rgb>", body)
+    assert lost == (
+        {"that './rgb.png' is black beside its edges: its last texels go on"} if leaves else set()
+    )
+
+
 def test_what_textures_have_that_gltf_cannot_say_is_listed(tmp_path: Path) -> None:
     body = _map("gone", " = @./gone.png@") + _map("t", more='token inputs:wrapS = "black"')
     body += 'def Shader "noise" { uniform token info:id = "Noise"\n float3 outputs:rgb\n}\n'
@@ -177,7 +204,6 @@ def test_what_textures_have_that_gltf_cannot_say_is_listed(tmp_path: Path) -> No
     )
     assert lost == {
         "the texture './gone.png' is missing",
-        "that './rgb.png' is black beside its edges: its last texels go on",
         "the texture of opacity of material 'look': glTF has it in alpha of the texture of colour",
         "emissiveColor of material 'look', which </m/look/noise> gives",
         "prims of type Noise (</m/look/noise>)",
