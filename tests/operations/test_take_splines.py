@@ -9,8 +9,9 @@ import pytest
 from rigs import chain
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.sampling import sample
-from rigtri.maths.quaternions import from_axis_angle
+from rigtri.evaluation.sampling import locals_at, sample, worlds
+from rigtri.maths.matrices import decompose
+from rigtri.maths.quaternions import from_axis_angle, make_continuous
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.animation import Path as TrackPath
@@ -165,3 +166,25 @@ def test_splines_that_were_kept_are_kept_by_a_second_run_too() -> None:
     assert np.array_equal(once.clips[0].tracks[0].values, had.values)
     assert not np.array_equal(once.clips[0].tracks[1].values, other.values)
     assert take_clips(once, from_=edited) is once
+
+
+def flattened(rig: Rig) -> Rig:
+    """The same skeleton as exporters write it that flatten hierarchies: each joint at the top, a key a frame."""
+    at = worlds(rig, locals_at(rig, rig.clips[0], FRAMES))
+    places, turns, _ = decompose(at)
+    tracks = [
+        Track(joint, path, "LINEAR", FRAMES, values)
+        for joint in range(len(rig))
+        for path, values in zip(
+            ("translation", "rotation"), (places[:, joint], make_continuous(turns[:, joint])), strict=True
+        )
+    ]
+    flat = replace(rig, parents=np.full(len(rig), -1), translation=rig.world[:, 3, :3])
+    return playing(flat, *tracks)
+
+
+def test_what_hangs_below_a_kept_spline_is_seen_from_there_in_a_flat_hierarchy_too() -> None:
+    flat, smooth = (spline(1, "rotation", TURNS, m) for m in (np.zeros_like(TURNS), natural(TURNS)))
+    rig, report = playing(RIG, flat), Report()
+    assert take_clips(rig, from_=flattened(playing(RIG, smooth)), report=report) is rig
+    assert "splines-kept" in {notice.code for notice in report.warnings}

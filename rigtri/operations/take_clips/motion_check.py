@@ -100,8 +100,18 @@ class MotionCheck:
 
     # --- one joint
 
-    def _of(self, joint: int) -> list[_Off]:
+    def _above(self, joint: int) -> int:
+        """The joint from which one is seen: the nearest above that both files have above it, or −1.
+
+        In EDITED it may hang higher up, as in a flat hierarchy. Then what was not taken lies between, and moves
+        the joint's world otherwise on purpose: it is seen from there.
+        """
         above = joint_above(self.both, joint)
+        between = self._line(joint, above)[1:]
+        return next((n for n in between if n in self.left and n in self.both.of), above)
+
+    def _of(self, joint: int) -> list[_Off]:
+        above = self._above(joint)
         frames = self._frames(joint, above)
         theirs = self._seen_theirs(joint, above)[frames]
         ours = seen_ours(joint, above, self.ours).reshape(-1, len(self.times), 4, 4)[:, frames]
@@ -188,7 +198,7 @@ class MotionCheck:
         """Whether a property of a joint comes from keys of EDITED, or RIG has none that would stay."""
         if self.seen.transfer.is_carried(joint):
             return True
-        above, driven = joint_above(self.both, joint), self.seen.transfer.driven
+        above, driven = self._above(joint), self.seen.transfer.driven
         line = {n: driven.get(self.both.of[n], {}) for n in self._line(joint, above) if n in self.both.of}
         for node, own in line.items():
             paths = (path,) if node == joint else PATHS
