@@ -201,6 +201,29 @@ def test_a_limb_that_is_not_sure_is_left_open_in_the_spec_with_a_question(tmp_pa
 
 
 @pytest.mark.usefixtures("unsure")
+def test_a_spec_with_open_places_says_so_and_replaces_only_such_a_one(tmp_path: Path) -> None:
+    source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
+    spec = out.with_suffix(".rig.yaml")
+    for _ in range(2):
+        run("auto", source, "-o", out, "--overwrite", code=5)
+        assert spec.read_text("utf-8").startswith("# rigtri auto built nothing by this spec")
+    mine = tmp_path / "mine.yaml"
+    mine.write_text("steps: [{do: strip}]\n")
+    result = run("auto", source, "-o", out, "--spec-out", mine, "--overwrite", code=5)
+    assert mine.read_text() == "steps: [{do: strip}]\n"
+    assert f"{mine} stays as it is" in result.stderr
+
+
+@pytest.mark.usefixtures("unsure")
+def test_the_spec_of_an_output_stays_beside_it_where_the_next_file_is_not_sure(tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    run("auto", SAMPLES / "flat_ik.glb", "-o", out)
+    spec = out.with_suffix(".rig.yaml").read_bytes()
+    run("auto", SAMPLES / "biped.glb", "-o", out, "--overwrite", code=5)
+    assert out.with_suffix(".rig.yaml").read_bytes() == spec
+
+
+@pytest.mark.usefixtures("unsure")
 @pytest.mark.parametrize("unsure", [""], indirect=True, ids=["everything"])
 def test_where_nothing_is_sure_there_is_a_spec_with_open_places_too(tmp_path: Path) -> None:
     source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"

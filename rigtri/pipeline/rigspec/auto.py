@@ -34,6 +34,8 @@ from rigtri.report import Report
 from rigtri.text import a
 
 SUFFIX = ".rig.yaml"
+# The first words of a spec by which nothing was built, so that nobody takes it for one that works.
+_IDLE = "# rigtri auto built nothing by this spec"
 # The last line of a spec that nobody has edited; then comes the digest of what is above it.
 _SEAL = "# Written by rigtri auto, which replaces it while it is unchanged: "
 
@@ -139,7 +141,7 @@ def auto_file(
     nowhere. seen: is called with what is proposed, before anything is built.
     Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
     places in the spec then; else as `build_file`, with the last step for controls that do not do what they
-    are for. Where a step fails the spec is written all the same, but over no other.
+    are for. In these cases a spec is written that begins with that it is for looking at, but only over such a one.
     """
     place = None if spec_out is None or request.dry_run else Path(spec_out)
     with opened(request.source) as at, temp_dirs.folder() as folder:
@@ -149,8 +151,8 @@ def auto_file(
         if not found.is_character:
             raise GeometryError(found.missing())
         if found.questions:
-            _write(place, found.text)
-            raise GeometryError(_unsure_message(found, place, request.target))
+            there = _leave(place, _open_places() + found.text)
+            raise GeometryError(_unsure_message(found, place, request.target, there=there))
         side_files = [*request.side_files, *([] if place is None else [place])]
         inner = replace(request, source=at, options=_read_once(request), side_files=side_files)
         spec = Path(folder, "rig.yaml"), str(spec_out or "the spec")
@@ -162,9 +164,7 @@ def auto_file(
                 seen(found)
                 built = _built(inner, found, report, *spec, place)
         except SpecError as error:
-            # One that is there may be that of a rig that works, and edited.
-            if place is None or not place.exists():
-                _write(place, _not_built(error) + found.text)
+            _leave(place, _not_built(error) + found.text)
             raise
     if request.to_stdout:
         _write(place, found.text)
@@ -202,22 +202,43 @@ def _built(
     return built
 
 
+def _leave(place: Path | None, text: str) -> bool:
+    """Leave a spec by which nothing was built, and say whether it is there.
+
+    Another one may be that of a rig that works, or edited: only one that nothing was built by either is replaced.
+    """
+    if place is None or (place.exists() and not (_as_written(place) or "").startswith(_IDLE)):
+        return False
+    _write(place, text)
+    return True
+
+
 def _not_built(error: SpecError) -> str:
-    """The first lines of a spec by which nothing was built, so that nobody takes it for one that works."""
+    """The first lines of a spec with a step that failed."""
     faults = "".join(f"#   {_one_line(fault)}\n" for fault in error.found)
-    return f"# rigtri auto built nothing by this spec; it is here to be looked at and changed:\n{faults}"
+    return f"{_IDLE}; it is here to be looked at and changed:\n{faults}"
+
+
+def _open_places() -> str:
+    """The first line of a spec with open places."""
+    return f"{_IDLE}; it is here for you to name the joints of what is not sure, where it says null\n"
 
 
 def _one_line(fault: Fault) -> str:
     return " ".join(fault.text.split())
 
 
-def _unsure_message(found: Proposal, place: Path | None, target: Path | str) -> str:
+def _unsure_message(found: Proposal, place: Path | None, target: Path | str, *, there: bool) -> str:
+    """there: whether the spec with open places is at ``place``."""
     words = "; ".join(found.questions)
     if not found.is_sure:
         words = f"nothing of {found.source} is sure to be a character's: {words}"
     if place is None:
         return words
+    if not there:
+        return (
+            f"{words}. {place} stays as it is; to get a spec where you can name their joints, use --spec-out"
+        )
     return (
         f"{words}. Name their joints in {place}, where it says null, then: "
         f"rigtri build {shlex.join(map(str, (found.source, '--spec', place, '-o', target)))}"
@@ -237,10 +258,15 @@ def _digest(text: str) -> str:
     return sha256(encoded(text)).hexdigest()[:16]
 
 
+def _as_written(place: Path) -> str | None:
+    """The text of a spec that nobody has edited; None for any other file."""
+    text, mark, digest = text_of(place).rpartition(_SEAL) if place.is_file() else ("", "", "")
+    return text if mark and digest.strip() == _digest(text) else None
+
+
 def refuse_edited(place: Path) -> None:
     """UsageError for a spec that is there and is not as `auto` wrote it: somebody's work would be lost."""
-    text, mark, digest = text_of(place).rpartition(_SEAL) if place.is_file() else ("", "", "")
-    if place.exists() and (not mark or digest.strip() != _digest(text)):
+    if place.exists() and _as_written(place) is None:
         raise UsageError(
             f"{place} is not as rigtri auto wrote it, and --overwrite would lose what was edited there. "
             f"Build by it: rigtri build IN --spec {place}; or replace it with --spec-out {place}, or give "
