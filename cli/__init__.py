@@ -14,9 +14,11 @@ import time
 from contextlib import suppress
 from importlib import import_module
 from types import FrameType
-from typing import NoReturn
+from typing import Any, NoReturn
 
-INTERRUPTED = 128 + signal.SIGINT
+# The signals that let a program tidy up before it ends, and the word for that.
+_WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+_UNSET = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
 # What a shell sets that asks for completions.
 COMPLETION = "_RIGTRI_COMPLETE"
 # Two interrupts nearer than this, in seconds, are one: the second would break off what the first tidies up.
@@ -26,12 +28,13 @@ _last = -_NEAR
 _LATER = 0.01
 
 
-def _end(_number: int, _frame: object) -> NoReturn:
+def _end(number: int, _frame: object) -> NoReturn:
     """End at once: nothing is begun. Where a shell completes a line, words would stand in that line."""
+    word, code = ending(KeyboardInterrupt(number))
     if COMPLETION not in os.environ:
         with suppress(OSError):  # nobody reads it
-            os.write(2, b"\nrigtri: interrupted\n")
-    os._exit(INTERRUPTED)
+            os.write(2, f"\nrigtri: {word}\n".encode())
+    os._exit(code)
 
 
 def _raise(number: int, frame: FrameType | None) -> None:
@@ -41,7 +44,13 @@ def _raise(number: int, frame: FrameType | None) -> None:
         return
     before, _last = _last, time.monotonic()
     if _last - before > _NEAR:
-        raise KeyboardInterrupt
+        raise KeyboardInterrupt(number)
+
+
+def ending(error: KeyboardInterrupt) -> tuple[str, int]:
+    """The word for how a program ends, and its exit code, by what `_raise` raised or Python itself."""
+    number = signal.Signals(error.args[0] if error.args else signal.SIGINT)
+    return _WORDS[number], 128 + number
 
 
 def _would_be_lost(frame: FrameType | None) -> bool:
@@ -64,7 +73,7 @@ def _again(number: int, main: int) -> None:
     if os.name == "posix":
         signal.pthread_kill(main, number)
     else:
-        _thread.interrupt_main()
+        _thread.interrupt_main(number)
 
 
 def begin() -> None:
@@ -73,21 +82,25 @@ def begin() -> None:
 
     For `rigtri.__main__` alone: what a caller's process does with interrupts and its search path is not ours.
     """
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        with suppress(ValueError):  # a thread that is not the main one gets none
-            signal.signal(signal.SIGINT, _end)
+    for number, unset in _UNSET.items():
+        _replace(number, unset, _end)
     import_module("rigtri.files.import_path").leave_out_working_folder()
 
 
 def raise_interrupts() -> None:
     """Let interrupts be exceptions again."""
-    if signal.getsignal(signal.SIGINT) is _end:
-        with suppress(ValueError):
-            signal.signal(signal.SIGINT, _raise)
+    for number in _WORDS:
+        _replace(number, _end, _raise)
 
 
 def ignore_interrupts() -> None:
     """When all is done and printed, let an interrupt change nothing any more."""
-    if signal.getsignal(signal.SIGINT) is _raise:
-        with suppress(ValueError):
-            signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in _WORDS:
+        _replace(number, _raise, signal.SIG_IGN)
+
+
+def _replace(number: signal.Signals, old: object, new: Any) -> None:
+    """Let another one handle a signal, unless somebody else than ``old`` does now."""
+    if signal.getsignal(number) is old:
+        with suppress(ValueError):  # a thread that is not the main one gets none
+            signal.signal(number, new)

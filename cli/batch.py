@@ -25,7 +25,7 @@ import click
 
 from rigtri.errors import FileError, UsageError
 
-from . import INTERRUPTED, batch_engine, batch_job, failures
+from . import batch_engine, batch_job, ending, failures
 from .batch_messages import Files, opened_log, print_selection, print_summary
 from .build import assigned, set_option, spec_option, spec_strict_option, spec_tolerance_option
 from .help_format import Command, option
@@ -151,9 +151,10 @@ CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
 def command(inputs: tuple[str, ...], **values: Any) -> None:
     try:
         sys.exit(run(inputs, values, _tasks(values)))
-    except KeyboardInterrupt:  # before files are worked on, or after
-        click.echo("\ninterrupted: finished files are kept; run it again for the rest", err=True)
-        sys.exit(INTERRUPTED)
+    except KeyboardInterrupt as error:  # before files are worked on, or after
+        word, code = ending(error)
+        click.echo(f"\n{word}: finished files are kept; run it again for the rest", err=True)
+        sys.exit(code)
 
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:

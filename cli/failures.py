@@ -13,7 +13,7 @@ import click
 
 from rigtri.errors import Fault, RigtriError, error_kind, faults_by_text
 
-from . import INTERRUPTED
+from . import ending
 from .terminal_text import echo_message, plain, request_plain, without_advice
 
 # In the context of a run: whether JSON is requested on standard output, which has nothing on it yet.
@@ -66,9 +66,10 @@ def exit_on_interrupt() -> Iterator[None]:
     """An interrupt ends the program with its own exit code and message."""
     try:
         yield
-    except KeyboardInterrupt:
-        click.echo("\nrigtri: interrupted", err=True)
-        sys.exit(INTERRUPTED)
+    except KeyboardInterrupt as error:
+        word, code = ending(error)
+        click.echo(f"\nrigtri: {word}", err=True)
+        sys.exit(code)
 
 
 @contextmanager

@@ -32,8 +32,8 @@ PRELOADED = [
 ]
 
 
-def _kill_at(moment: int, top: str) -> None:
-    """Kill this process at the n-th change below a folder."""
+def _kill_at(moment: int, top: str, number: signal.Signals) -> None:
+    """Send this process a signal at the n-th change below a folder."""
     counted = 0
 
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
@@ -43,12 +43,13 @@ def _kill_at(moment: int, top: str) -> None:
             if any(os.path.abspath(name).startswith(top) for name in names):
                 counted += 1
                 if counted == moment:
-                    os.kill(os.getpid(), signal.SIGKILL)
+                    os.kill(os.getpid(), number)
 
     sys.addaudithook(hook)
 
 
-def _run(moment: int, top: str, words: list[str]) -> None:
+def _run(moment: int, top: str, words: list[str], number: signal.Signals) -> None:
+    from rigtri.cli import begin
     from rigtri.cli.main import program
 
     # Given, for else the standard library tries whether it can write there, and a kill leaves what it wrote.
@@ -57,16 +58,18 @@ def _run(moment: int, top: str, words: list[str]) -> None:
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 2)
     os.dup2(null, 1)
+    begin()
     if moment:
-        _kill_at(moment, top)
-    program(words, prog_name="rigtri")
+        _kill_at(moment, top, number)
+    sys.argv = ["rigtri", *words]
+    program()  # as a process of its own, which heeds signals to its end
 
 
-def run(top: Path, words: list[str], moment: int = 0) -> int:
-    """The exit code of a command in a folder, killed at a moment, from 1 on; 0: left alone."""
+def run(top: Path, words: list[str], moment: int = 0, number: signal.Signals = signal.SIGKILL) -> int:
+    """The exit code of a command in a folder, sent a signal at a moment, from 1 on; 0: left alone."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(PRELOADED)
-    process = context.Process(target=_run, args=(moment, str(top), words))
+    process = context.Process(target=_run, args=(moment, str(top), words, number))
     process.start()
     process.join()
     assert process.exitcode is not None

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from places import ci
 
 from rigtri.errors import FileError
 from rigtri.files.worker_process import CrashError, WorkerProcess
@@ -177,17 +178,22 @@ def test_what_works_on_files_reports_nothing_of_interrupts_and_kills(tmp_path: P
 
 @SERVED
 @pytest.mark.parametrize(
+    ("name", "code", "word"), [("SIGINT", 130, "interrupted"), ci("SIGTERM", 143, "terminated")]
+)
+@pytest.mark.parametrize(
     "line",
     [
         "rigtri.cli; rigtri.cli.begin(); {0}",
         "rigtri.__main__, rigtri.cli.main; {1}; rigtri.__main__.program()",
     ],
 )
-def test_an_interrupt_at_any_time_ends_the_program_in_our_words(line: str) -> None:
-    now = "os.kill(os.getpid(), signal.SIGINT)"
+def test_an_interrupt_at_any_time_ends_the_program_in_our_words(
+    line: str, name: str, code: int, word: str
+) -> None:
+    now = f"os.kill(os.getpid(), signal.{name})"
     soon = "rigtri.cli.main.import_module = lambda _: [" + f"{now}, " * 3 + "]"
     # What runs behind a shell's back was told not to hear of interrupts.
     heard = "signal.signal(signal.SIGINT, signal.default_int_handler)"
     text = f"import os, signal, sys; {heard}; import {line.format(now, soon)}"
     done = subprocess.run([sys.executable, "-c", text, "build"], capture_output=True, timeout=60, check=False)
-    assert (done.returncode, done.stderr) == (130, b"\nrigtri: interrupted\n")
+    assert (done.returncode, done.stderr) == (code, f"\nrigtri: {word}\n".encode())
