@@ -73,7 +73,7 @@ def _again(number: int, main: int) -> None:
     if os.name == "posix":
         signal.pthread_kill(main, number)
     else:
-        _thread.interrupt_main(number)
+        _thread.interrupt_main(signal.Signals(number))
 
 
 def begin() -> None:

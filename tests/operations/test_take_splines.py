@@ -169,7 +169,7 @@ def test_splines_that_were_kept_are_kept_by_a_second_run_too() -> None:
 
 
 def flattened(rig: Rig) -> Rig:
-    """The same skeleton as exporters write it that flatten hierarchies: each joint at the top, a key a frame."""
+    """The same skeleton as exporters flatten it: each joint at the top, with a key a frame."""
     at = worlds(rig, locals_at(rig, rig.clips[0], FRAMES))
     places, turns, _ = decompose(at)
     tracks = [

@@ -141,7 +141,7 @@ def auto_file(
     nowhere. seen: is called with what is proposed, before anything is built.
     Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
     places in the spec then; else as `build_file`, with the last step for controls that do not do what they
-    are for. In these cases a spec is written that begins with that it is for looking at, but only over such a one.
+    are for. Then a spec is left that says that nothing was built by it, over no other than such a one.
     """
     place = None if spec_out is None or request.dry_run else Path(spec_out)
     with opened(request.source) as at, temp_dirs.folder() as folder:
@@ -205,7 +205,7 @@ def _built(
 def _leave(place: Path | None, text: str) -> bool:
     """Leave a spec by which nothing was built, and say whether it is there.
 
-    Another one may be that of a rig that works, or edited: only one that nothing was built by either is replaced.
+    Another one may be that of a rig that works, or edited: only one by which nothing was built is replaced.
     """
     if place is None or (place.exists() and not (_as_written(place) or "").startswith(_IDLE)):
         return False
