@@ -65,7 +65,8 @@ class FileOptions:
     )
     allow_rename: bool = option(
         False,
-        help="USD: let --on-nonuniform-scale split rename joints, because their names are paths.",
+        help="USD: let orient-joints --on-nonuniform-scale split rename joints, because their names are "
+        "paths.",
         group="safety",
         rare=True,
     )

@@ -128,6 +128,24 @@ def spec_spelling(options: Iterable[Option]) -> Spelling:
     return Spelling({one.key: one for one in options}, _spec)
 
 
+def step_spelling(step: str, kind: Any, command: Any) -> Spelling:
+    """Options of a step that a command takes, with the step's name in front where the command has no such.
+
+    >>> from rigtri.operations.options.add_root import AddRootOptions
+    >>> from rigtri.operations.options.freeze import FreezeOptions
+    >>> step_spelling("add-root", AddRootOptions, FreezeOptions).text("give --above or --root")
+    'give add-root --above or --root'
+    """
+    own = _of([command])
+    others = {key: one for key, one in _of([kind]).items() if key not in own and one.where == "all"}
+
+    def write(one: Option, value: str) -> str:
+        flag = f"--no-{one.key}" if one.hint is bool and value else one.flag
+        return " ".join(filter(None, (step, flag, "" if one.hint is bool else value)))
+
+    return Spelling(others, write)
+
+
 def described(cls: Any) -> str:
     """The options of an operation with their help, a line for each, as Python's help shows them."""
     lines = (f"    {name}: {one.described('        ')}" for name, one in options_of(cls).items() if one.help)

@@ -10,7 +10,6 @@ Engine, the mannequin.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,8 +22,8 @@ from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotation_angle
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.vectors import cross, dot
-from rigtri.model.options import options_of
 from rigtri.model.rig import Rig
+from rigtri.model.spelling import spelled, step_spelling
 from rigtri.operations.add_root import root_above
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.body_pose import FACE, directions, stands_in_tpose, sure_bones
@@ -139,7 +138,7 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     if len(bodies) > 1:
         found = titles(rig)  # one skin may hold two of them
         names = listed(found if len(found) > 1 else [rig.title(body.root) for body in bodies], 6)
-        raise UsageError(f"There are {len(bodies)} characters here, {names}: take one with --character")
+        raise GeometryError(f"There are {len(bodies)} characters here, {names}: take one with --character")
     if rig.rules.orient_locked:
         if skeleton.axes != "vrm":
             ways = " or ".join(_ALONG_WORLD)
@@ -161,13 +160,13 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
                 values = {**values, "joints": above}
             # As options, not keywords: errors of keywords would name options as Python does.
             chosen = from_keywords(options_class(name), values, name)
-            rig = function_of(name)(rig, options=chosen, report=report)
+            with spelled(step_spelling(name, options_class(name), ConformOptions), report):
+                rig = function_of(name)(rig, options=chosen, report=report)
         except (UsageError, GeometryError) as error:
             # What an error says to do is for the step: it goes first, and this one finds it done.
-            own = {one.key for one in options_of(ConformOptions).values()}
-            others = set(re.findall(r"(?<![\w-])--([a-z-]+)", str(error))) - own
-            first = f" These are options of {name}: run it first" if others else ""
-            raise type(error)(f"{name}: {str(error).rstrip('.')}.{first}") from error
+            text = str(error).rstrip(".")
+            first = f" Run {name} first" if f"{name} --" in text else ""
+            raise type(error)(f"{name}: {text}.{first}") from error
         del report.joints[known:]
         report.added.append({"type": "step", "do": name, "node": "", "new": False, **_shown(values)})
     _warn_misplaced(rig, report)

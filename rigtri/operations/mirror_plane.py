@@ -50,8 +50,9 @@ class Parting:
 
     @property
     def where(self) -> str:
-        """The options that mean it."""
-        return f"--plane {self.plane} --plane-at {self.at:g}"
+        """The plane in words."""
+        across = "xyz"[int(normal_of(self.plane).argmax())]
+        return f"the plane {self.plane} at {across} = {self.at:g}"
 
 
 def parting(

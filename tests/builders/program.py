@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import inspect
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -15,6 +16,7 @@ from click.testing import CliRunner
 
 # Before 8.2 click keeps standard error apart only where it is told to, and has no output of both.
 OLD_CLICK = "mix_stderr" in inspect.signature(CliRunner).parameters
+_OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*[a-z]")
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,8 @@ def cli(
     """Run ``rigtri`` with these words (paths and numbers as they are).
 
     ``code`` is the exit code that it has to end with.
-    Exceptions that are no error of rigtri are raised.
+    Exceptions that are no error of rigtri are raised. Messages may name options of this command, and those
+    of others behind the name of theirs.
     """
     runner: Any = CliRunner(env=env, mix_stderr=False) if OLD_CLICK else CliRunner(env=env)
     result = runner.invoke(program(), [str(word) for word in words], input=stdin, prog_name="rigtri")
@@ -58,4 +61,25 @@ def cli(
         raise result.exception
     output = result.stdout + result.stderr if OLD_CLICK else result.output
     assert code is None or result.exit_code == code, output
+    foreign = [*foreign_options(str(words[0]), result.stderr)] if words else []
+    assert not foreign, f"{words[0]} has no {foreign}: {result.stderr}"
     return Ran(result.exit_code, result.stdout, result.stderr, output, result.stdout_bytes)
+
+
+def foreign_options(command: str, text: str) -> Iterator[str]:
+    """The options that a message of a command names, and neither it nor a command named before has."""
+    commands = program().commands
+    for line in text.splitlines() if command in commands else ():
+        for found in _OPTION.finditer(line):
+            named = [
+                each for each in commands if re.search(rf"(?<![\w-]){each}(?![\w-])", line[: found.start()])
+            ]
+            if found[0] not in {"--version", *(flag for each in [command, *named] for flag in _flags(each))}:
+                yield found[0]
+
+
+@cache
+def _flags(command: str) -> frozenset[str]:
+    return frozenset(
+        flag for one in program().commands[command].params for flag in (*one.opts, *one.secondary_opts)
+    )

@@ -301,6 +301,9 @@ def test_what_stands_against_the_axes_of_the_skeleton_is_reported() -> None:
     rigtri.conform(replace(flat, skins=(bound,)), to="mixamo", report=report)
     told = {warning.code: warning.text for warning in report.warnings}
     assert "Other axes than those of the standard skeleton: mixamorig:LeftToeBase" in told["other-axes"]
+    assert "With orient-joints --on-nonuniform-scale split," in told["nonuniform-scale"], (
+        "whose option that is"
+    )
     assert "sides" not in told
     side = {"L": "R", "R": "L"}
     names = [name[:-1] + side.get(name[-1:], name[-1:]) if "_" in name else name for name in rig.names]

@@ -295,7 +295,7 @@ def test_the_plane_is_found_between_most_pairs_and_reported(samples: Path) -> No
     assert_allclose(here * REFLECT + (5.0, 0, 0), there, atol=1e-9)
     assert joint[0] > 0.1
     assert [notice.code for notice in report.warnings] == ["mirror-plane"]
-    assert "--plane yz --plane-at 2.5 in its own space" in report.warnings[0].text
+    assert "about the plane yz at x = 2.5 in its own space" in report.warnings[0].text
     told = Report()
     asked = MirrorOptions(what=("polevectors",), root="biped", plane_at=2.5)
     again = mirror(rig, options=asked, report=told)
