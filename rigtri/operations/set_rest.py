@@ -57,7 +57,9 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     NameNotFoundError for moments that there are not.
     """
     uneven, target = _unevenness(rig), _target(rig, options, report)
-    parts = {node: part for node, part in target.items() if _differs(rig, node, part, uneven[node])}
+    # Rotations of a moment, and of other files, are as they are: nothing is worked out through scales above.
+    noise = np.minimum(uneven, UNEVEN if options.pose in ("bind", "tpose", "apose") else 0.0)
+    parts = {node: part for node, part in target.items() if _differs(rig, node, part, noise[node])}
     if options.pose in ("tpose", "apose"):
         _refuse_uneven(rig, list(parts), uneven)
     taken, moved = at_rest(rig, parts, _least(rig))
@@ -126,14 +128,17 @@ def _refuse_uneven(rig: Rig, moved: list[int], uneven: Floats) -> None:
         )
 
 
-def _differs(rig: Rig, node: int, part: Parts, uneven: float) -> bool:
-    """Whether a joint stands elsewhere by more than float32, a chain of products and uneven scales leave."""
+def _differs(rig: Rig, node: int, part: Parts, noise: float) -> bool:
+    """Whether a joint stands elsewhere by more than float32, a chain of products and uneven scales leave.
+
+    noise: what these leave, in radians and as a share.
+    """
     was = to_parts(rig.normalised_local[node])
     place = float(np.abs(was.translation - part.translation).max())
     size = float(np.abs(was.scale - part.scale).max())
     turn = float(angle_between(was.rotation, part.rotation)[0])
     far = max(skeleton_size(rig), float(np.abs(was.translation).max()))
-    least = SAME + uneven
+    least = SAME + noise
     return place > least * far or turn > least or size > least * float(np.abs(was.scale).max())
 
 

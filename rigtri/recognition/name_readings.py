@@ -109,8 +109,14 @@ def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Rea
                 for part, node in zip(parts, triple, strict=True):
                     reading.bones[which + part] = node
     _fill(tree, reading, by_bone)
-    reading.score = _LIMB * len(reading.limbs) + _BONE * len(reading.bones) + _NAME * known
+    reading.score = _LIMB * len(reading.limbs) + _BONE * _in_place(tree, reading.bones) + _NAME * known
     return reading
+
+
+def _in_place(tree: Tree, bones: Mapping[str, int]) -> int:
+    """How many bones there are, without those of the middle that are beside the lowest: controls (HEAD)."""
+    middle = [bones[bone] for bone in MIDDLE if bone in bones]
+    return len(bones) - sum(not tree.is_below(node, middle[0]) for node in middle[1:])
 
 
 def _counted_from_none(words: Iterable[ParsedName], scheme: Scheme) -> frozenset[str]:

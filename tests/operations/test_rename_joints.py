@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
@@ -75,6 +76,20 @@ def test_a_trunk_that_is_counted_from_none_keeps_its_bones() -> None:
     there = rigtri.rename_joints(named, to="unreal")
     assert {"spine_01", "spine_02"} <= set(there.names)
     assert rigtri.rename_joints(there, to="hik").names == named.names
+
+
+def test_a_control_beside_the_body_is_no_head_whatever_it_is_called() -> None:
+    """Of a body without hands, of which words in common use explain as much as those of Rigify."""
+    rig, (skin,) = (found := rigtri.read(SAMPLES / "biped.glb")), found.skins
+    names = [re.sub("^(hand|clavicle|toe|fingers)_.*", "", name) for name in rig.names]
+    control = rig.find("body")
+    names[control] = "HEAD"
+    binds = np.concatenate([skin.inverse_bind, inverse(rig.world[[control]])])
+    rig = replace(rig, names=tuple(names), skins=(with_joint(skin, control, binds),), source=None)
+    once = rigtri.rename_joints(rig, to="rigify")
+    assert once.names[rig.find("head")] == "spine.006"
+    assert once.names[control] == "HEAD"
+    assert rigtri.rename_joints(once, to="rigify").names == once.names
 
 
 def test_a_jaw_under_a_scheme_that_has_none_is_renamed_by_the_first_run() -> None:

@@ -99,6 +99,17 @@ def test_a_moment_and_another_file_give_the_rest_pose(tmp_path: Path) -> None:
     assert np.allclose(one.rotation[arm], other.rotation[arm], atol=1e-6)
 
 
+def test_a_moment_is_taken_as_it_is_below_a_scale_that_is_not_uniform() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    scale = rig.scale.copy()
+    scale[rig.find("biped")] = 1, 1.5, 1
+    uneven = replace(rig, scale=scale, source=None)
+    once, plain = (rigtri.set_rest(each, pose="walk@0.3") for each in (uneven, rig))
+    assert np.array_equal(once.rotation, plain.rotation)
+    assert rigtri.set_rest(once, pose="walk@0.3") is once
+    assert np.allclose(rigtri.set_rest(uneven, like=plain).rotation, plain.rotation, atol=1e-6)
+
+
 def test_the_bind_pose_is_where_the_mesh_is_as_it_was_drawn(tmp_path: Path) -> None:
     posed, out = tmp_path / "posed.glb", tmp_path / "out.glb"
     cli("set-rest", SAMPLES / "biped.glb", "-o", posed, "--pose", "walk@0.5", code=0)
