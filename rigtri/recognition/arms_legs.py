@@ -16,6 +16,7 @@ from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
 from rigtri.recognition.limb_triples import CLAVICLES, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement
 from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.two_or_four import may_be_front_legs
 from rigtri.text import a
 
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
@@ -130,7 +131,8 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
             by_name = min(by_name, _HALF)
         # The front legs of an animal are often called arms, and are legs.
         four = body is not None and body.form == "quadruped" and limbs is body.arms and not body.doubt
-        sure = by_name if kind in ("", limbs.kind) or four or not _has_both(body) else _CONTRADICTED * by_name
+        agree = kind in ("", limbs.kind) and not (limbs.kind == "arm" and may_be_front_legs(body, limbs))
+        sure = by_name if agree or four or not _has_both(body) else _CONTRADICTED * by_name
         kind = kind if four else limbs.kind
     elif kind:
         # A table has four of two joints each.
@@ -167,9 +169,8 @@ def _shape_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
 
 def _name_evidence(limbs: Limbs) -> float:
     """How much names add: joints that are only numbered are of a limb, and do not say which three bend."""
-    if len(limbs.at) < 3:
-        return 1.0
-    return max(_NUMBERED, limbs.named) if limbs.named >= 0.0 else 0.0
+    told = max(_NUMBERED, limbs.named) if limbs.named >= 0.0 else 0.0
+    return told if len(limbs.at) == 3 else 1.0
 
 
 def _has_both(body: Body | None) -> bool:
@@ -348,13 +349,13 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
     known = body is not None and _has_both(body) and same.pair in (body.legs, body.arms)
     shaped = _shaped(body, same.pair) if body is not None and known else each.kind
     shaped = "leg" if same.pair in draft.shape.legs else shaped
-    if shaped == each.kind:
+    if shaped == each.kind and not (each.kind == "arm" and may_be_front_legs(body, same.pair)):
         sure = 1.0 - (1.0 - sure) * (1.0 - _AGREES * same.confidence)
         words.append(AGREED)
     elif body is not None and body.doubt:
         # A thumb is a hand's. Without one, names of arms are an animal's as often.
         sure *= 1.0 if same.pair.thumb else _CONTRADICTED
-        words.append(f"though its shape could be that of {a(shaped)}")
+        words.append(f"though its shape could be that of {a('leg' if each.kind == 'arm' else 'arm')}")
     elif body is not None and body.form == "quadruped":
         words.append("its shape: one of four that carry the body")
         each = replace(each, kind=shaped)

@@ -42,8 +42,7 @@ _LEFT_OVER = 0.1
 SIMILAR, LEG = 0.6, 0.2
 # Legs that go down by this (a cosine), as the file has it, or a trunk that goes up leave no doubt what is up.
 _STANDS = 0.7
-# Legs go aside from a trunk that lies, or leans as a dinosaur does (cosines). How long its tail is at least,
-# as a part of the legs.
+# Legs go aside from a trunk that lies, or leans as dinosaurs do (cosines). Their tails, in legs, at least.
 _ASIDE, _LEANING, _TAIL = 0.5, 0.8, 0.2
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
@@ -84,7 +83,7 @@ class Limbs:
 @dataclass(frozen=True, eq=False)
 class Body:
     """One way to see a body. legs, arms: either may be missing. score: 0 to 1. lead: over the same pairs
-    the other way round. up: unit. doubt: the arms may be front legs, or these arms."""
+    the other way round. up: unit. doubt: its trunk lies, so that arms may be front legs, or these arms."""
 
     legs: Limbs | None
     arms: Limbs | None
@@ -128,8 +127,7 @@ def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:
     starts, ends = ((tree.at[one[k]] + tree.at[other[k]]) * 0.5 for k in (at[0], at[-1]))
     count = min(branches(tree, path)[1] for path in pair.paths)
     size = bend.size if bend else pair.reach
-    quality, lead = (bend.quality, bend.lead) if bend else (0.2, 0.0)
-    named = bend.named if bend else 0.0
+    quality, lead, named = (bend.quality, bend.lead, bend.named) if bend else (0.2, 0.0, 0.0)
     thumb = count > 2 and all(has_thumb(tree, path) for path in pair.paths)
     return Limbs(pair, at, starts, ends, size, count, thumb, quality, lead, named)
 
@@ -211,8 +209,7 @@ def across(tree: Tree, limbs: Limbs, plane: Plane) -> bool:
 
 def _longest(limbs: Limbs, others: Sequence[Limbs]) -> float:
     """The size of the largest of all that are like limbs, or of these."""
-    longest = max([k.size for k in others if k.quality > 0.3], default=limbs.size)
-    return max(longest, limbs.size, 1e-30)
+    return max([limbs.size, 1e-30, *(k.size for k in others if k.quality > 0.3)])
 
 
 def _with_arms(tree: Tree, legs: Limbs, others: Sequence[Limbs]) -> list[Body]:
@@ -289,7 +286,7 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
     beyond, seen = _beyond(tree, legs, arms), []
     for up, trust in _ups(tree, legs, arms):
         tall, stands, hangs = on.dot(up), down.dot(-up), out.dot(-up)
-        above = abs(lowest(tree, legs, up) - lowest(tree, arms, up)) / max(legs.size, 1e-30)
+        above = abs(lowest(tree, legs, up) - lowest(tree, arms, up)) / height(tree, legs, up)
         lies = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75
         four = front_legs or (lies and above < LEVEL)
         turned = [
@@ -298,16 +295,19 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
             (0.8, _head(beyond, arms, on + up)),
         ]
         score = _mean([*points, *turned]) - cost
-        # Where fingers or toes are, nothing is missing that could reach the ground.
-        missing = 0.4 if arms.fingers < 2 else 0.2
-        doubt = lies and not front_legs and (arms.thumb or missing * LEVEL < above < 2.0 * LEVEL)
-        seen.append(Body(legs, arms, "quadruped" if four else "biped", up, score, doubt=doubt))
+        form: Literal["biped", "quadruped"] = "quadruped" if four else "biped"
+        seen.append(Body(legs, arms, form, up, score, doubt=lies and not front_legs))
     return max(seen, key=lambda body: body.score)
 
 
 def lowest(tree: Tree, limbs: Limbs, up: Vector) -> float:
     """How high the lowest joint of two limbs stands."""
     return min(tree.at[k].dot(up) for path in limbs.pair.paths for k in path)
+
+
+def height(tree: Tree, legs: Limbs, up: Vector) -> float:
+    """How high legs begin over the lowest joint of them, above 0."""
+    return max(legs.starts.dot(up) - lowest(tree, legs, up), 1e-30)
 
 
 def stands_too(tree: Tree, body: Body, limbs: Sequence[Limbs]) -> bool:

@@ -16,10 +16,11 @@ from rigtri.recognition.facing import facing_of
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind, PoseName
 from rigtri.recognition.limb_triples import HAND, first_bend
-from rigtri.recognition.limb_words import NO_WORDS, LimbWords
+from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.many_legs import many_legs
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair, Plane, opposite, pairs_of, plane_of
+from rigtri.recognition.two_or_four import settled
 
 # Where a body looks has to be so sure, 0 to 1, before knees and elbows are taken to point as they should.
 _LOOKS = 0.5
@@ -82,8 +83,7 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
         others = bodies(tree, paws, plane)
         if others and others[0].form == "quadruped" and others[0].score > ways[0].score:
             limbs, ways = paws, others
-    if any(names.get(node, NO_WORDS).animal for node in tree.nodes):
-        ways = [replace(way, doubt=False) for way in ways]
+    ways = [settled(tree, way, poses, names) for way in ways]
     legs, up = many_legs(tree, limbs, plane)
     if legs and ways:
         ways = [replace(ways[0], up=up), *ways[1:]]

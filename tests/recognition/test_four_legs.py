@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-import pytest
-from recognition_bodies.skeletons import HORSE, Joint, rig_with
+from dataclasses import replace
+from functools import partial
 
+import numpy as np
+import pytest
+from recognition_bodies.skeletons import HORSE, Joint, both, line, rig_with
+
+from rigtri.model.content import Content
+from rigtri.model.mesh import Mesh
 from rigtri.recognition.layout import Character
 from rigtri.recognition.recognise import recognise
 
@@ -133,3 +139,70 @@ def test_a_trunk_of_many_joints_is_no_finger() -> None:
     joints = [long[0], *spine, *tail, *((a, b.replace("chest", "spine7"), at) for a, b, at in long[1:])]
     tall: list[Joint] = [(name, over, (x, 2.5 * y, z)) for name, over, (x, y, z) in joints]
     assert character(tall)[0].form == "quadruped"
+
+
+# A horse whose front legs end at the wrist, more than a third of the leg above the ground.
+SHORT = [
+    (name, over, (x, y + 0.08 if name[:4] == "hand" else y, z))
+    for name, over, (x, y, z) in HORSE
+    if not name.startswith("finger")
+]
+
+
+@pytest.mark.parametrize("animal", [False, True])
+@pytest.mark.parametrize("tail", [1.0, 4.0])
+def test_arms_that_may_be_front_legs_without_their_feet_are_not_sure(animal: bool, tail: float) -> None:
+    """Before, names of people made the arms of a horse sure. A long tail balances who stands on two."""
+    long = [
+        (name, over, (x, y, tail * z) if name[:4] == "tail" else (x, y, z)) for name, over, (x, y, z) in SHORT
+    ]
+    found, limbs = character(long, UNREAL | ({"toe": "hoof"} if animal else {}))
+    sure = {
+        chain.kind for chain in found.chains if chain.is_sure and chain.name.endswith(("arm", "front leg"))
+    }
+    assert sure == ({"leg"} if animal and tail == 1.0 else set())
+    assert len([name for name in limbs if name.endswith("leg") and "front" not in name]) == 2
+    assert not any(chain.is_sure and chain.kind == "arm" for chain in character(long)[0].chains)
+
+
+@pytest.mark.parametrize(("low", "legs"), [(0.0, 4), (0.4, 2)])
+def test_front_legs_whose_mesh_reaches_the_ground_are_legs(low: float, legs: int) -> None:
+    """With names of people, and without names, where joints alone tell nothing."""
+    for given in ([(called(UNREAL, a), called(UNREAL, b), at) for a, b, at in SHORT], None):
+        rig = rig_with(given or SHORT, named=given is not None)
+        ends = np.array([[k] for k, (name, _, _) in enumerate(SHORT) if name.startswith("hand")])
+        points = rig.world[ends[:, 0], 3, :3]
+        points = np.concatenate([points, points * [1, 0, 1] + [0, low, 0]])
+        rows = np.concatenate([ends, ends])
+        mesh = Mesh("hooves", -1, points, 0, rows, np.ones((4, 1)))
+        content = Content(read_outlines=partial(list, [mesh]))
+        (found,) = recognise(replace(rig, content=content)).characters
+        sure = [chain.name for chain in found.chains if chain.is_sure and chain.bend]
+        assert not any(name.endswith("arm") for name in sure)
+        assert len(sure) == (legs if given or legs == 4 else 0)
+
+
+def test_a_raptor_that_balances_on_its_hips_has_arms() -> None:
+    """Its hands hang as low as the wrists of a horse; fingers show that they are hands."""
+    raptor = line(
+        "pelvis spine chest neck head",
+        "",
+        (0, 1, 0),
+        (0, 1.05, 0.3),
+        (0, 1.1, 0.6),
+        (0, 1.3, 0.8),
+        (0, 1.4, 1),
+    )
+    raptor += line("tail1 tail2 tail3", "pelvis", (0, 1, -0.3), (0, 1, -0.8), (0, 0.95, -1.3))
+    leg = ((0.15, 0.95, 0), (0.15, 0.6, 0.25), (0.15, 0.3, -0.1), (0.15, 0.05, 0.05))
+    arm = ((0.13, 1, 0.6), (0.14, 0.7, 0.5), (0.14, 0.45, 0.7))
+    raptor += both(line("thigh.L shin.L foot.L toe.L", "pelvis", *leg))
+    raptor += both(line("upper_arm.L forearm.L hand.L", "chest", *arm))
+    bare = character(raptor, UNREAL)[1]
+    assert [name.split()[-1] for name in bare] == ["leg", "leg"]
+    claws = [*raptor]
+    for k in range(2):
+        claws += both([(f"finger{k}.L", "hand.L", (0.13 + 0.03 * k, 0.38, 0.75))])
+    limbs = character(claws, UNREAL | {"finger0": "index_01", "finger1": "middle_01"})[1]
+    assert limbs["left arm"] == LEGS["left front leg"]
+    assert len(limbs) == 4

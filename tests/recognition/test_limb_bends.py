@@ -190,16 +190,16 @@ def test_front_legs_that_are_not_sure_have_the_hinge_of_their_own_bend() -> None
     trunk = [(0.5, -0.3), (0.52, -0.1), (0.52, 0.1), (0.62, 0.28), (0.82, 0.48)]
     hind = [(0.45, -0.3), (0.295, -0.23), (0.15, -0.29), (0.04, -0.25), (0.01, -0.18)]
     front = [(0.6, 0.23), (0.457, 0.33), (0.327, 0.27), (0.173, 0.3), (0.123, 0.37)]
-    named = "{0}_scapula {0}_upper_leg {0}_lower_leg {0}_paw {0}_toe"
+    named = "{0}_scapula {0}_upper_arm {0}_lower_arm {0}_hand {0}_toe"
     joints = line("pelvis spine_01 spine_03 neck_01 head", "", *((0.0, y, z) for y, z in trunk))
     for side, x in (("l", 0.1), ("r", -0.1)):
-        legs = f"thigh_{side} calf_{side} {side}_hock foot_{side} ball_{side}"
+        legs = f"thigh_{side} calf_{side} {side}_shank foot_{side} ball_{side}"
         joints += line(legs, "pelvis", *((x, y, z) for y, z in hind))
         joints += line(named.format(side), "spine_03", *((x, y, z) for y, z in front))
     rig, report = rig_with(joints), Report()
-    assert [rig.names[chain.bend[1]][2:] for chain in unsure(rig)] == ["lower_leg"] * 2
+    assert [rig.names[chain.bend[1]][2:] for chain in unsure(rig)] == ["lower_arm"] * 2
     out = orient_joints(rig, report=report)
-    for name in ("l_upper_leg", "l_lower_leg", "r_lower_leg"):
+    for name in ("l_upper_arm", "l_lower_arm", "r_lower_arm"):
         assert out.world[out.find(name), 1, 0] < -0.99, name
     for name in ("thigh_l", "calf_l"):
         assert out.world[out.find(name), 1, 0] > 0.99, name

@@ -1,0 +1,67 @@
+"""Whether a body whose trunk lies stands on two legs or on four, where its arms end above the ground.
+
+The joints of an animal's front legs may end at the wrist, as high as a raptor's hands hang. What their meshes
+reach, where the weight of the trunk is, and words of animals tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import fsum, inf
+
+from rigtri.maths.scalar_vector import Vector
+from rigtri.recognition.body_shape import LEVEL, Body, Limbs, height, lowest
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_words import LimbWords
+from rigtri.recognition.pose_samples import Poses
+
+# Of front legs without joints in their feet so much of the height of the hips is missing at least, and where
+# there are fingers or toes nothing but what a step takes.
+_FEET, _STEP = 0.4 * LEVEL, 0.2 * LEVEL
+# Beyond this part of that height there is no wrist of a front leg.
+_WRIST = 2.0 * LEVEL
+# What falls has the middle of trunk, neck, head and tail so far ahead of its toes, as a part of that height.
+# Of dinosaurs it is 0.16 at most: they balance on their hips.
+_FALLS = 0.2
+
+
+def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]) -> Body:
+    """A body that stands on four legs where it cannot on two, and is in doubt only where nothing tells."""
+    legs, arms = body.legs, body.arms
+    if not body.doubt or legs is None or arms is None:
+        return body
+    up, tall = body.up, height(tree, legs, body.up)
+    high = abs(lowest(tree, arms, up) - lowest(tree, legs, up)) / tall
+    if not (arms.thumb or (_FEET if arms.fingers < 2 else _STEP) < high < _WRIST):
+        return replace(body, doubt=False)
+    if not arms.thumb and _reach(tree, arms, up, poses) - lowest(tree, legs, up) < _FEET * tall:
+        return replace(body, form="quadruped", doubt=False)
+    four = body.form == "quadruped" or (arms.fingers < 2 and _ahead(tree, body, legs, arms) > _FALLS * tall)
+    animal = any(names[node].animal for node in tree.nodes if node in names)
+    return replace(body, form="quadruped" if four else "biped", doubt=not (four and animal))
+
+
+def may_be_front_legs(body: Body | None, limbs: Limbs) -> bool:
+    """Whether arms without fingers hang from a trunk that lies, and nothing tells that they are no legs."""
+    return body is not None and body.doubt and limbs is body.arms and limbs.fingers < 2
+
+
+def _reach(tree: Tree, limbs: Limbs, up: Vector, poses: Poses) -> float:
+    """How high the lowest point is that the ends of two limbs move, of the higher one; inf for none."""
+    ends = [poses.box_of(tree.branch(path[limbs.at[-1]]), tree.places) for path in limbs.pair.paths]
+    return max(min((point.dot(up) for point in points), default=inf) for points in ends)
+
+
+def _ahead(tree: Tree, body: Body, legs: Limbs, arms: Limbs) -> float:
+    """How far the middle of all bones but those of limbs is ahead of the feet, file units."""
+    firsts = {path[0] for pair in (legs, arms) for path in pair.pair.paths}
+    bones = tree.branch(tree.common(legs.pair.above, arms.pair.above))[1:]
+    free = [k for k in bones if not any(tree.is_below(k, first) for first in firsts)]
+    total, middle = max(fsum(tree.bone[k] for k in free), 1e-30), Vector()
+    for k in free:
+        middle = middle + (tree.at[k] + tree.at[tree.above[k]]) * (0.5 * tree.bone[k] / total)
+    way = arms.starts - legs.starts
+    ahead = (way - body.up * way.dot(body.up)).unit
+    feet = (k for path in legs.pair.paths for k in tree.branch(path[legs.at[-1]]))
+    return middle.dot(ahead) - max(tree.at[k].dot(ahead) for k in feet)
