@@ -206,3 +206,9 @@ def test_a_raptor_that_balances_on_its_hips_has_arms() -> None:
     limbs = character(claws, UNREAL | {"finger0": "index_01", "finger1": "middle_01"})[1]
     assert limbs["left arm"] == LEGS["left front leg"]
     assert len(limbs) == 4
+
+
+def test_latin_names_of_hands_and_feet_are_an_animals_where_it_stands_on_four() -> None:
+    """Its front legs, humerus and radius, end as high as those of the horse above. Before, unsure arms."""
+    latin = {"thigh": "femur", "shin": "tibia", "foot": "metatarsus", "upper_arm": "humerus"}
+    assert character(SHORT, latin | {"forearm": "radius", "hand": "metacarpus"})[1] == LEGS
