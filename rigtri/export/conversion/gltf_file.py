@@ -201,8 +201,6 @@ class GltfWriter:
         channels = []
         for track in clip.tracks:
             node = int(self.index[track.node])
-            if node < 0 or (track.path == "weights" and track.node not in self.scene.primitives):
-                continue
             values = unit(track.values) if track.path == "rotation" else track.values
             rows = np.clip(values.astype(np.float32), -1.0, 1.0) if track.path == "rotation" else values
             times = self.buffer.accessor(track.times, bounds=True)

@@ -267,11 +267,20 @@ class _Reader:
             start = min([0.0, *(float(track.times[0]) for track in some)])
             if start < 0:
                 self.scene.lose(f"that clip '{name}' begins {-start:g} time codes before 0: it begins at 0")
-            kept = [self._in_seconds(track, rig, start) for track in some]
+            written = [track for track in some if self._is_written(track)]
+            if not written:
+                self.scene.lose(f"clip '{name}', which moves only what is not converted")
+            kept = [self._in_seconds(track, rig, start) for track in written]
             clips.append(Clip(name, tuple(track for track in kept if track is not None)))
-        if clips and tracks:
+        if tracks and clips[0].tracks:
             self._say_how_it_is_played(clips[0])
         return [clip for clip in clips if clip.tracks]
+
+    def _is_written(self, track: Track) -> bool:
+        """Whether what a track moves is converted: its node, or the mesh with its morph targets."""
+        if track.path == "weights":
+            return track.node in self.scene.primitives
+        return track.node not in self.scene.omitted
 
     def _followed(self, clip: Clip) -> list[Track]:
         """The tracks of a clip, those of prims as USD moves them."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from gltf_files import glb_json
-from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdSkel
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdSkel
 
 import rigtri
 
@@ -38,6 +38,46 @@ def _stage(path: Path) -> None:
     stage.DefinePrim("/spare", "Material")
     stage.GetRootLayer().customLayerData = {"studio": "abc", "copyright": "nobody"}
     stage.Save()
+
+
+@pytest.mark.parametrize("what", ["guide", "instancer", "no faces"])
+def test_a_clip_that_moves_only_what_is_not_converted_is_reported(what: str, tmp_path: Path) -> None:
+    stage = Usd.Stage.CreateNew(str(tmp_path / "in.usda"))
+    UsdSkel.Root.Define(stage, "/body")
+    still = UsdGeom.Mesh.Define(stage, "/body/still")
+    prim = UsdGeom.PointInstancer if what == "instancer" else UsdGeom.Mesh
+    moved = prim.Define(stage, "/body/moved")
+    for mesh in (still, moved):
+        if isinstance(mesh, UsdGeom.Mesh):
+            mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+            mesh.CreateFaceVertexCountsAttr([3])
+            mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    if what == "no faces":
+        moved.GetFaceVertexCountsAttr().Set([])
+        skeleton = UsdSkel.Skeleton.Define(stage, "/body/skeleton")
+        skeleton.CreateJointsAttr(["a"])
+        skeleton.CreateBindTransformsAttr([Gf.Matrix4d(1)])
+        skeleton.CreateRestTransformsAttr([Gf.Matrix4d(1)])
+        animation = UsdSkel.Animation.Define(stage, "/body/in")
+        animation.CreateBlendShapesAttr(["smile"])
+        for time in (0, 10):
+            animation.CreateBlendShapeWeightsAttr().Set([time / 10], time)
+        UsdSkel.BlendShape.Define(stage, "/body/moved/smile").CreateOffsetsAttr([(0, 0, 1)] * 3)
+        bound = UsdSkel.BindingAPI.Apply(moved.GetPrim())
+        bound.CreateBlendShapesAttr(["smile"])
+        bound.CreateBlendShapeTargetsRel().SetTargets(["/body/moved/smile"])
+        bound.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+        UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(["/body/in"])
+    else:
+        moved.CreatePurposeAttr("guide")
+        place = moved.AddTranslateOp()
+        for time in (0, 10):
+            place.Set((time, 0, 0), time)
+    stage.Save()
+    outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
+    told = [n.text for n in outcome.report.warnings if n.code == "lost"]
+    assert "not converted: clip 'in', which moves only what is not converted" in told
+    assert "animations" not in glb_json(tmp_path / "out.glb")
 
 
 def test_what_is_not_read_is_reported_and_samples_stand_in_for_defaults(tmp_path: Path) -> None:
