@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -30,6 +30,9 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
 from rigtri.text import and_more
+
+# Float32 seconds that are farther apart, in time codes, move keys by more than a hundredth of a frame.
+_SAME_TIME = 0.02
 
 
 def _without_instances(document: UsdDocument) -> UsdDocument:
@@ -270,6 +273,7 @@ class _Reader:
             written = [track for track in some if self._is_written(track)]
             if not written:
                 self.scene.lose(f"clip '{name}', which moves only what is not converted")
+            self._check_times(name, written, start)
             kept = [self._in_seconds(track, rig, start) for track in written]
             clips.append(Clip(name, tuple(track for track in kept if track is not None)))
         if tracks and clips[0].tracks:
@@ -327,6 +331,22 @@ class _Reader:
         if other:
             self.scene.lose(f"{and_more(other, 3)}: animations of no skeleton")
         return found
+
+    def _check_times(self, name: str, tracks: Sequence[Track], start: float) -> None:
+        """Note where glTF's float32 seconds move keys; FileError where they hold none of them."""
+        last = max((float(track.times[-1]) - start for track in tracks), default=0.0)
+        seconds = last / self.scene.per_second
+        if seconds > np.finfo(np.float32).max:
+            raise FileError(
+                f"{self.document.source.path}: clip '{name}' has a key {last:g} time codes after its start, "
+                f"{seconds:g} s: more than the float32 seconds of glTF hold. Remove that sample"
+            )
+        step = float(np.spacing(np.float32(seconds)))
+        if step > _SAME_TIME / self.scene.per_second:
+            self.scene.lose(
+                f"exact times of clip '{name}': at {seconds:.6g} s the float32 seconds of glTF are "
+                f"{step:.2g} s apart"
+            )
 
     def _in_seconds(self, track: Track, rig: Rig, start: float) -> Track | None:
         """A track as float32 seconds, rising; None for one that stands still as its node does at rest."""

@@ -9,6 +9,7 @@ from gltf_files import glb_json
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdSkel
 
 import rigtri
+from rigtri.errors import FileError
 
 
 def _stage(path: Path) -> None:
@@ -78,6 +79,29 @@ def test_a_clip_that_moves_only_what_is_not_converted_is_reported(what: str, tmp
     told = [n.text for n in outcome.report.warnings if n.code == "lost"]
     assert "not converted: clip 'in', which moves only what is not converted" in told
     assert "animations" not in glb_json(tmp_path / "out.glb")
+
+
+def _moving(path: Path, *times: float) -> Path:
+    stage = Usd.Stage.CreateNew(str(path))
+    place = UsdGeom.Xform.Define(stage, "/moved").AddTranslateOp()
+    for time in times:
+        place.Set((time - times[0], 0, 0), time)
+    stage.Save()
+    return path
+
+
+def test_times_that_float32_seconds_cannot_tell_apart_are_reported(tmp_path: Path) -> None:
+    """As after a day, by the time code of a film; after an hour nobody sees it."""
+    for start, said in ((86_400, False), (2_073_600, True)):
+        source = _moving(tmp_path / f"{start:g}.usda", start, start + 1)
+        lost = [n.text for n in rigtri.convert(source, source.with_suffix(".glb")).report.warnings]
+        assert [text for text in lost if "the float32 seconds of glTF are 0.0078 s apart" in text] == lost
+        assert bool(lost) == said
+
+
+def test_a_time_beyond_float32_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=r"clip 'in' has a key 1e\+300 time codes after its start"):
+        rigtri.convert(_moving(tmp_path / "in.usda", 0, 1e300), tmp_path / "out.glb")
 
 
 def test_what_is_not_read_is_reported_and_samples_stand_in_for_defaults(tmp_path: Path) -> None:
