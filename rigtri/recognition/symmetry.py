@@ -5,7 +5,7 @@ Symmetry is measured by lengths of bones, which no pose changes; only the plane 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from itertools import combinations
 from math import fsum
@@ -26,6 +26,8 @@ SIMILAR_LENGTH = 0.15
 SLACK = 0.02
 # Pairs shorter than this part of the longest have no say in where the plane is.
 _VOTING = 0.35
+# By so much a plane through two pairs has to be better than that of one.
+_BETTER = 0.02
 # Of more branches at one node the longest are compared; of more joints the mirror image of so many is.
 _MOST, _MANY = 16, 160
 
@@ -107,18 +109,42 @@ def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
     ]
     most = fsum(reach for _, _, reach in votes)
     places = tree.places[sorted(tree.nodes, key=lambda k: -(tree.bone[k] + tree.reach[k]))[:_MANY]]
-    best, found = -1.0, None
-    for point, normal, _ in votes[:10]:
+
+    def score(point: Vector, normal: Vector) -> tuple[float, Plane]:
         agree = fsum(
             reach
             for other, across, reach in votes
             if abs(across.dot(normal)) > 0.93 and abs((other - point).dot(normal)) < 0.06 * whole
         )
         share = _mirrored(places, point, normal, 0.02 * whole)
-        score = agree / most + share + 0.1 * (1.0 - abs(normal.dot(up)))
-        if score > best + 1e-9:
-            best, found = score, Plane(point, normal, share)
+        return agree / most + share + 0.1 * (1.0 - abs(normal.dot(up))), Plane(point, normal, share)
+
+    best, found = -1.0, None
+    for point, normal, _ in votes[:10]:
+        value, plane = score(point, normal)
+        if value > best + 1e-9:
+            best, found = value, plane
+    for point, normal in _through_two(votes, found):
+        value, plane = score(point, normal)
+        # Exact bodies keep the plane of one pair: rounding chooses nothing.
+        if value > best + _BETTER:
+            best, found = value, plane
     return found
+
+
+def _through_two(
+    votes: Sequence[tuple[Vector, Vector, float]], plane: Plane | None
+) -> Iterator[tuple[Vector, Vector]]:
+    """Planes through the middles of the longest pair and of another, nearest to one that is known.
+
+    The line between two limbs of a narrow body tells its direction badly: far away that is far off.
+    """
+    if plane is None:
+        return
+    first = votes[0][0]
+    for middle, *_ in votes[1:10]:
+        on = (middle - first).unit
+        yield first, (plane.normal - on * plane.normal.dot(on)).unit
 
 
 def opposite(tree: Tree, pairs: Sequence[Pair], plane: Plane | None) -> list[Pair]:

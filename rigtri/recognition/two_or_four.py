@@ -32,11 +32,13 @@ def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]
     if not body.doubt or legs is None or arms is None:
         return body
     up, tall = body.up, height(tree, legs, body.up)
-    high = abs(lowest(tree, arms, up) - lowest(tree, legs, up)) / tall
-    if not (arms.thumb or (_FEET if arms.fingers < 2 else _STEP) < high < _WRIST):
-        return replace(body, doubt=False)
-    if not arms.thumb and _reach(tree, arms, up, poses) - lowest(tree, legs, up) < _FEET * tall:
+    ground = lowest(tree, legs, up)
+    high = (lowest(tree, arms, up) - ground) / tall
+    missing = _FEET if arms.fingers < 2 else _STEP
+    if not arms.thumb and (high < missing or _reach(tree, arms, up, poses) - ground < _FEET * tall):
         return replace(body, form="quadruped", doubt=False)
+    if not arms.thumb and high >= _WRIST:
+        return replace(body, doubt=False)
     four = body.form == "quadruped" or (arms.fingers < 2 and _ahead(tree, body, legs, arms) > _FALLS * tall)
     animal = any(names[node].animal for node in tree.nodes if node in names)
     return replace(body, form="quadruped" if four else "biped", doubt=not (four and animal))

@@ -212,3 +212,20 @@ def test_latin_names_of_hands_and_feet_are_an_animals_where_it_stands_on_four() 
     """Its front legs, humerus and radius, end as high as those of the horse above. Before, unsure arms."""
     latin = {"thigh": "femur", "shin": "tibia", "foot": "metatarsus", "upper_arm": "humerus"}
     assert character(SHORT, latin | {"forearm": "radius", "hand": "metacarpus"})[1] == LEGS
+
+
+def test_what_reaches_lower_than_the_legs_is_no_arm() -> None:
+    """A horse without hind toes, with names of people. Before, a biped with arms, unsure."""
+    hocks = [joint for joint in HORSE if not joint[0].startswith("toe")]
+    assert character(hocks, UNREAL)[1] == LEGS
+
+
+def test_a_narrow_body_whose_joints_are_a_little_off_has_its_plane_by_both_pairs() -> None:
+    """Before, the plane of its front legs passed beside its hind legs, and its front legs were sure arms."""
+    narrow: list[Joint] = []
+    for name, over, (x, y, z) in HORSE:
+        off = 0.006 if name.endswith(".L") else 0.0
+        off = -off if name[:-2] in ("thigh", "shin", "foot", "toe") else off
+        narrow.append((name, over, (0.3 * x, y, z + off)))
+    for names in (None, {"upper_arm": "humerus", "forearm": "radius", "hand": "carpus"}):
+        assert character(narrow, names)[1] == LEGS
