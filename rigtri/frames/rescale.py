@@ -23,7 +23,7 @@ import numpy as np
 
 from rigtri.frames.reframe import hand_over_attachments
 from rigtri.frames.reoriented_constraints import reoriented_metadata
-from rigtri.maths.matrices import compose, identity, multiply
+from rigtri.maths.matrices import compose, identity, inverse, multiply
 from rigtri.maths.quaternions import IDENTITY, conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
@@ -193,7 +193,7 @@ def convert(rig: Rig, conversion: Conversion) -> Rig:
     up = (0.0, 1.0, 0.0) if conversion.up == "y" else (0.0, 0.0, 1.0)
     still = np.tile(IDENTITY, (len(rig), 1))
     rig = replace(rig, metadata=reoriented_metadata(rig, still, conjugate(rotation)))
-    return replace(
+    made = replace(
         rig,
         metadata=_rescaled_metadata(rig, np.ones(len(rig)), 1.0 / size),
         translation=translation,
@@ -204,3 +204,9 @@ def convert(rig: Rig, conversion: Conversion) -> Rig:
         rules=replace(rig.rules, up=up, metres_per_unit=conversion.metres),
         pending=replace(rig.pending, conversion=conversion),
     )
+    # Joints that no skeleton binds are bound as they rest, which is elsewhere now.
+    bound = (
+        skin if skin.stored else replace(skin, inverse_bind=inverse(made.world[skin.joints]))
+        for skin in made.skins
+    )
+    return replace(made, skins=tuple(bound))

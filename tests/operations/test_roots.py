@@ -519,3 +519,48 @@ def test_a_second_root_is_not_added_where_no_hips_are_known(tmp_path: Path) -> N
     cli("add-root", SAMPLES / "hand.glb", "-o", once, code=0)
     cli("add-root", once, "-o", twice, code=0)
     assert twice.read_bytes() == once.read_bytes()
+
+
+LIBRARY = """#usda 1.0
+(
+    metersPerUnit = 0.01
+    upAxis = "Y"
+)
+def SkelAnimation "walk"
+{
+    uniform token[] joints = ["root", "root/hips", "root/hips/spine"]
+    float3[] translations.timeSamples = {
+        0: [(0, 0, 0), (0, 100, 0), (0, 20, 5)],
+        10: [(0, 0, 0), (0, 100, 50), (0, 20, 5)],
+    }
+    quatf[] rotations.timeSamples = {
+        0: [(1, 0, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0)],
+        10: [(1, 0, 0, 0), (0.8, 0, 0.6, 0), (1, 0, 0, 0)],
+    }
+    half3[] scales = [(1, 1, 1), (1, 1, 1), (1, 1, 1)]
+}
+"""
+
+
+@pytest.mark.parametrize("yaw", [(), ("--yaw",)])
+def test_motion_goes_to_the_root_in_an_animation_without_its_skeleton(
+    yaw: tuple[str, ...], tmp_path: Path
+) -> None:
+    source, out = tmp_path / "walk.usda", tmp_path / "out.usda"
+    source.write_text(LIBRARY)
+    cli("root-motion", source, "-o", out, "--hips", "hips", *yaw, code=0)
+    before, after = (rigtri.read(path) for path in (source, out))
+    assert np.allclose(places(after, "root")[-1], [0, 0, 50])
+    for name in ("hips", "spine"):
+        assert np.abs(places(after, name)[[0, -1]] - places(before, name)[[0, -1]]).max() < 1e-4
+
+
+def test_an_animation_without_its_skeleton_gets_another_unit_and_up_axis(tmp_path: Path) -> None:
+    source, out = tmp_path / "walk.usda", tmp_path / "out.usda"
+    source.write_text(LIBRARY)
+    ran = cli("freeze", source, "-o", out, "--unit", 1, "--up-axis", "z", code=0)
+    assert "nothing was changed" not in ran.stdout + ran.stderr
+    before, after = (places(rigtri.read(path), "spine") for path in (source, out))
+    assert np.allclose(after, before[:, [0, 2, 1]] * [0.01, -0.01, 0.01], atol=1e-6)
+    assert "metersPerUnit = 1\n" in out.read_text()
+    assert 'upAxis = "Z"' in out.read_text()

@@ -115,10 +115,11 @@ def skin_corners(
         if not differ.any():
             continue
         owner = mine.name or f"skin #{number}"
-        own = np.isin(mine.joints, loose)
-        for bind, low, high in _skin_boxes(mine, [x for x in meshes if x.skin == number]):
+        own, bound = np.isin(mine.joints, loose), [x for x in meshes if x.skin == number]
+        for bind, low, high in _skin_boxes(mine, bound):
             # Such a joint may move, but not what somebody has bound to it.
-            rows = np.flatnonzero(differ & ~(own & ~np.isfinite(low).all(axis=1)))
+            holds = np.isfinite(low).all(axis=1) if bound else False
+            rows = np.flatnonzero(differ & ~(own & ~np.asarray(holds)))
             if not len(rows):
                 continue
             titles = [f"joint {before.title(joint)}" for joint in mine.joints[rows].tolist()]

@@ -212,8 +212,8 @@ class _Reader:
             shown = listed([f"<{path}>" for path in self.skeletons])
             text = (
                 f"There is no skeleton; joints stand as {shown} poses them first. To give them the axes "
-                "of the skeleton they are for, save its new axes with --save-frames and apply them with "
-                "--frames."
+                "of the skeleton they are for, save its new axes with orient-joints --save-frames and apply "
+                "them with orient-joints --frames."
             )
             self.warnings.append(Notice("no-skeleton", text))
             self.nodes.add_joints(self.skeletons.values())
