@@ -98,7 +98,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "error",
         "A bone that the engine's humanoid must have is not there.",
         "Unity, HumanTrait.RequiredBone; VRMC_vrm 1.0, humanoid.md",
-        "See what is recognised with rigtri recognise --joints; name joints with rigtri rename-joints.",
+        "See what is found with rigtri recognise --joints; name joints with rigtri rename-joints --name.",
     ),
     (
         "scale",
@@ -161,7 +161,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "info",
         "A joint has a name that the engine alters when it loads it.",
         "three.js, PropertyBinding.sanitizeNodeName; Godot, GLTFDocument (mixamorig:Hips is mixamorig_Hips)",
-        "Where a program looks for it, name it with rigtri rename-joints.",
+        "Where a program looks for it, name it with rigtri rename-joints --name JOINT=NAME.",
     ),
 )
 PROFILE_RULES: Mapping[str, Rule] = {
