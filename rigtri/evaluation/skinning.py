@@ -44,8 +44,9 @@ def normalised_weights(weights: Floats) -> Floats:
     A point without any weight follows its first joint, as in engines.
     """
     total = np.zeros((len(weights), 1))
-    for column in np.abs(weights).T:
-        total[:, 0] += column
+    for start in range(0, len(weights), _POINTS):
+        for column in np.abs(weights[start : start + _POINTS]).T:
+            total[start : start + _POINTS, 0] += column
     first = np.zeros(weights.shape[1])
     first[:1] = 1.0
     if total.all():  # NaN is any

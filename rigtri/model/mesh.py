@@ -10,10 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rigtri.maths.arrays import Integers
+from rigtri.maths.arrays import Integers, runs
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
 from rigtri.model.skin import Skin
+
+# Points at once: what is sorted and gathered of them stays in the cache.
+_BLOCK = 1 << 13
 
 
 class Surface(NamedTuple):
@@ -66,12 +69,45 @@ class Mesh:
     @cached_property
     def moved(self) -> tuple[Integers, Integers]:
         """Joint and point of each weight that is not 0, (w,) each, joint by joint."""
-        weights = np.flatnonzero(self.weights != 0)
-        joints, points = self.joints.ravel()[weights], weights // max(self.weights.shape[1], 1)
-        few = len(joints) and 0 <= int(joints.min()) <= int(joints.max()) < 1 << 16
-        # Of so few joints a sort counts, which is far faster.
-        order = np.argsort(joints.astype(np.uint16) if few else joints, kind="stable")
-        return joints[order], points[order]
+        return _moved(self.joints, self.weights)
+
+    def morphed(self) -> tuple[Floats, Floats]:
+        """How far morphs can carry each point, (v, 3) twice: every target from 0 to 1, all at once."""
+        if not self.morphs.size:
+            return self.points, self.points
+        given = self.morph_weights if len(self.morph_weights) else np.zeros(len(self.morphs))
+        lows, highs = np.minimum(given, 0.0), np.maximum(given, 1.0)
+        near, far = self.points.copy(), self.points.copy()
+        for low, high, offsets in zip(lows, highs, self.morphs, strict=True):
+            near += np.minimum(low * offsets, high * offsets)
+            far += np.maximum(low * offsets, high * offsets)
+        return near, far
+
+    @cached_property
+    def joint_boxes(self) -> tuple[Floats, Floats]:
+        """Lows and highs of the points that each joint moves, wherever morphs carry them, (m, 3) twice.
+
+        The last joint is the last that the mesh names; inf where one moves nothing.
+        """
+        count = int(self.joints.max(initial=-1)) + 1
+        low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+        near, far = self.morphed()
+        for first in range(0, len(near), _BLOCK):
+            some = slice(first, first + _BLOCK)
+            joints, points = _moved(self.joints[some], self.weights[some])
+            live = np.asarray(np.isfinite(near[some]).all(axis=1))
+            if not live.all():
+                joints, points = joints[live[points]], points[live[points]]
+            if not len(joints):
+                continue
+            starts = runs(joints)
+            own = joints[starts]
+            for axis in range(3):
+                lows = near[some, axis][points]
+                highs = lows if far is near else far[some, axis][points]
+                low[own, axis] = np.minimum(low[own, axis], np.minimum.reduceat(lows, starts))
+                high[own, axis] = np.maximum(high[own, axis], np.maximum.reduceat(highs, starts))
+        return low, high
 
     def fits(self, skins: Sequence[Skin]) -> bool:
         """Whether all joints that it names are joints of its skin."""
@@ -85,3 +121,14 @@ class Mesh:
     def surface_now(self) -> Surface | None:
         """Faces and normals; None when nobody can tell."""
         return None if self.surface is None else self.surface()
+
+
+def _moved(joints: Integers, weights: Floats) -> tuple[Integers, Integers]:
+    """Joint and point of each weight that is not 0, (w,) each, joint by joint."""
+    held = np.flatnonzero(weights != 0)
+    named = joints.ravel()[held]
+    last = int(named.max(initial=0)) if named.min(initial=0) >= 0 else 1 << 16
+    # Of so few joints a sort counts, which is far faster.
+    kind = np.uint8 if last < 1 << 8 else np.uint16 if last < 1 << 16 else named.dtype
+    order = np.argsort(named.astype(kind), kind="stable")
+    return named[order], held[order] // max(weights.shape[1], 1)
