@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import NameNotFoundError
+from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.model.characters import characters
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
@@ -36,13 +36,23 @@ def bodies(rig: Rig) -> list[Nodes]:
 
 
 def named(rig: Rig, name: str) -> Nodes:
-    """The nodes of the character at or below a node. NameNotFoundError where there is none."""
+    """The nodes of the character at or below a node.
+
+    NameNotFoundError where there is none; UsageError for an instance that is read at another.
+    """
     groups = [frozenset(nodes) for nodes in characters(rig)]
     if rig.has(name):
         below = set(rig.below(rig.find(name, "character")))
         inside = [group for group in groups if group & below]
         if inside:
             return frozenset[int]().union(*inside)
+        shared = [rig.address(first) for node, first in rig.rules.instances.items() if node in below]
+        if shared:
+            raise UsageError(
+                f"'{name}' is an instance that shares its prototype with '{shared[0]}'. To edit all that "
+                f"share it: --character {shared[0]}; to edit '{name}' alone, make it no instance first "
+                "(instanceable = false)"
+            )
     raise NameNotFoundError("character", name, titles(rig))
 
 

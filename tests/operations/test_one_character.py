@@ -136,6 +136,19 @@ def test_a_character_that_is_not_there_is_named_with_those_that_are(samples: Pat
     assert len(read(source).rig.skins) == 2
 
 
+def test_an_instance_that_is_read_at_another_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    shutil.copy(SAMPLES / "biped.usda", tmp_path)
+    source, alone, out = (tmp_path / f"{name}.usda" for name in ("pair", "alone", "out"))
+    shared = PAIR.replace("(references", "(instanceable = true, references").replace(", ref", "; ref")
+    source.write_text(shared)
+    printed = cli("orient-joints", source, "-o", out, "--character", "B", code=2).output
+    assert "shares its prototype with 'A'" in printed
+    assert "--character A;" in printed
+    cut = shared.index('def "B"')
+    alone.write_text(shared[:cut] + shared[cut:].replace("instanceable = true", "instanceable = false"))
+    cli("orient-joints", alone, "-o", out, "--character", "B", code=0)
+
+
 def test_several_characters_are_conformed_one_at_a_time(tmp_path: Path) -> None:
     path = pair(SAMPLES, tmp_path, "gltf")
     ran = cli("conform", path, "-o", tmp_path / "out.gltf", "--to", "unity", code=5)
