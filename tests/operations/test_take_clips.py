@@ -458,11 +458,15 @@ def test_nodes_of_one_name_are_distinguished_by_their_paths_or_left_out_by_name(
 @pytest.mark.ci
 def test_keys_that_were_left_out_stay_with_a_notice() -> None:
     rig = rig_of()
-    node = rig.find("shin_L")
+    names = ("thigh_L", "shin_L", "thigh_R", "shin_R", "upper_arm_L", "upper_arm_R")
+    without = [rig.find(name) for name in names]
     report = Report()
-    edited = with_tracks(rig, "walk", lambda t: None if t.node == node else t)
+    edited = with_tracks(rig, "walk", lambda t: None if t.node in without else t)
     assert take_clips(rig, from_=edited, report=report) is rig
     assert notices(report) == ["kept-keys"]
+    # Its text has the first four; the report has all.
+    assert "and 2 more" in report.warnings[0].text
+    assert sorted(report.warnings[0].names) == sorted(names)
 
 
 @pytest.mark.ci

@@ -75,12 +75,13 @@ def warn_spline_swings(rig: Rig, report: Report) -> None:
         nodes = [node for node, times in swings.items() if times]
         if nodes:
             first = min(time for node in nodes for time in swings[node])
-            names = list_names(rig.title(node) for node in nodes)
+            names = [rig.title(node) for node in nodes]
             report.warn(
                 "splines-swing",
-                f"Clip '{clip.name}': the file's own splines of {names} swing round by nearly 360°, from a "
-                f"key to one of opposite sign, first after {first:g}; players show that, and it was baked "
-                "as it is. Give both keys one sign where the file was made",
+                f"Clip '{clip.name}': the file's own splines of {list_names(names)} swing round by nearly "
+                f"360°, from a key to one of opposite sign, first after {first:g}; players show that, "
+                "and it was baked as it is. Give both keys one sign where the file was made",
+                names=names,
             )
 
 

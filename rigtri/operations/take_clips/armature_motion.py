@@ -40,9 +40,9 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) ->
                 moves[node] = multiply(inverse(here), there)
     if not moves:
         return rig
-    names = list_names(rig.title(node) for node in moves)
-    text = f"{names} was moved in Blender, without keys: that is not taken. Move the root control instead"
-    report.warn("armature-moved", text)
+    names = [rig.title(node) for node in moves]
+    text = f"{list_names(names)} was moved in Blender, without keys: that is not taken"
+    report.warn("armature-moved", f"{text}. Move the root control instead", names=names)
     for node, back in moves.items():
         rig = _placed(rig, node, multiply(rig.world[node], back))
     return _bound(rig, moves)

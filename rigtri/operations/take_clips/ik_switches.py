@@ -90,8 +90,9 @@ def drop_switched_off_ik_keys(rig: Rig, switched: Switches, every: Sequence[Time
     lost = {track.node for k in members for track in rig.clips[k].tracks} & gone
     if not lost:
         return rig
-    names = list_names(rig.title(node) for node in sorted(lost))
-    report.warn("ik-off", f"IK was switched off in Blender (rigtri_ik): the keys of {names} are left out")
+    names = [rig.title(node) for node in sorted(lost)]
+    text = f"IK was switched off in Blender (rigtri_ik): the keys of {list_names(names)} are left out"
+    report.warn("ik-off", text, names=names)
     clips = (
         replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in lost))
         if k in members

@@ -48,8 +48,8 @@ def warn_differences(both: Counterparts, report: Report) -> None:
     if driven_places := [node for node in both.placed if both.of[node] in both.moving]:
         report.warn(
             "by-place",
-            f"{len(driven_places)} animated nodes have no names; they were matched by their position "
-            "in the hierarchy, which is the same in both files",
+            f"Animated nodes without names ({len(driven_places)}) were matched by their position in the "
+            "hierarchy, which is the same in both files",
         )
     moved = []
     for node, theirs in both.of.items():
@@ -59,7 +59,8 @@ def warn_differences(both: Counterparts, report: Report) -> None:
     if moved:
         report.warn(
             "other-parents",
-            f"{list_names(moved)} have other parents in EDITED; their motion was converted in world space",
+            f"EDITED has other parents for {list_names(moved)}, whose motion was converted in world space",
+            names=moved,
         )
 
 
@@ -95,11 +96,13 @@ def warn_tracks(
             "sampled",
             f"In '{clip}' the motion of {list_names(sampled)} was sampled at EDITED's keys, "
             "because nodes above them, or their axes, move or shear; between keys it may differ",
+            names=sampled,
         )
     if kept:
         report.warn(
             "kept-keys",
             f"EDITED has no keys for {list_names(kept)} in '{clip}'; RIG's were kept",
+            names=kept,
         )
     if splines:
         far = dict[TrackPath, float]()
@@ -111,6 +114,7 @@ def warn_tracks(
             f"In '{clip}' EDITED has RIG's values at the spline keys of "
             f"{list_names(name for name, *_ in splines)}, and other curves between (up to {apart}); "
             "RIG's splines were kept",
+            names=dict.fromkeys(name for name, *_ in splines),
         )
 
 
@@ -137,9 +141,9 @@ def warn_followers(start: Rig, rig: Rig, report: Report) -> None:
         if new.intersection(followed or new) and not new.intersection(rig.below(node))
     ]
     if behind:
-        names = list_names(rig.names[node] for node in sorted(behind))
-        text = f"The keys of {names} still follow the old motion: update them with rigtri bake"
-        report.warn("followers-behind", text)
+        names = [rig.title(node) for node in sorted(behind)]
+        text = f"The keys of {list_names(names)} still follow the old motion: update them with rigtri bake"
+        report.warn("followers-behind", text, names=names)
 
 
 def _followers(rig: Rig) -> Iterator[tuple[int, set[int]]]:

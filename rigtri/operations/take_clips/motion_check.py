@@ -222,9 +222,10 @@ def refuse_other_motion(check: MotionCheck, reported: Collection[str], report: R
             f"cannot map: key every joint in '{name}' in the DCC, or --clip without it"
         )
     if held := [off.joint for off in unkeyed if check.rig.names[off.joint] not in reported]:
-        names = list_names(check.rig.title(joint) for joint in held)
+        names = [check.rig.title(joint) for joint in held]
         report.warn(
             "held-without-keys",
-            f"EDITED has no keys of {names} in '{name}', but another pose than RIG, whose pose "
+            f"EDITED has no keys of {list_names(names)} in '{name}', but another pose than RIG, whose pose "
             "was kept; key it in EDITED to transfer it",
+            names=names,
         )

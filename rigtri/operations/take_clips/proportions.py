@@ -283,7 +283,8 @@ def warn_lengths(bodies: Proportions, report: Report) -> None:
             f"Translations of {_names(both, carriers)} were scaled by {bodies.body:.3g}, as the legs are: "
             "other limbs may not reach the same points as in EDITED"
         )
-    report.warn("other-proportions", ". ".join(texts))
+    names = [both.rig.title(node) for node in dict.fromkeys([*longer, *turned])]
+    report.warn("other-proportions", ". ".join(texts), names=names)
 
 
 def _names(both: Counterparts, nodes: Iterable[int]) -> str:

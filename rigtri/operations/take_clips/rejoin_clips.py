@@ -161,12 +161,14 @@ def warn_lost_motion(seen: Comparison, restored: Set[tuple[int, Path]], most: fl
     far, joint, time = _apart(rig, home, without, np.unique(np.concatenate([each for *_, each in thin])))
     far /= skeleton_size(rig)
     if far > most:
-        controls = list_names(rig.title(node) for node, _ in frames)
+        controls = list(dict.fromkeys(rig.title(node) for node, _ in frames))
         report.warn(
             "keys-lost",
-            f"Clip '{home.name}': between the keys that IN has of {controls}, which nobody has edited, the "
-            f"file of --rig has more, without which '{rig.title(joint)}' is off by {far:.2g} of the size at "
-            f"{time:g}. To keep them: rigtri take-clips RIG --from IN, then bake what that writes",
+            f"Clip '{home.name}': between the keys that IN has of {list_names(controls)}, which nobody has "
+            f"edited, the file of --rig has more, without which '{rig.title(joint)}' is off by {far:.2g} of "
+            f"the size at {time:g}. To keep them: rigtri take-clips RIG --from IN, then bake what that "
+            "writes",
+            names=controls,
         )
 
 

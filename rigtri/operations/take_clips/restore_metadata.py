@@ -72,8 +72,12 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         )
     if missing:
         _refuse_lost_keys(rig, both, found, [described.names[node] for node in missing])
-        names = list_names(described.names[node] for node in missing)
-        report.warn("not-in-this-file", f"{names} of the file of --rig are not in this file")
+        names = [described.names[node] for node in missing]
+        report.warn(
+            "not-in-this-file",
+            f"This file does not have {list_names(names)} of the file of --rig",
+            names=names,
+        )
     _warn_other_metadata(rig, found, report)
     whole = replace(rig, metadata={**rig.metadata, **found})
     _refuse_strange_joints(whole, found, described, report)
@@ -86,6 +90,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
             "or axes that a DCC has changed. Controls keep the rest of this file, which may be what a frame "
             "of a clip shows. For a file that a DCC has exported: rigtri take-clips RIG --from IN",
             geometry=True,
+            names=bound,
         )
         return whole
     switched = switches(whole, {node: node for node in ik_ends(whole)})
@@ -112,7 +117,7 @@ def _warn_other_metadata(rig: Rig, found: Mapping[int, Mapping[str, Any]], repor
     names = [rig.title(node) for node, own in found.items() if rig.metadata.get(node, own) != own]
     if names:
         text = f"The metadata of {list_names(names)} in this file is replaced by that of the file of --rig"
-        report.warn("described-anew", text)
+        report.warn("described-anew", text, names=names)
 
 
 def _refuse_strange_joints(rig: Rig, nodes: Collection[int], described: Rig, report: Report) -> None:
@@ -141,7 +146,7 @@ def _refuse_strange_joints(rig: Rig, nodes: Collection[int], described: Rig, rep
     text = f"'{name}'{more}, which controls of the file of --rig move, is not found in this file: {reason}"
     if len(lost) == len(set(joints)):
         raise GeometryError(f"{text}. {remedy}")
-    report.warn("not-in-this-file", text)
+    report.warn("not-in-this-file", text, names=lost)
 
 
 def _bound_otherwise(rig: Rig, described: Rig, of: Mapping[int, int]) -> list[str]:
@@ -205,11 +210,9 @@ def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> 
         report.reposed = True  # lines of controls go along
         report.added.append({"type": "described", "nodes": names})
     if elsewhere:
-        text = (
-            f"{list_names(elsewhere)} have other parents than in the file of --rig, and keep their rest pose"
-        )
+        text = f"The file of --rig has other parents for {list_names(elsewhere)}, and their rest pose is kept"
         more = "For a file that a DCC has exported: rigtri take-clips RIG --from IN"
-        report.warn("rest-kept", f"{text}. {more}", geometry=True)
+        report.warn("rest-kept", f"{text}. {more}", geometry=True, names=elsewhere)
     return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
 
 

@@ -126,7 +126,10 @@ def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) 
     controls = {n: of[n] for n in rig.nodes_of("control") if n in of}
     if left := unkeyed(edited, controls, rig, rig, of):
         text = f"No clip of EDITED has keys of {list_channels(rig, left)}, whose pose differs from RIG's"
-        report.warn("held-without-keys", f"{text}: not taken; key them, or use rigtri bake --rig")
+        names = dict.fromkeys(rig.title(node) for node, *_ in left)
+        report.warn(
+            "held-without-keys", f"{text}: not taken; key them, or use rigtri bake --rig", names=names
+        )
 
 
 class _Taking:

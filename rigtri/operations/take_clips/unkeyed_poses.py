@@ -45,9 +45,10 @@ def key_unkeyed_poses(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, in
             tracks = [Track(node, path, "STEP", start, as_float32(value)) for node, path, value in fresh]
             done = put_tracks(done, timeline, tracks)
     if done is not rested:
-        names = list_channels(rested, fresh)
-        text = f"No clip has keys of {names}, whose pose differs from that in the file of --rig"
-        report.warn("held-without-keys", f"{text}: held so in all clips")
+        posed = list_channels(rested, fresh)
+        text = f"No clip has keys of {posed}, whose pose differs from that in the file of --rig"
+        names = dict.fromkeys(rested.title(node) for node, *_ in fresh)
+        report.warn("held-without-keys", f"{text}: held so in all clips", names=names)
     return done
 
 
