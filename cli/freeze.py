@@ -24,9 +24,10 @@ def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     scaled = sum("world_scale" in entry for entry in report.joints)
     turned = sum("rotation" in entry for entry in report.joints)
-    if not scaled and not turned:
-        return "there is no scale or rotation to freeze; nothing was changed"
-    return f"frozen: the scale of {counted(scaled, 'node')}, the rotation of {turned} above joints"
+    done = [f"up is now {one['up']}, and the unit {one['metres']:g} m" for one in report.added]
+    if scaled or turned:
+        done.append(f"frozen: the scale of {counted(scaled, 'node')}, the rotation of {turned} above joints")
+    return "\n".join(done) or "there is no scale or rotation to freeze; nothing was changed"
 
 
 command = edit_command("freeze", FreezeOptions, summary, __doc__)

@@ -51,11 +51,11 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
     """The rig with scale 1 at joints and above, and no rotation above joints; nothing that is seen moves.
 
     Mirrored axes are a scale of -1, and become right-handed. What has a scale that is not uniform keeps what
-    is not uniform in it, with a warning. What each node
-    had is in ``report.joints``. Raises UsageError for a unit or up axis that the format does not have.
+    is not uniform in it, with a warning. What each node had is in ``report.joints``, another unit or up axis
+    in ``report.added``. Raises UsageError for a unit or up axis that the format does not have.
     """
     known = len(report.joints)
-    rig = _converted(rig, options)
+    rig = _converted(rig, options, report)
     joints = _joints(rig)
     nodes, below = _nodes(rig, joints), rig.at_or_below(joints)
     if options.rotates:
@@ -69,7 +69,7 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
     return rig
 
 
-def _converted(rig: Rig, options: FreezeOptions) -> Rig:
+def _converted(rig: Rig, options: FreezeOptions, report: Report) -> Rig:
     """The rig in a scene of the requested unit and up axis."""
     up, metres = "y" if rig.rules.up[1] else "z", rig.rules.metres_per_unit
     new_up, new_metres = options.up_axis or up, options.unit or metres
@@ -92,6 +92,7 @@ def _converted(rig: Rig, options: FreezeOptions) -> Rig:
                 "world's axes, and --up-axis would rotate those. Bake and strip first"
             )
     rotation = np.array([quarter, 0.0, 0.0, HALF if quarter else 1.0])
+    report.added.append({"type": "conversion", "up": new_up, "metres": new_metres})
     return convert(rig, Conversion(new_up, new_metres, rotation, metres / new_metres))
 
 
