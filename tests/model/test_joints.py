@@ -155,7 +155,7 @@ def test_a_skeleton_that_variants_list_differently_is_refused(tmp_path: Path) ->
     text = scene(sets, animation()).replace('"Root"\n{', f'"Root" {head}\n{{')
     source = save(tmp_path, text)
     assert len(read(source).rig.skins[0].joints) == 3
-    with pytest.raises(FileError, match="another one in each variant of 'size'"):
+    with pytest.raises(FileError, match="not the same in all variants of 'size'"):
         grow(source, tmp_path / "out.usda")
     assert not (tmp_path / "out.usda").exists()
 

@@ -119,7 +119,7 @@ def test_controls_get_no_keys_where_a_variant_decides_the_motion(bound: bool, tm
     source, rigged, out = save(tmp_path, text), tmp_path / "rigged.usda", tmp_path / "out.usda"
     cli("add-controls", source, "-o", rigged, "--joints", "*", code=0)
     error = cli("bake", rigged, "--to", "controls", "-o", out, code=3).stderr
-    assert "in each variant of 'clip' on </Root>. Give each variant a file of its own" in error
+    assert "in all variants of 'clip' on </Root>. Give each variant a file of its own, and edit that" in error
     assert not out.exists()
 
 
@@ -128,7 +128,7 @@ def test_controls_are_not_added_where_a_variant_decides_the_skeleton(tmp_path: P
     text = with_set(scene(animation(), MESH, variants("body", **bodies)), "body", "thin")
     out = tmp_path / "out.usda"
     error = cli("add-controls", save(tmp_path, text), "-o", out, "--joints", "*", code=3).stderr
-    assert "</Root/Skel.bindTransforms> is another one in each variant of 'body' on </Root>" in error
+    assert "</Root/Skel.bindTransforms> is not the same in all variants of 'body' on </Root>" in error
     assert not out.exists()
 
 
@@ -151,7 +151,7 @@ def test_joints_of_variants_are_not_renamed_and_no_option_is_advised_that_is_not
     bodies = {"thin": skeleton(), "thick": skeleton(bind=TALL)}
     text = with_set(scene(animation(), MESH, variants("body", **bodies)), "body", "thin")
     error = cli(command[0], save(tmp_path, text), "-o", tmp_path / "out.usda", *command[1:], code=3).stderr
-    assert "Give each variant a file of its own." in error
+    assert "Give each variant a file of its own, and edit that." in error
     assert "--on-nonuniform-scale" not in error
 
 

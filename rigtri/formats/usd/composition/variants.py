@@ -186,8 +186,8 @@ def split_by(variants: SkeletonVariants) -> str:
     path = min(variants.depends)
     prim, name = min(variants.depends[path])
     return (
-        f"<{path}> is another one in each variant of '{name}' on <{prim}>, and joints that are renamed in "
-        "one would not fit the others. Give each variant a file of its own"
+        f"<{path}> is not the same in all variants of '{name}' on <{prim}>, and joints that are renamed in "
+        "one would not fit the others. Give each variant a file of its own, and edit that"
     )
 
 
@@ -223,8 +223,8 @@ def choices(stage: Any, paths: list[str]) -> Iterator[tuple[Any, str, str, str]]
 def why_decided(path: Any, sets: Iterable[VariantSet]) -> str:
     """What is wrong with an attribute whose values variants decide."""
     prim, name = min(sets)
-    where = f"in each variant of '{name}' on <{prim}>"
-    return f"<{path}> is another one {where}. Give each variant a file of its own."
+    where = f"in all variants of '{name}' on <{prim}>"
+    return f"<{path}> is not the same {where}. Give each variant a file of its own, and edit that."
 
 
 def deciding_sets(stage: Any, skeleton: str, prims: Iterable[str]) -> dict[Any, set[VariantSet]]:
