@@ -8,10 +8,11 @@ vertices, cameras and lights stay the numbers that they are.
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
@@ -54,7 +55,7 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
     is not uniform in it, with a warning. What each node had is in ``report.joints``, another unit or up axis
     in ``report.added``. Raises UsageError for a unit or up axis that the format does not have.
     """
-    known = len(report.joints)
+    known, before = len(report.joints), rig
     rig = _converted(rig, options, report)
     joints = _joints(rig)
     nodes, below = _nodes(rig, joints), rig.at_or_below(joints)
@@ -66,7 +67,28 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
     _warn_instances(rig, options, report)
     if len(report.joints) > known:
         warn_unread(rig, report)
+        rig = _with_plain_meshes(rig, before)
     return rig
+
+
+def _with_plain_meshes(rig: Rig, before: Rig) -> Rig:
+    """The rig whose nodes of skinned meshes have no transform where they had none.
+
+    In glTF their skin alone places these, and validators warn of a transform that is ignored.
+    """
+    if rig.rules.sized_binding:
+        return rig
+    moved = {track.node for clip in rig.clips for track in clip.tracks if track.path != "weights"}
+    translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
+    try:
+        meshes = before.content.read_outlines()
+    except FileError:  # which the comparison with the source reports
+        return rig
+    for node in {mesh.node for mesh in meshes if mesh.skin is not None}:
+        plain = not before.has_matrix[node] and (before.local[node] == np.eye(4)).all()
+        if plain and node not in moved and not rig.children[node] and not rig.is_joint[node]:
+            translation[node], rotation[node], scale[node] = 0.0, IDENTITY, 1.0
+    return replace(rig, translation=translation, rotation=rotation, scale=scale)
 
 
 def _converted(rig: Rig, options: FreezeOptions, report: Report) -> Rig:

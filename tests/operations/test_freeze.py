@@ -64,6 +64,16 @@ def test_joints_have_scale_1_and_look_as_before(suffix: str, tmp_path: Path) -> 
     assert verify(read(path), read(out)).deviation < 1e-6
 
 
+def test_a_skinned_mesh_gets_no_transform_that_viewers_ignore() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    above, body = rig.find("biped"), rig.find("body")
+    parents, rotation, scale = rig.parents.copy(), rig.rotation.copy(), rig.scale.copy()
+    parents[body], rotation[above], scale[above] = above, (-0.6, 0, 0, 0.8), 0.01
+    out = rigtri.freeze(replace(rig, parents=parents, rotation=rotation, scale=scale))
+    assert np.array_equal(out.local[body], np.eye(4))
+    assert abs(sizes(out) - 1.0).max() < 1e-6
+
+
 def test_numbers_by_hand(tmp_path: Path) -> None:
     """Below a root of scale 100 a translation is 100 times as large, and the root's own scale is 1."""
     path, out = source(tmp_path, ".glb"), tmp_path / "out.glb"
