@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from baked_rigs import with_keyed_controls
 from engines import Shown, blender_scenes, blender_setup, blender_trip
 from gltf_files import glb_bytes, glb_parts
 from places import NO_ASSETS, ROOT, SAMPLES, asset_files, slow
@@ -705,6 +706,17 @@ def test_left_out_rules_are_named(rigged: dict[str, Path], tmp_path: Path) -> No
     exported(read(Path(out)).rig, gltf=True, report=report)
     assert [notice.code for notice in report.warnings] == ["blender-left-out", "joints-alone"]
     assert "'head'" in report.warnings[0].text
+
+
+def test_keys_of_controls_in_usd_are_named_for_blender_imports_none() -> None:
+    told = dict[bool, list[str]]()
+    for gltf in (True, False):
+        report = Report()
+        exported(with_keyed_controls(), gltf=gltf, report=report)
+        told[gltf] = [notice.text for notice in report.warnings if "USD" in notice.text]
+    assert told[True] == []
+    assert "walk" in told[False][0]
+    assert "convert" in told[False][0]
 
 
 REAL = ["kaykit_Barbarian.glb", "gdquest_mannequiny-0.3.0.glb", "khronos_CesiumMan_Binary.glb"]

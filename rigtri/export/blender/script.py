@@ -82,6 +82,8 @@ def blender_setup(
             "The file has no controls, constraints or twist joints of rigtri's to set up in Blender; "
             "add some first: rigtri add-controls IN -o OUT --whole-character"
         )
+    if not gltf:
+        _warn_of_caches(rig, report)
     up = "y" if np.argmax(np.abs(rig.rules.up)) == 1 else "z"
     document = {"file": file, "gltf": gltf, "up": up, "meters": meters, **plan.document()}
     return Setup(script(document), document)
@@ -146,6 +148,20 @@ def _warn_still(rig: Rig, solver: Solver, report: Report) -> None:
             "joints-alone",
             f"{list_names(names)}: joints have keys, and their controls none, which hold them still in "
             "Blender. Give controls the motion first: rigtri bake IN -o OUT --to controls",
+        )
+
+
+def _warn_of_caches(rig: Rig, report: Report) -> None:
+    """Warn of clips with keys of controls in USD: Blender imports samples of prims as caches, not as keys."""
+    controls = controls_and_poles(rig)
+    names = [
+        line.name for line in timelines(rig) if any(track.node in controls for track in line.clip.tracks)
+    ]
+    if names:
+        report.warn(
+            "blender-left-out",
+            f"{list_names(names)}: controls stand still in Blender, whose USD import gives prims no keys. "
+            "Take glTF for keys of controls: rigtri convert, then add-controls and bake --to controls",
         )
 
 
