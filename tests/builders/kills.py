@@ -39,7 +39,8 @@ def _kill_at(moment: int, top: str, number: signal.Signals) -> None:
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
         nonlocal counted
         if event in CHANGES or (event == "open" and arguments[2] & WRITES):
-            names = [str(one) for one in arguments[:2] if isinstance(one, str | Path)]
+            paths = arguments[:1] if event == "open" else arguments[:2]  # its second is a mode
+            names = [str(one) for one in paths if isinstance(one, str | Path)]
             if any(os.path.abspath(name).startswith(top) for name in names):
                 counted += 1
                 if counted == moment:

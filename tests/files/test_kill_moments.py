@@ -33,6 +33,7 @@ def orient(suffix: str) -> list[str]:
 
 MORE = [*TWIST, "--count", "3"]
 GLTF = ["in/biped.gltf", "-o", "out/biped.gltf", "--overwrite"]
+CONTROLS = ["add-controls", "in/biped.gltf", "-o", "in/controls.gltf", "--joints", "hand_L"]
 AUTO = ["auto", *GLTF, "--picture", "out/biped.svg"]
 # By the row of docs/reliability.md: the command, and what has run there before with other results.
 CASES = {
@@ -43,11 +44,23 @@ CASES = {
     "build .gltf": (["build", *GLTF, "--spec", "in/rig.yaml"], MORE),
     "auto .gltf": (["auto", *GLTF], MORE),
     "auto .gltf with spec and picture": ([*AUTO, "--preset", "maya"], AUTO),
+    "bake .gltf": (["bake", "in/controls.gltf", "-o", "out/biped.gltf", "--overwrite"], CONTROLS),
+    "convert .gltf to .usdz": (["convert", "in/biped.gltf", "-o", "out/biped.usdz", "--overwrite"], []),
+    "convert .usdz to .gltf": (["convert", "in/biped.usdz", "-o", "out/biped.gltf", "--overwrite"], MORE),
+    "export-blender": (["export-blender", "in/controls.gltf", "-o", "out/setup.py", "--overwrite"], CONTROLS),
     "view": (["view", "in/biped.glb", "-o", "out/page.html", "--overwrite"], []),
     "batch": (["batch", "in/biped.g*", "--spec", "in/rig.yaml", "-O", "out", "-j1", "--overwrite"], TWIST),
 }
 # Longer than what they add to the others is worth in a short run.
-SLOW = ("auto .gltf", "auto .gltf with spec and picture", "edit .usdz")
+SLOW = (
+    "auto .gltf",
+    "auto .gltf with spec and picture",
+    "bake .gltf",
+    "convert .gltf to .usdz",
+    "convert .usdz to .gltf",
+    "edit .usdz",
+    "export-blender",
+)
 LATE = ("build .gltf", "batch")
 # What describes an output: nowhere is it beside another's.
 BESIDE = ("out/biped.rig.yaml", "out/biped.svg")
