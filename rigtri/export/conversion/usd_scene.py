@@ -33,6 +33,8 @@ from rigtri.text import and_more
 
 # Float32 seconds that are farther apart, in time codes, move keys by more than a hundredth of a frame.
 _SAME_TIME = 0.02
+# The first float32 time after 0.
+_SMALLEST = np.nextafter(np.float32(0), np.float32(1))
 
 
 def _without_instances(document: UsdDocument) -> UsdDocument:
@@ -354,6 +356,8 @@ class _Reader:
         for k in range(len(times) - 2, -1, -1):
             if times[k] >= times[k + 1]:  # a step, whose samples are nearer than float32 can say
                 times[k] = np.nextafter(times[k + 1], np.float32(-np.inf))
+        # Such a step at the start begins at 0 as any clip, and its keys rise from there.
+        times = np.maximum(times, np.arange(len(times), dtype=np.float32) * _SMALLEST)
         self.motion.note(track, times.astype(np.float64))
         values = track.values
         if track.path != "weights" and (values == values[0]).all():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from gltf_files import glb_json
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdSkel
@@ -97,6 +98,15 @@ def test_times_that_float32_seconds_cannot_tell_apart_are_reported(tmp_path: Pat
         lost = [n.text for n in rigtri.convert(source, source.with_suffix(".glb")).report.warnings]
         assert [text for text in lost if "the float32 seconds of glTF are 0.0078 s apart" in text] == lost
         assert bool(lost) == said
+
+
+def test_samples_nearer_than_float32_at_the_start_become_a_step_that_begins_at_zero(tmp_path: Path) -> None:
+    source = _moving(tmp_path / "in.usda", 0, 1e-50, 1e-45, 1e-44, 10)
+    rigtri.convert(source, tmp_path / "out.glb")
+    (clip,) = rigtri.read(tmp_path / "out.glb").clips
+    (track,) = clip.tracks
+    assert track.times[0] == 0 and (np.diff(track.times) > 0).all()
+    assert track.values[:, 0] == pytest.approx([0, 1e-50, 1e-45, 1e-44, 10])
 
 
 def test_a_time_beyond_float32_is_refused(tmp_path: Path) -> None:
