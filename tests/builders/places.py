@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from itertools import product
+from collections.abc import Iterable, Sequence
+from itertools import count, product
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -119,6 +119,20 @@ def ci(*values: Any) -> Any:
 def first(values: Sequence[Any]) -> list[Any]:
     """The first of some cases for ``parametrize``; the others run in `.ci/run`."""
     return [values[0], *map(ci, values[1:])]
+
+
+def one_in(of: int, cases: Iterable[Any]) -> list[Any]:
+    """One in ``of`` cases for ``parametrize``, and what is marked; the others run in `.ci/run`.
+
+    A tuple is a case of several arguments.
+    """
+    plain = count()
+    return [
+        case
+        if hasattr(case, "marks") or next(plain) % of == 0
+        else ci(*(case if isinstance(case, tuple) else (case,)))
+        for case in cases
+    ]
 
 
 def every_other(*choices: Sequence[Any], of: int = 2) -> list[Any]:

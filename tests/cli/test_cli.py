@@ -14,7 +14,7 @@ import click
 import pytest
 from conftest import Golden
 from gltf_files import small
-from places import slow
+from places import ci, slow
 from program import cli
 from second_opinions import schema, validator
 
@@ -33,6 +33,7 @@ def test_help_is_there_for_every_command() -> None:
         assert "Example" in run(command, "--help").output
 
 
+@pytest.mark.ci
 def test_orient_joints_reports_what_it_did_and_where_it_is(samples: Path, tmp_path: Path) -> None:
     result = run("orient-joints", samples / "biped.glb", "-o", tmp_path / "out.glb")
     assert result.stdout == ""
@@ -104,6 +105,7 @@ def test_a_dry_run_needs_no_name_for_what_it_does_not_write(
     assert (without.exit_code, "-o" in without.stderr) == (2, True)
 
 
+@pytest.mark.ci
 def test_metadata_in_written_files_keeps_to_its_schema(samples: Path, tmp_path: Path) -> None:
     schema, found = validator("node"), 0
     for number, options in enumerate((["--limbs", "auto"], ["--limb", "thigh_L", "shin_L", "foot_L"])):
@@ -247,6 +249,7 @@ def test_a_suffix_makes_no_avatar(suffix: str, lacks: str, samples: Path, tmp_pa
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.ci
 def test_an_override_is_a_layer_whatever_it_is_for(samples: Path, tmp_path: Path) -> None:
     arguments = ["orient-joints", samples / "biped.usdz", "--edit-target", "bare", "-o"]
     assert "an override is a layer" in run(*arguments, tmp_path / "out.usdz", code=2).stderr
@@ -306,6 +309,7 @@ def test_inspect_prints_what_a_reviewer_has_read(name: str, samples: Path, golde
     golden.check(f"inspect_{name}.txt", run("inspect", samples / name).stdout)
 
 
+@pytest.mark.ci
 def test_inspect_colours_arrows_on_request_and_gives_the_same_words(
     samples: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -332,8 +336,8 @@ def test_inspect_speaks_json(samples: Path) -> None:
         ("biped.glb", []),
         ("biped.usda", ["--preset", "blender"]),
         ("hand.glb", ["--preset", "maya"]),
-        ("flat_ik.glb", []),
-        ("tpose.glb", []),
+        ci("flat_ik.glb", []),
+        ci("tpose.glb", []),
         ("tail.glb", ["--per-joint-plane"]),
         ("mirrored_pair.glb", ["--mirror", "behavior"]),
     ],
@@ -506,6 +510,7 @@ def test_the_kinds_of_errors_are_those_of_the_schema() -> None:
     assert kind_name(CrashError) == "file"
 
 
+@pytest.mark.ci
 def test_an_error_names_its_kind_and_a_result_with_details_stands_alone(
     samples: Path, tmp_path: Path
 ) -> None:

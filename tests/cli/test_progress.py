@@ -149,6 +149,7 @@ def test_shares_of_one_thing_follow_each_other() -> None:
     assert steps.counts == [(k, 1, "clips") for k in (0, 0, 0, 0.25, 0.5, 0.5, 0.5, 0.75, 1, 1)]
 
 
+@pytest.mark.ci
 def test_a_build_shows_every_pass_over_the_clips(tmp_path: Path) -> None:
     steps, spec = Steps(), tmp_path / "rig.yaml"
     spec.write_text("steps: [{do: add-twist, limbs: auto, split-weights: true}]")

@@ -80,6 +80,7 @@ def test_they_rest_as_they_are_where_ik_moves_them(name: str) -> None:
             np.testing.assert_allclose(*np.broadcast_arrays(*places), atol=1e-6)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", MOST)
 def test_they_bend_to_their_pole_and_do_not_roll(name: str) -> None:
     """Their ends go nearer in small steps: they stand where the control is in each, and no bone jumps."""
@@ -106,6 +107,7 @@ def test_they_bend_to_their_pole_and_do_not_roll(name: str) -> None:
         assert max(turned) < 120.0
 
 
+@pytest.mark.ci
 def test_limbs_that_bend_to_their_pole_are_solved_as_before() -> None:
     rig = add_controls(posed_body(Pose(elbow=4.0, knee=4.0)).rig, whole_character=True)
     assert [limb.lean for limb in Solver(rig, None, ControlsAtZero(rig)).limbs] == [0.0] * 4
@@ -121,6 +123,7 @@ def test_a_pole_that_stands_beside_a_clear_bend_is_warned_of() -> None:
     assert (found.code, found.joint) == ("pole-elsewhere", "mixamorig:LeftHand")
 
 
+@pytest.mark.ci
 def test_limbs_of_both_sides_that_are_bent_against_their_poles_turn_as_mirror_images() -> None:
     """Knees 8° back and poles ahead: both sides swing out, or both in, and not both to the left."""
     rig = add_controls(posed_body(Pose(knee=-8.0)).rig, whole_character=True)

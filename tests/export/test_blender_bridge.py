@@ -599,6 +599,7 @@ def test_what_is_set_up_in_blender_is_what_a_rigger_has_read(golden: Any) -> Non
     assert _setup_in_words(exported(replace(rig, translation=places), gltf=True).plan) != text
 
 
+@pytest.mark.ci
 def test_a_joint_follows_its_control_in_its_own_axes() -> None:
     """One that has other axes keeps them, riding on its control; any other stands as its control does."""
     oriented = rigtri.orient_joints(rigtri.read(SAMPLES / "biped.glb"), joints="spine")
@@ -609,6 +610,7 @@ def test_a_joint_follows_its_control_in_its_own_axes() -> None:
     assert [names[each[0]][int(each[1:])]["name"] for each in targets] == ["spine_ctl", "head drive"]
 
 
+@pytest.mark.ci
 def test_twist_joints_take_their_shares_of_the_turn_between_two_joints() -> None:
     limb = ("upper_arm_L", "forearm_L", "hand_L")
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), joints="upper_arm_L")

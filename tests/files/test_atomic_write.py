@@ -189,6 +189,7 @@ def test_a_kill_at_any_step_leaves_old_or_new_and_the_next_run_tidies_up(gltf: P
     assert moment > 6
 
 
+@pytest.mark.ci
 @POSIX
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda", slow("biped.usdz")])
 def test_a_kill_at_a_random_time_leaves_the_old_file_or_the_new(
@@ -212,6 +213,7 @@ def test_a_kill_at_a_random_time_leaves_the_old_file_or_the_new(
 # --- kinds of targets
 
 
+@pytest.mark.ci
 def test_a_replaced_file_keeps_its_permissions(samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.glb"
     target.write_bytes(b"old")
@@ -220,6 +222,7 @@ def test_a_replaced_file_keeps_its_permissions(samples: Path, tmp_path: Path) ->
     assert stat.S_IMODE(target.stat().st_mode) == 0o640
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("mode", [0o444, 0o600])
 def test_permissions_of_the_old_file_are_no_hindrance(mode: int, samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.glb"
@@ -248,6 +251,7 @@ def test_other_names_of_the_old_file_keep_the_old_content(samples: Path, tmp_pat
     assert target.read_bytes() != twin.read_bytes()
 
 
+@pytest.mark.ci
 @POSIX
 @pytest.mark.parametrize("there", [True, False])
 def test_a_link_stays_a_link_and_what_it_leads_to_is_written(
@@ -433,6 +437,7 @@ def test_what_follows_an_output_is_of_the_same_run_whatever_becomes_of_the_next(
     assert contents(tmp_path) == {"out.glb": now, str(side.relative_to(tmp_path)): now}
 
 
+@pytest.mark.ci
 def test_an_override_beside_its_source_is_delivered_the_same_way(samples: Path, tmp_path: Path) -> None:
     options = ReadOptions(edit_target="bare")
     edit(samples / "biped.usda", tmp_path / "over.usda", orient, options=options)

@@ -197,6 +197,7 @@ def test_uris_with_drives_shares_and_backslashes_lie_outside(name: str, tmp_path
     assert not urls.is_url(name)
 
 
+@pytest.mark.ci
 def test_a_library_can_be_imported_and_used_without_what_windows_lacks(
     bare: set[Path], tmp_path: Path
 ) -> None:

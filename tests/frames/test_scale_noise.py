@@ -57,6 +57,7 @@ def test_a_split_end_that_copies_its_parent_stands_so_the_second_time(
     assert verify(read(source), read(out)).deviation < 2e-7
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("style", SOME_STYLES, ids=lambda s: f"{s.aim} {s.up}")
 def test_noise_of_a_scale_that_is_snapped_stays_the_second_time(style: AxisStyle, tmp_path: Path) -> None:
     noise = (0.9999758851388976, 1.0000108147211402, 0.9999891980694453)
@@ -70,6 +71,7 @@ def test_noise_of_a_scale_that_is_snapped_stays_the_second_time(style: AxisStyle
     assert again.read_bytes() == out.read_bytes()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("seed", [0, 1, *map(slow, range(2, 12))])
 def test_noise_in_one_finger_does_not_move_the_hinge_of_its_hand_the_second_time(seed: int) -> None:
     """What a finger's own scales leave uncertain, its hand and the other fingers take their hinge from."""
@@ -201,6 +203,7 @@ def noisy(folder: Path, **limb: Any) -> Path:
     return gltf(folder / "in.glb", Limb(**{"rest": FROZEN} | limb))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("style", SOME_STYLES, ids=lambda s: f"{s.aim} {s.up}")
 def test_joints_whose_scale_is_noise_are_re_oriented_as_requested(style: AxisStyle, tmp_path: Path) -> None:
     source, out, again = noisy(tmp_path), tmp_path / "out.glb", tmp_path / "again.glb"
@@ -231,6 +234,7 @@ def test_what_is_not_rotated_below_noise_of_a_scale_stays_to_the_last_bits(tmp_p
         np.testing.assert_allclose(*places, atol=1e-12)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("rest", "keys"),
     [
@@ -267,6 +271,7 @@ def test_keys_that_say_the_same_noise_become_uniform_too(tmp_path: Path) -> None
     np.testing.assert_allclose(track.values, [[factor] * 3 for factor in factors], rtol=3e-7)
 
 
+@pytest.mark.ci
 def test_noise_that_motion_would_show_is_left_and_reported(tmp_path: Path) -> None:
     """The shoulder has a long arm that bends; and all of a line stays, or a second run would go on."""
     source = noisy(tmp_path, rest={"shoulder": (1.00005, 1.0, 0.99995), "wrist": (1.00003, 1.0, 0.99998)})
@@ -278,6 +283,7 @@ def test_noise_that_motion_would_show_is_left_and_reported(tmp_path: Path) -> No
     assert again.read_bytes() == out.read_bytes()
 
 
+@pytest.mark.ci
 def test_noise_of_a_skeleton_in_usd_is_frozen_where_no_animation_scales_it(tmp_path: Path) -> None:
     text = usda(Limb(rest=FROZEN)).replace("rel skel:animationSource = </Root/Bend>", "")
     text = text[: text.index("def SkelAnimation")] + text[text.index("def Mesh") :]

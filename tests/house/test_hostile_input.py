@@ -286,6 +286,7 @@ def test_json_nested_less_deep_is_kept_or_refused(key: str, depth: int, tmp_path
     assert not out.exists() or out.read_bytes() == path.read_bytes()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("kind", first([".glb", ".gltf", "embedded"]))
 def test_a_gltf_cut_off_at_any_byte_is_refused(
     kind: str, tmp_path: Path, every: Callable[[int], int]
@@ -798,6 +799,7 @@ def test_an_up_axis_that_usd_does_not_define_is_a_warning(tmp_path: Path) -> Non
     assert "upAxis is 'X'" in notice.text
 
 
+@pytest.mark.ci
 def test_an_accessor_by_a_whole_number_with_a_point_is_known_where_a_skin_grows(tmp_path: Path) -> None:
     """Some exporters write all numbers as floats; before, a traceback."""
     (tmp_path / "biped.bin").write_bytes((SAMPLES / "biped.bin").read_bytes())

@@ -96,6 +96,7 @@ def usda_with(note: dict[str, Any], samples: Path, folder: Path) -> Path:
     return folder / "in.usda"
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("note", LATER, ids=["version", "type"])
 @pytest.mark.parametrize("make", [glb_with, usda_with], ids=["glb", "usda"])
 def test_what_a_later_version_has_stored_is_reported_and_stays(

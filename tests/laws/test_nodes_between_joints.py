@@ -105,6 +105,7 @@ def _hold(command: str, place: str, folder: Path, out: Path, only: Collection[st
 FEW = ("orient-joints", "add-controls")
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("place", ["beside", *map(ci, ("above", "below"))])
 @pytest.mark.parametrize("command", [name if name in FEW else ci(name) for name in CASES])
 def test_operations_look_through_nodes_between_joints(
@@ -135,6 +136,7 @@ def test_hips_below_a_node_are_no_child_of_their_root_and_the_error_names_it(
     assert f"'hips' is not a child of 'root': '{BETWEEN}' is between them" in error
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("place", PLACES)
 def test_fingers_below_groups_are_fingers(place: str, tmp_path: Path) -> None:
     source = _with_nodes(SAMPLES / "hand.glb", place, tmp_path / "in.glb")

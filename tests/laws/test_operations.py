@@ -174,6 +174,7 @@ def test_what_was_built_is_found_again_beside_nodes_of_the_same_names(made: Made
     assert made.again(crowded, tmp_path).read_bytes() == crowded.read_bytes()
 
 
+@pytest.mark.ci
 @cases()
 def test_the_same_input_gives_the_same_bytes(made: Made, tmp_path: Path) -> None:
     assert made.again(made.source, tmp_path).read_bytes() == made.result.read_bytes()

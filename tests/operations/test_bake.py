@@ -87,6 +87,7 @@ def test_baking_again_changes_nothing() -> None:
             assert one.values is two.values or np.array_equal(one.values, two.values)
 
 
+@pytest.mark.ci
 def test_a_control_that_was_rotated_at_rest_rotates_its_joint_once_however_often_it_is_baked() -> None:
     rig = replace(rigged(), clips=())
     head = control(rig, "head", "fk")

@@ -110,6 +110,7 @@ def test_controls_beside_an_uneven_scale_give_joints_back(samples: Path, tmp_pat
         assert np.abs(joints(above, time) - joints(out, time)).max() < 5e-5
 
 
+@pytest.mark.ci
 def test_a_uniform_scale_changes_nothing(asset: Path, tmp_path: Path) -> None:
     rig = read(shot(tmp_path, asset.name, PLACE.replace("2, 0.5", "1, 1").replace("1.5", "1"))).rig
     assert in_rig_space(rig, lambda seen: seen) is rig

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from places import one_in
 from posed_bodies import NAMES, Pose, bent, posed_body
 from recognition_bodies.skeletons import HORSE, MAN, Joint, both, line, rig_with
 
@@ -98,7 +99,7 @@ def test_a_rule_for_branches_that_the_user_names_is_for_heads_too() -> None:
 
 
 @pytest.mark.parametrize("curl", [5.0, 50.0, 70.0])
-@pytest.mark.parametrize("names", ["mixamo", "unreal", "blender", "none"])
+@pytest.mark.parametrize("names", one_in(2, ["mixamo", "unreal", "blender", "none"]))
 def test_the_last_joint_aims_at_the_one_that_says_where_it_ends(names: str, curl: float) -> None:
     """Such joints have no weight; they are neither sockets nor parts of the chain."""
     body = posed_body(Pose(names, curl=curl, ends=True))
@@ -112,6 +113,7 @@ def test_the_last_joint_aims_at_the_one_that_says_where_it_ends(names: str, curl
         np.testing.assert_allclose(out.world[body.parts[end]], body.rig.world[body.parts[end]], atol=1e-9)
 
 
+@pytest.mark.ci
 def test_a_toe_aims_at_its_end_however_a_nameless_foot_slopes() -> None:
     body = posed_body(Pose("none", ends=True))
     toes, end = body.parts["left toes"], body.parts["left toes end"]

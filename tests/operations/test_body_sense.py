@@ -80,6 +80,7 @@ EVERY = list(poses())
 FEW = [*EVERY[2:18:8], *EVERY[19::12], Pose(little_first=True)]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     "pose",
     [pytest.param(pose, marks=[] if pose in FEW else pytest.mark.slow, id=pose.title) for pose in EVERY],
@@ -93,6 +94,7 @@ def test_every_preset_closes_hands_and_bends_trunks_and_limbs_about_one_axis(pos
             np.testing.assert_allclose(out.world[socket], body.rig.world[socket], atol=1e-12)
 
 
+@pytest.mark.ci
 def test_a_report_names_the_rule_that_each_joint_follows() -> None:
     body, report = posed_body(Pose(arms=80.0)), Report()
     orient_joints(body.rig, report=report)
@@ -102,6 +104,7 @@ def test_a_report_names_the_rule_that_each_joint_follows() -> None:
     assert rules["LeftShoulder"] == "facing direction of the chest"
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("unknown", [["index"], ["ring"], ["pinky"], ["index", "ring", "pinky"], ["thumb"]])
 def test_a_finger_of_unknown_name_closes_with_the_hand_whose_others_are_known(unknown: list[str]) -> None:
     pose = Pose("unreal", arms=45.0)
@@ -286,6 +289,7 @@ def test_knees_of_legs_stretched_ahead_are_above_and_elbows_of_such_arms_below()
             assert up > 0.1 if "Leg" in record["limb"][1] else up < -0.1
 
 
+@pytest.mark.ci
 def test_a_pole_keeps_the_dots_of_the_file_where_the_format_has_them() -> None:
     body = posed_body(Pose("blender"))
     strict = replace(body.rig, rules=replace(body.rig.rules, valid_name=identifier))
@@ -371,12 +375,14 @@ def test_a_facing_direction_along_the_body_is_refused() -> None:
         orient_joints(posed_body(Pose()).rig, facing="+y")
 
 
+@pytest.mark.ci
 def test_axes_along_the_world_need_no_body() -> None:
     report = Report()
     orient_joints(posed_body(Pose(elbow=-4.0, knee=-4.0)).rig, preset="vrm", report=report)
     assert [notice.code for notice in report.warnings if notice.code == "bends-otherwise"] == []
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("droop", [-0.1, 0.0, 0.1])
 def test_a_wing_has_one_hinge_along_its_whole_length_on_both_sides(droop: float) -> None:
     """Its curve lies in the plane of the body's own hinge, some bones on either side of it."""

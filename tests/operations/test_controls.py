@@ -99,6 +99,7 @@ def test_sides_have_their_colours(samples: Path) -> None:
     assert len(blue) == len(red) > 5
 
 
+@pytest.mark.ci
 def test_the_root_s_arrow_points_where_the_character_looks(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     around = np.array([[-1.0, 0, 0], [0, 1, 0], [0, 0, -1]])
@@ -392,6 +393,7 @@ def test_as_is_refused_where_nothing_could_be_a_joint_or_is_one_of_the_other_kin
             add_controls(made, options=AddControlsOptions(limbs="auto", as_=second))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_how_limbs_reach_is_stored_kept_and_mirrored(name: str, tmp_path: Path) -> None:
     once, twice, across, plain = (tmp_path / f"{k}{Path(name).suffix}" for k in range(4))
@@ -448,6 +450,7 @@ def test_what_a_hand_holds_does_not_make_its_control_larger() -> None:
     assert sizes[1] == pytest.approx(sizes[0], rel=1e-3)
 
 
+@pytest.mark.ci
 def test_a_joint_that_a_pose_reader_drives_gets_a_control_only_where_it_is_named() -> None:
     """It follows by itself, and what an animator set there would be replaced by each bake."""
     start = rigtri.read(SAMPLES / "tpose.glb")
@@ -477,6 +480,7 @@ def test_a_second_run_leaves_pole_vectors_where_somebody_put_them_unless_another
         assert (abs(farther.translation[poles] - there[poles]).max(axis=1) > 0.1).all()
 
 
+@pytest.mark.ci
 def test_pole_vectors_go_along_with_another_rest_pose_of_their_limb() -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), whole_character=True)
     arm, leg = rig.find("forearm_L_pole"), rig.find("shin_L_pole")

@@ -150,6 +150,7 @@ def test_rolls_are_baked_and_given_back_to_the_controls(keyed: Rig) -> None:
     assert np.abs(shown(back) - shown(joints)).max() < 1e-5
 
 
+@pytest.mark.ci
 def test_a_toe_keeps_its_own_keys_while_no_pivot_is_active(rolling: Path) -> None:
     rig = read(rolling).rig
     node = next(k for k, one in rig.records(ControlRecord).items() if one.kind == "ik" and one.side == "left")
@@ -164,6 +165,7 @@ def test_a_toe_keeps_its_own_keys_while_no_pivot_is_active(rolling: Path) -> Non
     assert [t for t in baked.clips[0].tracks if t.node == toe] == mine
 
 
+@pytest.mark.ci
 def test_new_axes_keep_what_pivots_do(rolling: Path) -> None:
     rig = read(rolling).rig
     turned = rigtri.orient_joints(rig, preset="blender")
@@ -175,6 +177,7 @@ def test_new_axes_keep_what_pivots_do(rolling: Path) -> None:
         assert np.allclose(np.linalg.inv(turned.world[now]) @ after.world(now)[0], moved, atol=1e-5)
 
 
+@pytest.mark.ci
 def test_a_second_run_keeps_pivots_and_strip_takes_them_out(rolling: Path, tmp_path: Path) -> None:
     again, bare = (tmp_path / f"{word}{rolling.suffix}" for word in ("again", "bare"))
     cli("add-controls", rolling, "-o", again, "--whole-character", "-q", code=0)
@@ -186,6 +189,7 @@ def test_a_second_run_keeps_pivots_and_strip_takes_them_out(rolling: Path, tmp_p
     assert len(read(bare).rig) == len(read(SAMPLES / rolling.name).rig)
 
 
+@pytest.mark.ci
 def test_snap_to_fk_takes_the_rolls_over(keyed: Rig) -> None:
     rig, clip = keyed, keyed.clips[0]
     at = f"{clip.name}@{float(np.median(clip.tracks[0].times)):g}"
@@ -247,6 +251,7 @@ def test_options_that_do_not_fit_are_refused(line: list[Any], words: str, tmp_pa
     assert words in found.stderr
 
 
+@pytest.mark.ci
 def test_auto_gives_feet_a_roll_and_tries_it(tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     found = cli("auto", SAMPLES / "biped.glb", "-o", out, code=0)

@@ -122,6 +122,7 @@ def test_what_is_not_uniform_stays_and_is_named(suffix: str, tmp_path: Path) -> 
     assert np.allclose(read(out).rig.scale[read(out).rig.find("elbow")], (1, 2, 1))
 
 
+@pytest.mark.ci
 def test_rotation_above_joints_is_none_in_the_end(tmp_path: Path) -> None:
     path, out = source(tmp_path, ".usda"), tmp_path / "out.usda"
     cli("freeze", path, "-o", out, "--up-axis", "y", code=0)

@@ -18,6 +18,7 @@ from rigtri.operations.rename_joints import RenameJointsOptions, rename_joints
 from rigtri.report import Report
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_limbs_with_japanese_names_are_several_and_found_by_them(name: str, samples: Path) -> None:
     """Before, both were called "locator", and the second took the place of the first."""

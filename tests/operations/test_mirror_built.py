@@ -118,6 +118,7 @@ def test_a_chain_that_names_no_joint_is_reported_and_left_out(samples: Path, nam
     assert "control 'hand_L_ik_ctl' is not mirrored: the other side has no such joint" in left_out
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("chain", [(), ("hand_L",)])
 def test_a_control_whose_limb_is_not_named_is_left_out(samples: Path, chain: tuple[str, ...]) -> None:
     """Before, the IK control and the pole vector of such a limb ended in a traceback."""

@@ -67,6 +67,7 @@ def test_there_and_back_gives_the_same_bytes(scheme: str, suffix: str, tmp_path:
     assert both[0] == both[1]
 
 
+@pytest.mark.ci
 def test_a_trunk_that_is_counted_from_none_keeps_its_bones() -> None:
     """Spine, Spine1: words in common use, without fingers or a prefix that tell whose they are."""
     rig = rigtri.read(SAMPLES / "biped.glb")
@@ -92,6 +93,7 @@ def test_a_control_beside_the_body_is_no_head_whatever_it_is_called() -> None:
     assert rigtri.rename_joints(once, to="rigify").names == once.names
 
 
+@pytest.mark.ci
 def test_a_jaw_under_a_scheme_that_has_none_is_renamed_by_the_first_run() -> None:
     """The next run reads the names of another scheme, which has one."""
     rig = rigtri.rename_joints(rigtri.read(SAMPLES / "biped.glb"), to="mixamo")

@@ -163,6 +163,7 @@ def test_a_tighter_bound_takes_more_keys_and_keeps_it(tmp_path: Path) -> None:
     assert counts[0] < counts[-1]
 
 
+@pytest.mark.ci
 def test_what_is_held_between_keys_is_held_by_the_rivet(tmp_path: Path) -> None:
     source = arm(turn="STEP", weights="STEP").glb(tmp_path / "in.glb")
     report = riveted(source, tmp_path / "out.glb")

@@ -43,6 +43,7 @@ def rooted(tmp_path: Path) -> Path:
     return out
 
 
+@pytest.mark.ci
 def test_a_root_stands_on_the_ground_and_nothing_moves(rooted: Path) -> None:
     before, after = rigtri.read(SAMPLES / "biped.glb"), rigtri.read(rooted)
     root = after.find("root")
@@ -67,11 +68,13 @@ def test_the_pivot_of_a_skin_is_above_its_new_root(tmp_path: Path) -> None:
     assert made["nodes"][made["skins"][0]["skeleton"]]["name"] == "root"
 
 
+@pytest.mark.ci
 def test_a_second_root_is_not_added(rooted: Path) -> None:
     rig = rigtri.read(rooted)
     assert rigtri.add_root(rig).names == rig.names
 
 
+@pytest.mark.ci
 def test_a_root_above_hips_that_lean_stands_upright_in_the_bind_pose(rooted: Path) -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     hips, rotation = rig.find("hips"), rig.rotation.copy()

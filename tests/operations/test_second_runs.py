@@ -26,6 +26,7 @@ def turned_again(rig: Rig, preset: str) -> list[int]:
     return np.flatnonzero(np.abs(once.rotation - twice.rotation).max(axis=1) > 1e-3).tolist()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("preset", ["article", "maya"])
 @pytest.mark.parametrize(
     ("arms", "forward", "palm"), [(90.0, 90.0, 0.0), (0.0, 0.0, 90.0), (90.0, 0.0, 90.0)]

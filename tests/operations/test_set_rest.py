@@ -29,6 +29,7 @@ def places(rig: Rig, number: int) -> np.ndarray:
     return worlds(rig, locals_at(rig, clip, key_times(clip)))[..., 3, :3]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("pose", ["tpose", "apose"])
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_arms_stand_where_the_pose_has_them(pose: str, suffix: str, tmp_path: Path) -> None:
@@ -46,6 +47,7 @@ def test_arms_stand_where_the_pose_has_them(pose: str, suffix: str, tmp_path: Pa
     assert np.allclose(leg, -up, atol=1e-5)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_clips_play_as_before(suffix: str, tmp_path: Path) -> None:
     """Also a clip that has no keys of what rests in another way now."""
@@ -111,6 +113,7 @@ def test_a_moment_is_taken_as_it_is_below_a_scale_that_is_not_uniform() -> None:
     assert np.allclose(np.abs((alike.rotation * plain.rotation).sum(axis=1)), 1.0)
 
 
+@pytest.mark.ci
 def test_the_bind_pose_is_where_the_mesh_is_as_it_was_drawn(tmp_path: Path) -> None:
     posed, out = tmp_path / "posed.glb", tmp_path / "out.glb"
     cli("set-rest", SAMPLES / "biped.glb", "-o", posed, "--pose", "walk@0.5", code=0)
@@ -247,6 +250,7 @@ def test_rest_rotations_of_joints_with_other_axes_are_refused(skinned: bool, up:
         rigtri.set_rest(ours, like=other)
 
 
+@pytest.mark.ci
 def test_what_is_up_for_a_body_is_as_it_is_bound_and_not_as_it_rests() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     top, hips, rotation = rig.find("biped"), rig.find("hips"), rig.rotation.copy()

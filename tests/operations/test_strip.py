@@ -66,6 +66,7 @@ def test_all_that_went_is_reported(samples: Path, tmp_path: Path) -> None:
     assert not any(entry["kept"] for entry in removed)
 
 
+@pytest.mark.ci
 def test_a_file_without_anything_of_ours_stays_byte_for_byte(samples: Path, tmp_path: Path) -> None:
     for name in ("biped.glb", "biped.usda", "biped.usdz"):
         edit(samples / name, tmp_path / name, stripped)

@@ -156,6 +156,7 @@ def test_joints_that_clips_move_against_their_parents_are_no_bones() -> None:
     take_clips(edited, from_=without_skin(shown_at(edited, 0.9)))
 
 
+@pytest.mark.ci
 def test_the_program_ends_with_5_and_writes_nothing(tmp_path: Path) -> None:
     turned = tmp_path / "turned.glb"
     cli("orient-joints", BIPED, "-o", turned, code=0)

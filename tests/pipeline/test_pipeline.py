@@ -104,6 +104,7 @@ def test_source_and_target_may_be_one_file(name: str, samples: Path, tmp_path: P
     assert len(list(tmp_path.iterdir())) == 2
 
 
+@pytest.mark.ci
 def test_a_gltf_takes_its_files_along(samples: Path, tmp_path: Path) -> None:
     edit(samples / "biped.gltf", tmp_path / "moved.gltf", orient)
     uris = [buffer["uri"] for buffer in json.loads((tmp_path / "moved.gltf").read_text())["buffers"]]
@@ -225,6 +226,7 @@ def test_a_resource_that_is_another_file_is_not_replaced_unasked(samples: Path, 
     assert (tmp_path / "biped.bin").read_bytes() == (samples / "biped.bin").read_bytes()
 
 
+@pytest.mark.ci
 def test_a_relinked_gltf_points_back_at_its_old_buffer(samples: Path, tmp_path: Path) -> None:
     outcome = edit(
         samples / "biped.gltf", tmp_path / "out.gltf", orient, options=ReadOptions(resources="relink")

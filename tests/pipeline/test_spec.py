@@ -690,6 +690,7 @@ def test_warnings_of_later_steps_speak_of_the_users_file(tmp_path: Path) -> None
     assert told == [f"{source}: a mesh cannot be read"]
 
 
+@pytest.mark.ci
 def test_a_build_reports_the_kind_of_what_does_not_fit(tmp_path: Path) -> None:
     spec = write(tmp_path, "steps:\n- {do: orient-joints, joints: nobody}\n")
     line = ["build", str(SAMPLES / "biped.glb"), "--spec", str(spec), "-o", str(tmp_path / "o.glb"), "--json"]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from body_files import AXES, FINGERS, backwards, rolled, with_poles
 from broken_vrm import avatar_0
-from places import SAMPLES, samples_of_all_kinds
+from places import SAMPLES, one_in, samples_of_all_kinds
 from posed_bodies import Pose, posed_body, poses
 from recognition_bodies.skeletons import MAN, TRUNK, line, rig_with
 
@@ -36,6 +36,7 @@ def _level(pose: Pose) -> Any:
     return [] if pose is FEW[0] else pytest.mark.ci if pose in FEW else pytest.mark.slow
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("pose", [pytest.param(p, marks=_level(p), id=p.title) for p in EVERY])
 def test_no_preset_leaves_anything_to_report(pose: Pose) -> None:
     body = posed_body(pose)
@@ -79,6 +80,7 @@ def test_axes_of_the_world_follow_no_bone(tmp_path: Path) -> None:
     assert not [name for name in ids if name.startswith("axes.")]
 
 
+@pytest.mark.ci
 def test_a_rolled_joint_is_named_with_its_degrees(tmp_path: Path) -> None:
     found, after = check(AXES["axes.trunk"][0](tmp_path))
     assert after.message == "is rolled by 90° against 'mixamorig:Spine1'"
@@ -88,6 +90,7 @@ def test_a_rolled_joint_is_named_with_its_degrees(tmp_path: Path) -> None:
     assert found.severity == "info"
 
 
+@pytest.mark.ci
 def test_a_joint_that_aims_backwards_along_its_bone_is_named() -> None:
     body = posed_body(Pose())
     ((rule, node, _),) = axis_findings(rolled(body, (0, 1, 0), left_index_1=180.0))
@@ -136,7 +139,7 @@ def test_left_and_right_by_other_signs_are_named() -> None:
 
 
 @pytest.mark.parametrize("part", ["left_thumb_2", "right_hand", "left_foot", "right_clavicle"])
-@pytest.mark.parametrize("degrees", [90.0, 180.0])
+@pytest.mark.parametrize("degrees", one_in(2, [90.0, 180.0]))
 def test_rolled_hands_thumbs_feet_and_clavicles_are_named(part: str, degrees: float) -> None:
     body = posed_body(Pose(arms=70.0))
     ((rule, node, text),) = axis_findings(rolled(body, **{part: degrees}))

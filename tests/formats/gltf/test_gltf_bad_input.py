@@ -229,6 +229,7 @@ def test_a_bin_that_is_too_short_is_named(tmp_path: Path) -> None:
         GltfDocument.read(path)
 
 
+@pytest.mark.ci
 def test_a_glb_cut_off_anywhere_is_refused(tmp_path: Path) -> None:
     content = small().glb(tmp_path / "a.glb").read_bytes()
     path = tmp_path / "cut.glb"

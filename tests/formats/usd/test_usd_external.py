@@ -155,6 +155,7 @@ def test_textures_outside_the_folder_stay_as_they_are(folders: tuple[Path, Path]
     assert picture in out.read_text()
 
 
+@pytest.mark.ci
 def test_the_program_takes_the_option_for_usd(folders: tuple[Path, Path]) -> None:
     folder, _ = folders
     source = save(folder, ARCS["sublayer"].format(asked="../assets/hero.usda"), "shot.usda")

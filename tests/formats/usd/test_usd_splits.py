@@ -168,6 +168,7 @@ def test_defaults_and_blocked_samples_are_widened_too(tmp_path: Path) -> None:
     assert deviation(source, out) < 2e-6
 
 
+@pytest.mark.ci
 def test_a_joint_that_the_animation_leaves_at_rest_gets_no_column(tmp_path: Path) -> None:
     from pxr import Vt
 

@@ -58,6 +58,7 @@ def test_a_new_joint_is_refused_where_no_pose_shows_all_meshes_as_they_are(tmp_p
     assert not out.exists()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("place", ["", PLACE])
 def test_an_animated_skeleton_without_rest_pose_stands_in_a_scene_of_another_axis(
     place: str, tmp_path: Path

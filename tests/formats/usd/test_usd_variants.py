@@ -170,6 +170,7 @@ def test_a_binding_above_a_skeleton_whose_own_has_no_target_differs_by_variant(t
         assert apart(source, out, {"clip": variant}) < 1e-5
 
 
+@pytest.mark.ci
 def test_what_is_common_to_all_variants_is_written_once_outside_of_them(tmp_path: Path) -> None:
     source = save(tmp_path, choosing(SCENES["values"], clip="a"))
     layer = layers.fresh(edited(source, tmp_path))
@@ -291,6 +292,7 @@ def test_variants_that_show_a_skeleton_in_too_many_ways_are_refused(tmp_path: Pa
         write(document, turned(document.rig), tmp_path / "out.usda")
 
 
+@pytest.mark.ci
 def test_a_second_run_over_variants_writes_the_same_bytes(tmp_path: Path) -> None:
     source = save(tmp_path, choosing(SCENES["animation"], clip="a"))
     outs = []

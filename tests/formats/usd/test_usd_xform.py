@@ -189,6 +189,7 @@ def test_drivers_of_any_ops_are_evaluated_as_usd_plays_them(stack: str, tmp_path
     cli("orient-joints", source, "-o", tmp_path / "turned.usda", *root, code=0)
 
 
+@pytest.mark.ci
 def test_new_controls_have_ops_to_key_and_euler_keys_of_an_animator_are_baked(tmp_path: Path) -> None:
     rigged, baked = tmp_path / "rigged.usda", tmp_path / "baked.usda"
     options = ("--joints", "neck", "--joints", "head", "--frame", "joint")
@@ -326,6 +327,7 @@ def test_a_prim_of_another_unit_is_read_by_its_keys_and_takes_others(tmp_path: P
     assert_allclose(there["/Root", 9.0][2, :3], after["/Root", 1.0][:3, :3].T @ [0, -0.96, 0.28], atol=1e-7)
 
 
+@pytest.mark.ci
 def test_the_notice_of_a_reset_stack_is_true_of_every_command(tmp_path: Path) -> None:
     said = cli("freeze", save(tmp_path, SMOOTH), "-o", tmp_path / "out.usda", "--root", "/Rig").output
     joints = [read(tmp_path / "in.usda", root=root).rig.skins[0].joints for root in ("/Rig", "loose")]

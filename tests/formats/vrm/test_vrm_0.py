@@ -48,6 +48,7 @@ def places(gltf: dict[str, Any], rig: Rig) -> np.ndarray:
     )
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("option", ["--world", "--preset=vrm"])
 def test_all_bones_get_zero_rotations_and_nothing_moves(option: str, tmp_path: Path) -> None:
     source, out = avatar_0(3).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"

@@ -113,6 +113,7 @@ def test_a_reorientation_that_a_constraint_forbids_is_seen_by_the_evaluator(tmp_
         assert deviation(rig, replace(careless, node_constraints=rig.node_constraints)) > 1e-3
 
 
+@pytest.mark.ci
 def test_joints_that_a_rotation_constraint_ties_are_reoriented_as_their_source(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
     after = orient_joints(rig, options=OrientJointsOptions(**joints_of(ALL)), report=report)

@@ -79,6 +79,7 @@ def contents(folder: str = "out") -> dict[str, bytes]:
     }
 
 
+@pytest.mark.ci
 def test_each_output_is_what_the_file_alone_would_give(batch: Batch, samples: Path) -> None:
     for name in ("biped.gltf", "biped.bin", "biped.usda", "biped.usdz", "tail.glb"):
         shutil.copy(samples / name, "in/sub")

@@ -50,6 +50,7 @@ def statuses(result: Ran) -> dict[str, str]:
     return {Path(line["file"]).name: line["status"] for line in map(json.loads, result.stdout.splitlines())}
 
 
+@pytest.mark.ci
 def test_a_batch_builds_what_build_builds(here: Path) -> None:
     result = batch()
     assert result.exit_code == 0, result.stderr
@@ -101,6 +102,7 @@ def test_what_a_like_file_is_made_of_counts(here: Path, samples: Path) -> None:
     assert "skipped" not in statuses(batch("--json")).values()
 
 
+@pytest.mark.ci
 def test_a_spec_for_another_character_is_reported_before_anything_is_written(here: Path) -> None:
     Path("rig.yaml").write_text("steps: [{do: orient-joints, joints: [tentacle_1, tentacle_2]}]")
     result = batch("--json")
