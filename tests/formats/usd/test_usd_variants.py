@@ -216,6 +216,25 @@ def test_two_sets_that_matter_are_reoriented_in_every_combination(tmp_path: Path
 
 
 @pytest.mark.ci
+def test_sets_of_one_variant_each_are_edited_inside_them(tmp_path: Path) -> None:
+    """As of assets whose sets of models and of looks have but one each."""
+    run = variant_set("clip", a=over("Anim", RUN))
+    text = scene(skeleton(), animation(rotations=""), MESH, run, variant_set("colour", red=""))
+    source = save(tmp_path, choosing(text, clip="a", colour="red"))
+    out = edited(source, tmp_path)
+    assert apart(source, out, {}) < 1e-5
+    assert not layers.fresh(out).GetAttributeAtPath("/Root/Anim.rotations")
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("selected", [{"colour": "gone"}, {}])
+def test_sets_without_variants_change_nothing(selected: dict[str, str], tmp_path: Path) -> None:
+    text = choosing(scene(skeleton(), animation(), MESH), **{"mood": "gone", **selected})
+    source = save(tmp_path, text.replace('["mood"', '["clip", "mood"'))
+    assert apart(source, edited(source, tmp_path), {}) < 1e-5
+
+
+@pytest.mark.ci
 def test_instances_keep_their_variants_and_share_their_prototypes(tmp_path: Path) -> None:
     save(tmp_path, choosing(SCENES["animation"], clip="a"), "parts/hero.usda")
     chosen = "instanceable = true", 'instanceable = true\n    variants = { string clip = "b" }'

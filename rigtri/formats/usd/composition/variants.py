@@ -87,7 +87,7 @@ class SkeletonVariants:
                 if (path, name) not in chosen:
                     session.GetPrimAtPath(path).variantSelections.pop(name)
             for (path, name), variant in chosen.items():
-                Sdf.CreatePrimInLayer(session, path).variantSelections[name] = variant
+                _select(Sdf.CreatePrimInLayer(session, path), name, variant)
         self._authored = dict(chosen)
         self.stage.ExpandPopulationMask(lambda relation: relation.GetName() == SOURCE)
 
@@ -241,21 +241,26 @@ def deciding_sets(stage: Any, skeleton: str, prims: Iterable[str]) -> dict[Any, 
     found: dict[Any, set[VariantSet]] = {}
     for path, name in [(prim.GetPath(), name) for prim in shown.Traverse() for name in _sets(prim)]:
         chosen = shown.GetPrimAtPath(path).GetVariantSet(name)
-        selected, selections = (
-            chosen.GetVariantSelection(),
-            Sdf.CreatePrimInLayer(session, path).variantSelections,
-        )
+        selected, spec = chosen.GetVariantSelection(), Sdf.CreatePrimInLayer(session, path)
         # Without another variant, nothing at all can be selected instead.
         for variant in [each for each in chosen.GetVariantNames() if each != selected] or [""]:
-            selections[name] = variant
+            _select(spec, name, variant)
             if (prim := shown.GetPrimAtPath(skeleton)) and prim.GetTypeName() == "Skeleton":
                 there = _values_at(shown, _differing(before, _decisive(shown)))
-                selections[name] = selected
+                _select(spec, name, selected)
                 here = _values_at(shown, there)
                 for attribute in (each for each, values in there.items() if values != here[each]):
                     found.setdefault(attribute, set()).add((path, name))
-        selections[name] = selected
+        _select(spec, name, selected)
     return found
+
+
+def _select(spec: Any, name: str, variant: str) -> None:
+    """Select a variant of a set, "" for none: of that, assigning would only take out the selection."""
+    if variant:
+        spec.variantSelections[name] = variant
+    else:
+        spec.BlockVariantSelection(name)
 
 
 def _decisive(stage: Any) -> Origins:
