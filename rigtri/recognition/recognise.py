@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from weakref import WeakKeyDictionary
@@ -81,7 +82,9 @@ def _drafts(rig: Rig, own: Sequence[Scheme] = ()) -> list[Draft]:
 
 def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) -> Draft:
     inside = frozenset(nodes)
-    certain = {bone: node for bone, node in rig.humanoid.items() if node in inside}
+    # Bones that share a node are no evidence of what it is.
+    shared = Counter(rig.humanoid.values())
+    certain = {bone: node for bone, node in rig.humanoid.items() if node in inside and shared[node] == 1}
     deform = [True] * len(nodes) if certain else deforming([rig.names[node] for node in nodes])
     body = [node for node, deforms in zip(nodes, deform, strict=True) if deforms]
     controls = frozenset(nodes).difference(body)

@@ -54,6 +54,13 @@ def test_a_humanoid_map_goes_before_names() -> None:
     assert (limb.triple, limb.kind, limb.side, limb.evidence) == ((1, 2, 3), "arm", "left", "vrm")
 
 
+def test_bones_of_a_humanoid_map_that_share_a_joint_are_read_by_names() -> None:
+    rig = named(["hips", "UpperLeg.L", "LowerLeg.L", "Foot.L"], [-1, 0, 1, 2])
+    for shared in (0, 1, 3):
+        bones = dict.fromkeys(("leftUpperLeg", "leftLowerLeg", "leftFoot"), shared)
+        assert triples(replace(rig, humanoid=bones)) == [["UpperLeg.L", "LowerLeg.L", "Foot.L"]]
+
+
 def test_joints_that_are_only_numbered_make_a_limb_of_the_first_three() -> None:
     rig = named(
         ["torso", "leg_joint_L_1", "leg_joint_L_2", "leg_joint_L_3", "leg_joint_L_5"], [-1, 0, 1, 2, 3]
