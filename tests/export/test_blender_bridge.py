@@ -30,6 +30,7 @@ from rigtri.export.blender.script import blender_setup as exported
 from rigtri.formats import read
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
@@ -37,6 +38,8 @@ from rigtri.report import Report
 STILL, FK, IK = 3e-5, 3e-5, 3e-5
 # What bake leaves between its samples.
 BAKED = 1e-3
+# Of the size: bones that controls with keys move in Blender.
+SEEN = 1e-4
 ONE = {"translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0, 1.0, 1.0]}
 
 
@@ -710,15 +713,67 @@ def test_left_out_rules_are_named(rigged: dict[str, Path], tmp_path: Path) -> No
     assert "'head'" in report.warnings[0].text
 
 
-def test_keys_of_controls_in_usd_are_named_for_blender_imports_none() -> None:
-    told = dict[bool, list[str]]()
-    for gltf in (True, False):
-        report = Report()
-        exported(with_keyed_controls(), gltf=gltf, report=report)
-        told[gltf] = [notice.text for notice in report.warnings if "USD" in notice.text]
-    assert told[True] == []
-    assert "walk" in told[False][0]
-    assert "convert" in told[False][0]
+def test_the_script_has_the_keys_of_controls_of_usd_for_blender_imports_none() -> None:
+    rig = with_keyed_controls()
+    assert exported(rig, gltf=True).plan["keys"] == {}
+    plan = exported(rig, gltf=False).plan
+    assert plan["keys"]["name"] == "walk"
+    found = {(plan["nodes"][int(each["node"][1:])]["name"], each["path"]) for each in plan["keys"]["curves"]}
+    tracks = [
+        track for track in rig.clip("walk").tracks if rig.type_of(track.node) in ("control", "poleVector")
+    ]
+    assert found == {(rig.names[track.node], track.path) for track in tracks}
+
+
+def test_large_turns_have_a_key_a_frame_for_blender_cuts_the_arc() -> None:
+    rig = with_keyed_controls()
+    head = rig.find("head_ctl")
+    values = np.array([turn("y", 0), turn("y", 5), turn("y", 65)])
+    track = Track(head, "rotation", "LINEAR", np.array([0.0, 3.0, 6.5]), values)
+    plan = exported(replace(rig, clips=(Clip("nod", (track,)),)), gltf=False).plan
+    (curve,) = plan["keys"]["curves"]
+    assert curve["times"] == [0.0, 3.0, 4.0, 5.0, 6.0, 6.5]
+    assert curve["values"][2] == pytest.approx(turn("y", 5 + 60 / 3.5))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", [".glb", ".usdc"])
+def test_keys_of_controls_in_usd_come_to_blender_and_home(
+    suffix: str, rigged: dict[str, Path], tmp_path: Path
+) -> None:
+    """Bones in all frames of an edited clip against the controls that come home, and both ways home."""
+    animate, home, edited, final, seen = (
+        str(tmp_path / name)
+        for name in ("animate.usda", "home.usda", f"edited{suffix}", f"final{suffix}", "seen.npz")
+    )
+    cli("bake", rigged["biped.usda"], "-o", animate, "--to", "controls", "-q", code=0)
+    told = cli("export-blender", animate, "-o", tmp_path / "setup.py", code=0).stderr
+    assert "warning" not in told
+    keys = {"hand_R_ik_ctl": {"by": [0.02, 0.05, -0.04]}}
+    job = {"script": str(tmp_path / "setup.py"), "target": edited, "clip": "walk", "keys": keys, "seen": seen}
+    blender_trip(job, folder=tmp_path)
+    told = cli("take-clips", animate, "--from", edited, "-o", home, code=0).stderr
+    assert "warning" not in told
+    cli("bake", edited, "--rig", animate, "-o", final, "-q", code=0)
+    rig = read(Path(home)).rig
+    (timeline,) = timelines(rig)
+    frames = np.arange(1.0, 26.0)
+    posed = Solver(rig, controls_at_work(rig, timeline)).run(sample_parts(rig, timeline.clip, frames))
+    out = read(Path(final)).rig
+    there = PoseCache(out, sample_parts(out, out.clips[0], frames / (24.0 if suffix == ".glb" else 1.0)))
+    was = read(Path(animate)).rig
+    moved = Solver(was, controls_at_work(was, timelines(was)[0])).run(
+        sample_parts(was, timelines(was)[0].clip, frames)
+    )
+    size = skeleton_size(rig)
+    hand = rig.find("hand_R")
+    assert np.abs(posed.world(hand) - moved.world(was.find("hand_R"))).max() > 0.02 * size
+    for joint, places in arrays(seen).items():
+        assert np.abs(posed.world(rig.find(joint))[:, 3, :3] - places).max() <= SEEN * size, joint
+        shown = there.world(out.find(joint))[:, 3, :3]
+        if suffix == ".usdc":  # Blender exports it with z up
+            shown = np.stack([shown[:, 0], shown[:, 2], -shown[:, 1]], axis=1)
+        assert np.abs(shown - places).max() <= BAKED * size, joint
 
 
 REAL = ["kaykit_Barbarian.glb", "gdquest_mannequiny-0.3.0.glb", "khronos_CesiumMan_Binary.glb"]

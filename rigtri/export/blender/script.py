@@ -19,6 +19,7 @@ from rigtri.evaluation.solver import Solver, refuse_cycles
 from rigtri.evaluation.timelines import timelines
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.export.blender.constraints import follow, left_out, twist
+from rigtri.export.blender.control_keys import control_keys
 from rigtri.export.blender.controls import controls, pole_expression
 from rigtri.export.blender.plan import Plan, armature_of
 from rigtri.files.input_stream import opened
@@ -82,10 +83,9 @@ def blender_setup(
             "The file has no controls, constraints or twist joints of rigtri's to set up in Blender; "
             "add some first: rigtri add-controls IN -o OUT --whole-character"
         )
-    if not gltf:
-        _warn_of_caches(rig, report)
+    keys = {} if gltf else control_keys(plan)
     up = "y" if np.argmax(np.abs(rig.rules.up)) == 1 else "z"
-    document = {"file": file, "gltf": gltf, "up": up, "meters": meters, **plan.document()}
+    document = {"file": file, "gltf": gltf, "up": up, "meters": meters, "keys": keys, **plan.document()}
     return Setup(script(document), document)
 
 
@@ -148,20 +148,6 @@ def _warn_still(rig: Rig, solver: Solver, report: Report) -> None:
             "joints-alone",
             f"{list_names(names)}: joints have keys, and their controls none, which hold them still in "
             "Blender. Give controls the motion first: rigtri bake IN -o OUT --to controls",
-        )
-
-
-def _warn_of_caches(rig: Rig, report: Report) -> None:
-    """Warn of clips with keys of controls in USD: Blender imports samples of prims as caches, not as keys."""
-    controls = controls_and_poles(rig)
-    names = [
-        line.name for line in timelines(rig) if any(track.node in controls for track in line.clip.tracks)
-    ]
-    if names:
-        report.warn(
-            "blender-left-out",
-            f"{list_names(names)}: controls stand still in Blender, whose USD import gives prims no keys. "
-            "Take glTF for keys of controls: rigtri convert, then add-controls and bake --to controls",
         )
 
 

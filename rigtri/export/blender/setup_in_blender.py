@@ -572,6 +572,46 @@ def play(rig: Any, action: Any, strip: Any) -> Any:
     return slot
 
 
+def give_keys(nodes: list[Any]) -> None:
+    """Give imported controls the curves that glTF's import gives them: of samples in USD, caches are made."""
+    curves = [(nodes[int(about["node"][1:])][0], about) for about in RIG["keys"].get("curves", ())]
+    if not curves:
+        return
+    data = character(nodes).animation_data
+    action = (data.action if data else None) or bpy.data.actions.new(RIG["keys"]["name"])
+    for thing, about in curves:
+        for cache in [one for one in thing.constraints if one.type == "TRANSFORM_CACHE"]:
+            thing.constraints.remove(cache)
+        bag = channels(action, slot_of(thing, action), make=True)
+        put_curves(bag, about, thing)
+    bpy.context.view_layer.update()
+
+
+def slot_of(thing: Any, action: Any) -> Any:
+    """The slot in which an object plays an action; a new one where it plays none."""
+    data = thing.animation_data_create()
+    if data.action != action:
+        data.action, data.action_slot = action, action.slots.new(id_type="OBJECT", name=thing.name)
+    return data.action_slot
+
+
+def put_curves(bag: Any, about: dict[str, Any], thing: Any) -> None:
+    """Put the keys of one channel of the file into a channelbag."""
+    values = np.array(about["values"])
+    path = {"translation": "location", "rotation": "rotation_quaternion", "scale": "scale"}[about["path"]]
+    if about["path"] == "rotation":
+        thing.rotation_mode, values = "QUATERNION", values[:, [3, 0, 1, 2]]
+    for k, column in enumerate(values.T):
+        if old := bag.fcurves.find(path, index=k):
+            bag.fcurves.remove(old)
+        points = bag.fcurves.new(path, index=k).keyframe_points
+        points.add(len(column))
+        points.foreach_set("co", np.stack([about["times"], column], axis=1).ravel())
+        for point in points:
+            point.interpolation = "CONSTANT" if about["steps"] else "LINEAR"
+        bag.fcurves.find(path, index=k).update()
+
+
 def rig_of(owner: Any) -> Any:
     """The armature that a character's controls are bones of; None for none."""
     if owner is None or owner.type == "ARMATURE":
@@ -670,7 +710,10 @@ class Setup:
         if rig is None:
             rig = self.added("controls", bpy.data.armatures.new(PREFIX + "controls"))
             rig.hide_viewport = rig.hide_select = rig.hide_render = False
-        for thing in things + ([self.target(RIG["group"])[0]] if RIG["group"] else []):
+        drawn = [
+            one for thing in things for one in thing.children if one.type == "CURVES" and one not in things
+        ]
+        for thing in [*things, *drawn, *([self.target(RIG["group"])[0]] if RIG["group"] else [])]:
             self.hide(thing)
         back = rig.matrix_world.inverted()
         size = max((about["size"] or 0.0 for about in RIG["controls"]), default=0.0) or 0.1
@@ -950,6 +993,14 @@ def bring(given: str | None) -> None:
         bpy.ops.import_scene.gltf(filepath=str(found), disable_bone_shape=True)
     else:
         bpy.ops.wm.usd_import(filepath=str(found), import_guide=True)
+        play_at(RIG["keys"]["rate"])
+
+
+def play_at(rate: float) -> None:
+    """Let frames of the scene be time codes of a USD file: its import leaves the frame rate as it is."""
+    render = bpy.context.scene.render
+    render.fps = max(1, round(rate))
+    render.fps_base = render.fps / rate
 
 
 def set_up(given: str | None = None, drive: float | None = None) -> int:
@@ -973,6 +1024,8 @@ def set_up(given: str | None = None, drive: float | None = None) -> int:
     before = float(master.get(DRIVE, 1.0))
     kept = Kept(nodes)
     remove(nodes, master)
+    if not kept.again:
+        give_keys(nodes)
     Setup(nodes, before if drive is None else drive, kept)
     bpy.context.view_layer.update()
     return len(RIG["constraints"])

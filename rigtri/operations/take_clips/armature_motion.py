@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.maths.matrices import decompose, inverse, multiply
+from rigtri.maths.matrices import decompose, from_frame, inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
@@ -20,6 +20,8 @@ from rigtri.report import Report
 
 # Of the largest number of a matrix; less went through another program's float32.
 _SAME = 1e-4
+# How Blender's glTF export turns the own axes of all that its USD import has made of a file with y up.
+_OTHER_AXES = from_frame([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]], np.zeros(3))
 
 
 def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
@@ -36,7 +38,7 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) ->
         holds = {int(rig.parents[joint]) for joint in np.flatnonzero(rig.is_joint).tolist()}
         if node in holds and not rig.is_joint[node] and keyed.isdisjoint(rig.path_to_root(node)):
             here, there = rig.world[node], described.world[theirs]
-            if np.abs(here - there).max() > _SAME * max(1.0, float(np.abs(there).max())):
+            if not (_same(here, there) or _same(here, multiply(_OTHER_AXES, there))):
                 moves[node] = multiply(inverse(here), there)
     if not moves:
         return rig
@@ -46,6 +48,10 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) ->
     for node, back in moves.items():
         rig = _placed(rig, node, multiply(rig.world[node], back))
     return _bound(rig, moves)
+
+
+def _same(here: Floats, there: Floats) -> bool:
+    return bool(np.abs(here - there).max() <= _SAME * max(1.0, float(np.abs(there).max())))
 
 
 def _placed(rig: Rig, node: int, world: Floats) -> Rig:

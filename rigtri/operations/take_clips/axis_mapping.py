@@ -287,9 +287,16 @@ class Counterparts:
         return [n for n in self._bound if not self._bound.keys() & set(self.rig.path_to_root(n)[1:])]
 
     def _inherited(self, node: int, between: Floats) -> Floats:
-        """C of the nearest node above that both files have, of a size that makes scales at rest alike."""
-        above = self.line(node)[2]
-        turn = (self.turns[above] if above >= 0 else inverse(self.space)).copy()
+        """C of the nearest node above that both files have, of a size that makes scales at rest alike.
+
+        Of a first control that is a bone in EDITED, that of joints: exporters turn objects otherwise.
+        """
+        above, rig = self.line(node)[2], self.rig
+        is_bone = node in rig.own and self.other.is_joint[self.of[node]] and self._tops
+        if is_bone and above not in rig.own and not (above >= 0 and rig.is_joint[above]):
+            turn = self._bound[self._tops[0]].copy()
+        else:
+            turn = (self.turns[above] if above >= 0 else inverse(self.space)).copy()
         turn[3, :3] = 0.0
         if self._looks(node):
             turn[:3, :3] = np.eye(3) * float(length(turn[0, :3]))

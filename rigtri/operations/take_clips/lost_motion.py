@@ -15,6 +15,7 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track, key_values
+from rigtri.model.metadata import SWITCH
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.messages import list_names
@@ -69,7 +70,8 @@ def refuse_lost(both: Counterparts, clip: Clip, morphs: MorphPairs) -> None:
 def _nodes(both: Counterparts, clip: Clip) -> Iterator[tuple[int, str]]:
     """Nodes of EDITED that move without a counterpart; not those whose motion is in what is below them.
 
-    Nor controls whose motion is in the keys of their joints.
+    Nor controls whose motion is in the keys of their joints, nor switches of the script of export-blender,
+    which ride on controls.
     """
     other = both.other
     known = other.with_ancestors(both.back)
@@ -81,7 +83,7 @@ def _nodes(both: Counterparts, clip: Clip) -> Iterator[tuple[int, str]]:
     for node in sorted(alone):
         if (name := other.names[node]) in both.unclear:
             yield node, f"several nodes are called '{name}', so it is not clear which is which"
-        elif node not in known:
+        elif node not in known and not SWITCH.fullmatch(name):
             yield node, f"RIG has no '{other.title(node)}'"
 
 

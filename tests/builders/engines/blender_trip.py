@@ -4,7 +4,7 @@ JOBS is a list of objects: the script ``script`` imports the file that lies besi
 controls of ``keys`` get keys in a clip of their own: at frame 1 where they stand, at frame 25 moved by ``by``
 in their own channels, and turned by ``turn`` degrees about their y axis. ``off`` are IK ends whose IK is off.
 With ``clip``, all keys of ``keys``' controls in that action are moved by ``by`` instead, and all actions
-exported.
+exported, or with the suffix of a USD ``target`` what plays.
 ``move``: where the armature object is put then. What is visible is exported to ``target``; ``seen``,
 a .npz, gets the places of all joints, of all frames, in the file's axes.
 """
@@ -67,7 +67,12 @@ def work(job):
     if "clip" in job:
         for name, given in job["keys"].items():
             edit(job["clip"], name, given["by"])
-        bpy.ops.export_scene.gltf(filepath=job["target"], use_visible=True)
+        if job["target"].endswith(".glb"):
+            bpy.ops.export_scene.gltf(filepath=job["target"], use_visible=True)
+        else:
+            bpy.ops.wm.usd_export(filepath=job["target"], export_animation=True)
+        if "seen" in job:
+            np.savez(job["seen"], **places())
         return
     for thing in bpy.data.objects:
         if thing.animation_data:
