@@ -513,6 +513,23 @@ def test_a_signed_reader_is_the_cosine_on_both_sides_and_a_target_met_at_rest_is
         add_posereader(rig, driver="forearm_L", target=("0,1,0",), reader="cone", signed=True)
 
 
+@pytest.mark.parametrize(
+    ("along", "signed", "told"),
+    [(0.65, False, "0.65"), (-0.65, True, "-0.65"), (-0.65, False, ""), (0.2, False, ""), (-0.2, True, "")],
+)
+def test_a_target_that_is_partly_met_at_rest_is_warned_of(
+    along: float, signed: bool, told: str, samples: Path
+) -> None:
+    rig = read(samples / "biped.glb").rig
+    x, y, _ = rig.world[rig.find("forearm_L"), :3, :3]
+    goal = Goal("back", direction=tuple((along * x + np.sqrt(1.0 - along**2) * y).tolist()))
+    options = AddPosereaderOptions(driver="forearm_L", axis=(1, 0, 0), target=(goal,), signed=signed)
+    add_posereader(rig, options=options, report=(report := Report()))
+    texts = [notice.text for notice in report.warnings if notice.code == "target-at-rest"]
+    assert len(texts) == bool(told)
+    assert all(f"the weight {told} at rest" in text for text in texts)
+
+
 # --- corrective joints
 
 

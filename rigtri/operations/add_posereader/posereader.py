@@ -38,8 +38,8 @@ from rigtri.operations.rigtri_nodes import add, find, given_name, group, refuse_
 from rigtri.recognition.limbs import with_recognised
 from rigtri.report import Report
 
-# A target with so much weight at rest is met there.
-MET = 0.99
+# A target with so much weight at rest, of either sign, moves what it drives there.
+AT_REST = 0.25
 
 
 @operation(AddPosereaderOptions)
@@ -332,7 +332,7 @@ class _Builder:
     def _record(self, node: int, counts: Mapping[str, int]) -> None:
         rest = self.motion.weights_at_rest(self.reader)
         for goal, weight in zip(self.goals, rest.tolist(), strict=True):
-            if self.is_new and abs(weight) >= MET and goal.pose != "rest":
+            if self.is_new and abs(weight) >= AT_REST and goal.pose != "rest":
                 self.report.warn(
                     "target-at-rest",
                     f"Target '{goal.name}' of '{self.name}' has the weight {weight:.2g} at rest already, so "
