@@ -372,6 +372,17 @@ def test_what_the_controls_do_not_give_back_is_a_warning_that_reports_where_when
     assert off > 1e-3
 
 
+def test_what_a_constraint_moves_without_controls_is_not_said_to_have_some() -> None:
+    source = rigged()
+    notes = {node: note for node, note in source.metadata.items() if source.names[node] != "head_ctl"}
+    rig = replace(source, metadata=notes)
+    rig = constrain(rig, child="head", driver=["hand_L_ik_ctl"], type="parent", maintain_offset=False)
+    bake(rig, options=BakeOptions(to="controls", clip=("walk",)), report=(report := Report()))
+    (notice,) = (notice for notice in report.warnings if notice.code == "controls-off")
+    assert notice.text.startswith("'head' is ")
+    assert "it has no controls, and the constraint of 'head' moves it" in notice.text
+
+
 @pytest.mark.slow
 def test_a_wider_tolerance_bears_more_and_strict_bears_none(tmp_path: Path) -> None:
     whole, bare, up = (tmp_path / f"{k}.glb" for k in ("whole", "bare", "up"))

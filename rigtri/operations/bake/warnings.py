@@ -20,6 +20,7 @@ from rigtri.maths.quaternions import dot
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Track, key_values
+from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
@@ -135,10 +136,15 @@ def fidelity(
     if far <= max(tolerance, NOTHING) * size:
         return record, []
     name = rig.title(joint)
-    text = f"The controls give '{name}' back {far / size:.2g} of the size off, at {clip}@{time:g}"
+    off = f"{far / size:.2g} of the size off, at {clip}@{time:g}"
+    reference = ControlsAtZero(rig)
+    held = _constrained_above(rig, reference, joint)
+    text = f"The controls give '{name}' back {off}; {_advice(rig, reference, joint)}"
+    if held >= 0:
+        text = f"'{name}' is {off}: it has no controls, and the constraint of '{rig.title(held)}' moves it"
     for node in (node for node in uneven_above(rig) if rig.is_below(joint, node)):
-        raise GeometryError(f"{text}; {_outside(rig, node)}")
-    return record, [Notice("controls-off", f"{text}; {_advice(rig, joint)}", name, geometry=True)]
+        raise GeometryError(f"The controls give '{name}' back {off}; {_outside(rig, node)}")
+    return record, [Notice("controls-off", text, name, geometry=True)]
 
 
 def warn_outside(rig: Rig, report: Report) -> None:
@@ -174,9 +180,16 @@ def _farthest(rig: Rig, blocks: Sequence[Block], times: Floats) -> tuple[int, fl
     return worst
 
 
-def _advice(rig: Rig, joint: int) -> str:
+def _constrained_above(rig: Rig, reference: ControlsAtZero, joint: int) -> int:
+    """What a constraint moves a joint by, itself or above it, if no control is nearer to it; or −1."""
+    constrained = {rule.child for rule in constraints_of(rig).values()}
+    controlled = {*reference.fk, *(node for limb in reference.limbs for node in limb.chain)}
+    nearest = next((n for n in rig.path_to_root(joint) if n in constrained or n in controlled), -1)
+    return -1 if nearest in controlled else nearest
+
+
+def _advice(rig: Rig, reference: ControlsAtZero, joint: int) -> str:
     """What may help a joint that its controls do not give back."""
-    reference = ControlsAtZero(rig)
     chains = [limb.chain for limb in reference.limbs if rig.is_below(joint, limb.chain[0])]
     bare = [node for chain in chains for node in chain if node not in reference.fk]
     if bare:
