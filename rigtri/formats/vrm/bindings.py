@@ -12,6 +12,7 @@ from typing import Literal
 from rigtri.formats.json_values import Value
 from rigtri.model.dataclass import dataclass
 from rigtri.report import Notice
+from rigtri.text import and_more
 
 Pointer = tuple[str | int, ...]
 Kind = Literal["rotation", "roll", "aim", "tail"]
@@ -120,6 +121,17 @@ def report_cycles(above: Sequence[int], found: Bindings) -> None:
         names = ", ".join(f"#{node}" for node in circle[:6])
         text = f"The constraints of nodes {names} wait for each other, so viewers do not evaluate them"
         found.notices.append(Notice("constraint-circle", text))
+
+
+def report_shared_bones(found: Bindings) -> None:
+    """Say which bones of the humanoid have a node in common, where VRM has one for each."""
+    bones_of: dict[int, list[str]] = {}
+    for bone, node in found.humanoid.items():
+        bones_of.setdefault(node, []).append(bone)
+    for node, bones in bones_of.items():
+        if len(bones) > 1:
+            text = f"The humanoid has node #{node} for {and_more(bones, 4)}: these are recognised without it"
+            found.notices.append(Notice("shared-bone", text))
 
 
 def stored_axis(kind: str, axis: Sequence[float]) -> tuple[str, str]:

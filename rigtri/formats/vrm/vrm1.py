@@ -15,7 +15,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rigtri.formats.json_values import Value, index_of, object_in, short_repr
-from rigtri.formats.vrm.bindings import CONSTRAINT, Bindings, Pointer, read_constraint, report_cycles
+from rigtri.formats.vrm.bindings import (
+    CONSTRAINT,
+    Bindings,
+    Pointer,
+    read_constraint,
+    report_cycles,
+    report_shared_bones,
+)
 from rigtri.formats.vrm.vrm0 import demand, read_vrm_0
 from rigtri.report import Notice
 
@@ -44,6 +51,7 @@ def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
     if found.orient_locked:
         demand(gltf, above, found)
     report_cycles(above, found)
+    report_shared_bones(found)
     _notice_dangling(gltf, found)
     return found
 

@@ -98,3 +98,15 @@ def test_a_mesh_of_vrm_0_that_is_none_is_reported_and_kept(block: str, wrong: ob
     (found,) = (notice.text for notice in document.notices if notice.code == "vrm-reference")
     assert f"mesh is {wrong!r}, which is not a mesh of this file" in found
     assert verify(document, GltfDocument.read(path)).passes()
+
+
+@pytest.mark.parametrize("make", [avatar, avatar_0])
+def test_bones_that_share_a_node_are_reported(make: Callable[[int], Builder], tmp_path: Path) -> None:
+    builder = make(1)
+    for vrm in builder.gltf["extensions"].values():
+        bones = vrm.get("humanoid", {}).get("humanBones", {})
+        for bone in bones.values() if isinstance(bones, dict) else bones:
+            bone["node"] = 1
+    document = GltfDocument.read(builder.glb(tmp_path / "a.vrm"))
+    (found,) = (notice.text for notice in document.notices if notice.code == "shared-bone")
+    assert "node #1 for hips, " in found
