@@ -736,6 +736,16 @@ def test_large_turns_have_a_key_a_frame_for_blender_cuts_the_arc() -> None:
     assert curve["values"][2] == pytest.approx(turn("y", 5 + 60 / 3.5))
 
 
+def test_a_jump_takes_a_time_that_blender_does_not_merge() -> None:
+    rig = with_keyed_controls()
+    values = np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0], [0, 0, 0]])
+    times = np.array([0.0, np.nextafter(9.0, 0.0), 9.0, 20.0])
+    track = Track(rig.find("head_ctl"), "translation", "LINEAR", times, values)
+    plan = exported(replace(rig, clips=(Clip("jump", (track,)),)), gltf=False).plan
+    (curve,) = plan["keys"]["curves"]
+    assert curve["times"] == [0.0, 8.98, 9.0, 20.0]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".glb", ".usdc"])
 def test_keys_of_controls_in_usd_come_to_blender_and_home(

@@ -15,12 +15,15 @@ from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import timelines
 from rigtri.export.blender.plan import Plan
 from rigtri.maths.quaternions import angle_between, make_continuous
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.constraints import constraints_of
 
 # Blender's curves go straight from one quaternion to the next. A turn between two keys that is this small,
 # in radians, is less than 1e-5 beside the arc.
 _SMALL_TURN = 0.15
+# Frames that two keys are apart at least: Blender merges those that are within 0.01, of jumps in USD, say.
+_APART = 0.02
 
 
 def control_keys(plan: Plan) -> dict[str, Any]:
@@ -50,7 +53,7 @@ def _curve(plan: Plan, track: Track) -> dict[str, Any]:
         "node": plan.node(track.node),
         "path": track.path,
         "steps": track.interpolation == "STEP",
-        "times": _short(track.times),
+        "times": _short(_set_apart(track.times)),
         "values": [_short(row) for row in values],
     }
 
@@ -66,6 +69,14 @@ def _with_frames(track: Track) -> Track:
     ]
     times = np.union1d(track.times, np.concatenate([np.zeros(0), *within]))
     return replace(track, times=times, values=sample(track, times))
+
+
+def _set_apart(times: Floats) -> Floats:
+    """Times of keys, of which those right before another are moved away from it."""
+    times = times.copy()
+    for k in range(len(times) - 2, -1, -1):
+        times[k] = min(times[k], times[k + 1] - _APART)
+    return times
 
 
 def _short(numbers: Any) -> list[float]:
