@@ -736,6 +736,14 @@ def test_large_turns_have_a_key_a_frame_for_blender_cuts_the_arc() -> None:
     assert curve["values"][2] == pytest.approx(turn("y", 5 + 60 / 3.5))
 
 
+def test_the_script_knows_weights_at_rest_whatever_the_scene_shows_when_it_runs() -> None:
+    rig = rigtri.constrain(with_keyed_controls(), child="hand_R_ik_ctl", space=["root", "chest"])
+    plan = exported(rig, gltf=True).plan
+    weights = {plan["nodes"][int(word[1:])]["name"]: share for word, share in plan["weights"].items()}
+    mark = "hand_R_ik_ctl_offset_weight_"
+    assert weights == {f"{mark}hips_root_ctl": 1.0, f"{mark}chest": 0.0}
+
+
 def test_a_jump_takes_a_time_that_blender_does_not_merge() -> None:
     rig = with_keyed_controls()
     values = np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0], [0, 0, 0]])

@@ -38,7 +38,9 @@ _KINDS = {PoleVectorRecord.type: "pole", ControlRecord.type: "fk"}
 
 @dataclass(eq=False)
 class Plan:
-    """The lists, as they grow. limbs: the IK ends by name, in the order of their switches."""
+    """The lists, as they grow. limbs: the IK ends by name, in the order of their switches. weights: those of
+    weight nodes at rest.
+    """
 
     rig: Rig
     reference: ControlsAtZero
@@ -49,6 +51,7 @@ class Plan:
     limbs: list[str] = field(default_factory=list)
     triangles: list[dict[str, Any]] = field(default_factory=list)
     controls: list[dict[str, Any]] = field(default_factory=list)
+    weights: dict[str, float] = field(default_factory=dict)
     group: str = ""
     _words: dict[int, str] = field(default_factory=dict)
 
@@ -144,6 +147,8 @@ class Plan:
         """How much the constraint of each driver takes of what those before it give; 0: it has no weight."""
         if rule.weight_nodes:
             words = [self.node(node) for node in rule.weight_nodes]
+            rest = self.rig.translation[list(rule.weight_nodes), 0].tolist()
+            self.weights |= dict(zip(words, rest, strict=True))
             return [words[: number + 1] for number in range(len(words))]
         found, total = list[Share](), 0.0
         for weight in rule.weights.tolist():
@@ -166,6 +171,7 @@ class Plan:
             "limbs": self.limbs,
             "triangles": self.triangles,
             "controls": self.controls,
+            "weights": self.weights,
             "group": self.group,
         }
 

@@ -367,6 +367,21 @@ def edited(armature: Any) -> Iterator[None]:
     armature.hide_viewport, armature.hide_select = hidden
 
 
+@contextlib.contextmanager
+def still(things: list[Any]) -> Iterator[None]:
+    """Objects of which no action plays; then all play as before."""
+    playing = []
+    for thing in things:
+        data = thing.animation_data_create()
+        playing.append((data, data.action, data.action_slot, data.use_nla))
+        data.action, data.use_nla = None, False
+    yield
+    for data, action, slot, layered in playing:
+        data.use_nla = layered
+        if action is not None:
+            data.action, data.action_slot = action, slot
+
+
 def build_bones(armature: Any, bones: list[tuple[str, int, Matrix, float]]) -> list[str]:
     """Give an armature bones; their names.
 
@@ -777,9 +792,17 @@ class Setup:
         show at rest. So what rides on them follows from where they are, once all else is set up, while limbs
         bend as they do at rest.
         """
-        data = self.rig.animation_data_create()
-        playing = data.action, data.action_slot, data.use_nla
-        data.action, data.use_nla = None, False
+        weights = [self.target(word)[0] for word in RIG["weights"]]
+        with still([self.rig, *weights]):
+            shares = [thing.location.copy() for thing in weights]
+            for thing, share in zip(weights, RIG["weights"].values(), strict=True):
+                thing.location = (share, 0.0, 0.0)
+            self.settle_at_rest()
+            for thing, share in zip(weights, shares, strict=True):
+                thing.location = share
+
+    def settle_at_rest(self) -> None:
+        """The same, while nothing plays and weights are what they are at rest."""
         bones = [self.rig.pose.bones[self.target(about["node"])[1]] for about in RIG["controls"]]
         poses = [bone.matrix_basis.copy() for bone in bones]
         switches = [(self.master, DRIVE), *((bone, SWITCH) for bone in bones if SWITCH in bone)]
@@ -809,9 +832,6 @@ class Setup:
         self.switch(switches, values)
         for bone, pose in zip(bones, poses, strict=True):
             bone.matrix_basis = pose
-        data.use_nla = playing[2]
-        if playing[0] is not None:
-            data.action, data.action_slot = playing[:2]
 
     def switch(self, switches: list[tuple[Any, str]], values: list[float]) -> None:
         for (thing, name), value in zip(switches, values, strict=True):
