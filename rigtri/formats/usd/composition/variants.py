@@ -87,7 +87,7 @@ class SkeletonVariants:
                 if (path, name) not in chosen:
                     session.GetPrimAtPath(path).variantSelections.pop(name)
             for (path, name), variant in chosen.items():
-                _select(Sdf.CreatePrimInLayer(session, path), name, variant)
+                Sdf.CreatePrimInLayer(session, path).variantSelections[name] = variant
         self._authored = dict(chosen)
         self.stage.ExpandPopulationMask(lambda relation: relation.GetName() == SOURCE)
 
@@ -115,7 +115,7 @@ class SkeletonVariants:
                 if not _differing(state.shown, other.shown):
                     continue
                 steps.append((state, other, of))
-                if key not in known and variant:
+                if key not in known:
                     self.states.append(other)
                 known[key] = other
                 if len(self.states) > LIMIT:
@@ -162,10 +162,8 @@ class SkeletonVariants:
         found = []
         for (path, name), selected in state.selected.items():
             names = self.stage.GetPrimAtPath(path).GetVariantSet(name).GetVariantNames()
-            # Without another variant, nothing at all can be selected instead.
-            others = [variant for variant in names if variant != selected] or [""]
             if (path, name) not in state.chosen:
-                found += [((path, name), variant) for variant in others]
+                found += [((path, name), variant) for variant in names if variant != selected]
         return found
 
     def _origins_of(self, paths: Iterable[Any]) -> Origins:
@@ -241,26 +239,20 @@ def deciding_sets(stage: Any, skeleton: str, prims: Iterable[str]) -> dict[Any, 
     found: dict[Any, set[VariantSet]] = {}
     for path, name in [(prim.GetPath(), name) for prim in shown.Traverse() for name in _sets(prim)]:
         chosen = shown.GetPrimAtPath(path).GetVariantSet(name)
-        selected, spec = chosen.GetVariantSelection(), Sdf.CreatePrimInLayer(session, path)
-        # Without another variant, nothing at all can be selected instead.
-        for variant in [each for each in chosen.GetVariantNames() if each != selected] or [""]:
-            _select(spec, name, variant)
+        selected, selections = (
+            chosen.GetVariantSelection(),
+            Sdf.CreatePrimInLayer(session, path).variantSelections,
+        )
+        for variant in (each for each in chosen.GetVariantNames() if each != selected):
+            selections[name] = variant
             if (prim := shown.GetPrimAtPath(skeleton)) and prim.GetTypeName() == "Skeleton":
                 there = _values_at(shown, _differing(before, _decisive(shown)))
-                _select(spec, name, selected)
+                selections[name] = selected
                 here = _values_at(shown, there)
                 for attribute in (each for each, values in there.items() if values != here[each]):
                     found.setdefault(attribute, set()).add((path, name))
-        _select(spec, name, selected)
+        selections[name] = selected
     return found
-
-
-def _select(spec: Any, name: str, variant: str) -> None:
-    """Select a variant of a set, "" for none: of that, assigning would only take out the selection."""
-    if variant:
-        spec.variantSelections[name] = variant
-    else:
-        spec.BlockVariantSelection(name)
 
 
 def _decisive(stage: Any) -> Origins:
