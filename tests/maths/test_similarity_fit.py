@@ -36,6 +36,14 @@ def test_any_rotation_is_found_by_three_points() -> None:
     assert_allclose(transform_points(POINTS, fit.matrix), POINTS @ axes + 5.0, atol=1e-9)
 
 
+def test_about_the_origin_axes_go_onto_axes_alone() -> None:
+    """Another pose is no other frame: what no rotation of axes explains is left as it is."""
+    axes = to_axes(from_axis_angle([0.0, 0.0, 1.0], 0.4))
+    fit = fit_similarity(POINTS, POINTS @ axes, about_origin=True)
+    assert np.array_equal(fit.matrix, np.eye(4))
+    assert fit.residual > 0.1
+
+
 @pytest.mark.parametrize("about_origin", [False, True])
 def test_rounding_is_no_transform(about_origin: bool) -> None:
     ours = POINTS * (1.0 + 1e-7) + 1e-6
