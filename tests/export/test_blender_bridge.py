@@ -32,6 +32,7 @@ from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.armature_motion import put_back
 from rigtri.report import Report
 
 # Of the size: Blender's float32, and its bones, which store their axes as two points and an angle.
@@ -455,6 +456,17 @@ def test_a_switch_that_is_off_takes_the_keys_of_ik_out_of_the_clip_that_has_them
         found = read(Path(out)).rig
         keyed.append({found.names[track.node] for track in found.clip("new").tracks})
     assert keyed == [{"hips_ctl", "foot_L_ik_ctl"}, {"hips_ctl"}]
+
+
+@pytest.mark.parametrize(("axis", "told"), [("x", []), ("y", ["armature-moved"])])
+def test_axes_that_blender_turns_on_its_way_from_usd_to_gltf_are_no_move(axis: str, told: list[str]) -> None:
+    rig = with_keyed_controls()
+    rotation = rig.rotation.copy()
+    rotation[int(rig.parents[rig.find("hips")])] = turn(axis, 90)
+    edited = replace(rig, rotation=rotation)
+    back = put_back(edited, rig, dict(enumerate(range(len(rig.names)))), report := Report())
+    assert [notice.code for notice in report.warnings] == told
+    assert (back is edited) == (not told)
 
 
 def arrays(path: str) -> Shown:
