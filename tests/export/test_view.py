@@ -385,7 +385,8 @@ def test_textures_that_no_page_can_show_are_reported_once_with_the_reason(tmp_pa
         {"uri": f"{k}.dds"} if k < 5 else {"name": "packed", "uri": "data:image/ktx2;base64,q0tUWA=="}
         for k in range(6)
     ]
-    for k in range(5):
+    b.gltf["images"][0] = {"name": "", "uri": "data:image/dds;base64,RERTIHwgYW5kIHNvIG9u"}
+    for k in range(1, 5):
         (tmp_path / f"{k}.dds").write_bytes(b"DDS | and so on, for long enough" if k < 4 else PNG + b"1234")
     packed = {"extensions": {"KHR_texture_basisu": {"source": 5}}}
     b.gltf["textures"] = [
@@ -399,7 +400,7 @@ def test_textures_that_no_page_can_show_are_reported_once_with_the_reason(tmp_pa
         "warning: in.glb: textures in KTX2 are not shown (2), for a page that runs nothing but its own "
         "script can have no decoder of it; give them PNG, JPEG or WebP as well",
         "warning: in.glb: textures whose images are not one of PNG, JPEG, WebP, AVIF, GIF or BMP are not "
-        "shown: '0.dds', '1.dds', '2.dds' …",
+        "shown: images[0], '1.dds', '2.dds' …",
     ]
 
 

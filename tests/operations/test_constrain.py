@@ -126,6 +126,7 @@ VARIANTS: list[dict[str, Any]] = [
     {"type": "aim"},
     {"type": "aim", "world_up": "none", "aim_axis": (0.0, 0.0, -1.0)},
     {"type": "aim", "world_up": "object", "up_object": "up", "aim_axis": (1.0, 2.0, 0.5)},
+    {"type": "aim", "world_up": "objectrotation", "up_object": "up"},
     {"type": "aim", "world_up": "objectrotation", "up_object": "up", "skip": ("ry",)},
 ]
 

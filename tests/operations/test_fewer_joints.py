@@ -12,6 +12,7 @@ import pytest
 from gltf_files import glb_bytes, glb_json, glb_parts, small
 from places import SAMPLES, real_files
 from program import cli
+from pxr import Usd, UsdGeom
 from rigs import chain
 from usd_files import MESH, animation, deviation, save, scene, skeleton
 
@@ -317,6 +318,22 @@ def test_points_follow_so_many_joints(suffix: str, tmp_path: Path) -> None:
     cli(*words, "--tolerance", "1", code=0)
     for mesh in rigtri.read(out).meshes:
         assert ((mesh.weights != 0).sum(axis=1) <= 1).all()
+
+
+def test_weights_of_usd_points_that_keep_their_joints_sum_to_one(tmp_path: Path) -> None:
+    half, out = tmp_path / "half.usda", tmp_path / "out.usda"
+    half.write_bytes((SAMPLES / "biped.usda").read_bytes())
+    stage = Usd.Stage.Open(str(half))
+    shared = "primvars:skel:jointWeights"
+    path = next(prim.GetPath() for prim in stage.Traverse() if prim.GetAttribute(shared).Get())
+    weights = stage.GetPrimAtPath(path).GetAttribute(shared)
+    weights.Set([0.5 * weight for weight in weights.Get()])
+    stage.Save()
+    cli("limit-weights", half, "-o", out, "--normalise", "--no-verify", code=0)
+    written = Usd.Stage.Open(str(out))
+    after = UsdGeom.Primvar(written.GetPrimAtPath(path).GetAttribute(shared))
+    rows = np.array(after.Get()).reshape(-1, after.GetElementSize())
+    assert np.allclose(rows.sum(axis=1), 1.0)
 
 
 @pytest.mark.parametrize("command", [("prune-joints", "--ends"), ("limit-weights", "--normalise")])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,13 @@ import gltf_files
 import numpy as np
 import pytest
 import usd_files
+from places import SAMPLES
 from program import cli
 
 from rigtri.formats import read
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.verification.compare.compare import self_check, verify
-from rigtri.verification.compare.scene_facts import flat
+from rigtri.verification.compare.scene_facts import compare_surfaces, flat
 
 # glTF
 
@@ -318,3 +320,9 @@ def test_the_program_ends_with_6_and_reports_what_is_different(tmp_path: Path) -
 
 def test_what_is_nested_is_reported_by_its_path() -> None:
     assert dict(flat({"a": {"b": 1, "name": "x"}}, "camera")) == {"camera a b": 1}
+
+
+def test_a_surface_that_nobody_can_tell_differs_from_none() -> None:
+    mesh = read(SAMPLES / "biped.glb").meshes()[0]
+    unknown = replace(mesh, surface=None)
+    assert compare_surfaces([(unknown, mesh), (mesh, unknown)], str) == []

@@ -20,6 +20,9 @@ from second_opinions import khronos_errors
 import rigtri
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.formats.gltf.document import GltfDocument
+from rigtri.formats.json_values import Value
+from rigtri.formats.vrm.bindings import Bindings
+from rigtri.formats.vrm.vrm0 import read_vrm_0
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.model.rig import Rig
@@ -256,3 +259,10 @@ def test_broken_blocks_are_named(place: tuple[str, ...], value: object, words: s
     holder[place[-1]] = value
     with pytest.raises(FileError, match=words):
         GltfDocument.read(builder.glb(tmp_path / "a.vrm"))
+
+
+def test_the_end_of_a_swinging_chain_hangs_along_its_translation_which_its_parent_sees() -> None:
+    found = Bindings()
+    swinging = {"secondaryAnimation": {"boneGroups": [{"bones": [1, -1]}]}}
+    read_vrm_0(Value(swinging, "extensions.VRM"), [-1, 0, 1, 0], found)
+    assert [(each.node, each.source) for each in found.constraints] == [(2, 1)]

@@ -17,6 +17,7 @@ from wrong_values import places
 
 from rigtri.errors import RigtriError
 from rigtri.formats.gltf.document import GltfDocument
+from rigtri.formats.vrm.vrm1 import mesh_references
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.report import Report
@@ -110,3 +111,9 @@ def test_bones_that_share_a_node_are_reported(make: Callable[[int], Builder], tm
     document = GltfDocument.read(builder.glb(tmp_path / "a.vrm"))
     (found,) = (notice.text for notice in document.notices if notice.code == "shared-bone")
     assert "node #1 for hips, " in found
+
+
+def test_entries_that_are_no_objects_refer_to_no_mesh() -> None:
+    annotations = {"meshAnnotations": [5, "node", {}, {"node": 1}]}
+    found = list(mesh_references({"VRMC_vrm": {"firstPerson": annotations}}))
+    assert found == [("VRMC_vrm", "firstPerson", "meshAnnotations", 3, "node")]
