@@ -327,3 +327,9 @@ def test_the_picture_is_written_beside_the_words(run: Any, tmp_path: Path) -> No
 def test_the_parent_of_the_last_joint_has_its_name_where_it_is_none_of_the_three() -> None:
     told = cli("explain", SAMPLES / "biped.glb", "clavicle_L", "upper_arm_L", "hand_L", code=0).stdout
     assert "driver A, child C; Q is C's parent, forearm_L" in told
+
+
+@pytest.mark.parametrize("words", [((1, 0, 0),), ((1, 0, 0), None), (None, (1, 0, 0))])
+def test_less_than_three_points_are_a_mistake_of_the_caller(words: tuple[Any, ...]) -> None:
+    with pytest.raises(TypeError, match="three points"):
+        explain((0, 0, 0), *words)

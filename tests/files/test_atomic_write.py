@@ -20,8 +20,8 @@ import pytest
 from places import ci, slow
 
 from rigtri.errors import DeviationError, FileError, UsageError
-from rigtri.files import atomic_write
-from rigtri.files.staged_output import as_file_error, write_text
+from rigtri.files import atomic_write, staged_output
+from rigtri.files.staged_output import StagedOutput, as_file_error, write_text
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
@@ -435,6 +435,24 @@ def test_what_follows_an_output_is_of_the_same_run_whatever_becomes_of_the_next(
         edit(samples / "flat_ik.glb", out, orient, side_files=(side,))
     now = b"new" if renamed else b"old"
     assert contents(tmp_path) == {"out.glb": now, str(side.relative_to(tmp_path)): now}
+
+
+def test_what_follows_an_output_comes_back_where_that_gets_no_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(part: Path, final: Path, **_: bool) -> None:
+        raise OSError(errno.EACCES, "no", str(final))
+
+    side = tmp_path / "out.rig.yaml"
+    side.write_bytes(b"old")
+    staged = StagedOutput(tmp_path / "out.glb", overwrite=True)
+    staged.part.write_bytes(b"new")
+    staged.follow(side, b"new")
+    monkeypatch.setattr(staged_output, "commit", fail)
+    with pytest.raises(FileError):
+        staged.finish()
+    staged.undo()
+    assert contents(tmp_path) == {"out.rig.yaml": b"old"}
 
 
 @pytest.mark.ci
