@@ -41,7 +41,8 @@ class Reading:
 
 def read_names(tree: Tree, nodes: Iterable[int], known: Sequence[Scheme]) -> Reading | None:
     """The reading of names that makes most sense; None where no scheme makes any."""
-    named = [node for node in nodes if tree.rig.names[node]]
+    # The tree of joints side by side has none that only holds them.
+    named = [node for node in nodes if tree.rig.names[node] and node in tree.below]
     names = without_prefix([tree.rig.names[node] for node in named])
     words = {node: parse_name(name) for node, name in zip(named, names, strict=True)}
     if not words:

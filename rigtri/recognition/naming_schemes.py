@@ -266,16 +266,13 @@ def is_bone(name: str) -> bool:
     return any(scheme.bone(parse_name(name))[0] for scheme in schemes())
 
 
-def deforming(names: Sequence[str]) -> list[bool]:
-    """Which names are of bones that deform, where a rig calls these ``DEF-`` and keeps controls beside.
+def are_marked(names: Sequence[str]) -> list[bool]:
+    """Which names a rig calls ``DEF-``, as it does its bones that deform where controls stand beside them.
 
-    All of them for any other rig; one without a name may be of both. Source: Blender manual, Rigify, "Bone
-    naming".
+    None where there are only a few. Source: Blender manual, Rigify, "Bone naming".
     """
     marked = ["def" in parse_name(name).words for name in names]
-    if marked.count(True) < _BONES:
-        return [True] * len(names)
-    return [marks or not name for marks, name in zip(marked, names, strict=True)]
+    return marked if marked.count(True) >= _BONES else [False] * len(names)
 
 
 def is_segment(name: str, above: str) -> bool:

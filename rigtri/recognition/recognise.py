@@ -30,7 +30,7 @@ from rigtri.recognition.layout import (
 from rigtri.recognition.name_readings import limb_names, read_names
 from rigtri.recognition.naming_schemes import (
     Scheme,
-    deforming,
+    are_marked,
     own_schemes,
     parse_name,
     roles_in_name,
@@ -85,8 +85,7 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     # Bones that share a node are no evidence of what it is.
     shared = Counter(rig.humanoid.values())
     certain = {bone: node for bone, node in rig.humanoid.items() if node in inside and shared[node] == 1}
-    deform = [True] * len(nodes) if certain else deforming([rig.names[node] for node in nodes])
-    body = [node for node, deforms in zip(nodes, deform, strict=True) if deforms]
+    body = list(nodes) if certain else _deforming(nodes, poses)
     controls = frozenset(nodes).difference(body)
     segments = segments_of(Tree(rig, body, poses.rest)) if not certain else frozenset()
     body = [node for node in body if node not in segments]
@@ -104,6 +103,21 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     lay_ends(draft, found)
     lay_others(draft, found)
     return draft
+
+
+def _deforming(nodes: Sequence[int], poses: Poses) -> list[int]:
+    """The joints without the controls beside bones that are called ``DEF-``.
+
+    What moves points is none of these, however it is called, where weights can be read; what has no name
+    may be of both.
+    """
+    names = [poses.rig.names[node] for node in nodes]
+    marked = are_marked(names)
+    if not any(marked):
+        return list(nodes)
+    weighed = {k for skin in poses.rig.skins if skin.weigh for k in skin.joints[skin.weighted].tolist()}
+    each = zip(nodes, names, marked, strict=True)
+    return [node for node, name, marks in each if marks or not name or node in weighed]
 
 
 def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:

@@ -197,6 +197,38 @@ def test_controls_beside_bones_called_def_are_no_body() -> None:
     ]
 
 
+def test_joints_that_move_points_are_no_controls_beside_the_few_that_are_called_def() -> None:
+    """As Rigify's bones are once the main ones have other names: the segments of its limbs keep theirs."""
+    segments = both(
+        [
+            (f"DEF-{bone}.L.00{k}", f"{bone}.L", tuple(np.array(start) + (end - np.array(start)) * k / 3))
+            for bone, start, end in (
+                ("upper_arm", (0.16, 1.45, 0), (0.44, 1.45, 0)),
+                ("thigh", (0.1, 0.95, 0), (0.1, 0.5, 0)),
+            )
+            for k in (1, 2)
+        ]
+    )
+    joints = [("root", "", (0, 0, 0)), *((name, above or "root", place) for name, above, place in MAN)]
+    joints += segments
+    rig = rig_with(joints)
+    moved = np.array([name != "root" for name, _, _ in joints])
+    layout = recognise(replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moved),)))
+    assert bends(joints, layout) == FOUR
+    roles = {joints[part.joint][0]: part.role for part in layout.characters[0].parts}
+    assert [name for name, role in roles.items() if role == "control"] == ["root"]
+
+
+def test_a_bone_that_only_holds_joints_side_by_side_is_read_without_children() -> None:
+    """Flat rigs (IK baked to one level) have the names of their containers read, too: before, a KeyError."""
+    joints = [("forearm.L", "", (0, 0, 0))]
+    joints += [(name, "forearm.L", place) for name, _, place in MAN if name not in ("forearm.L", "hand.L")]
+    rig = rig_with(joints)
+    skin = rig.skins[0]
+    held = replace(skin, joints=skin.joints[1:], inverse_bind=skin.inverse_bind[1:])
+    assert recognise(replace(rig, skins=(held,))) is not None
+
+
 def test_a_foot_parented_to_the_root_ends_its_leg_if_it_moves_points() -> None:
     joints: list[Joint] = [("root", "", (0, 0, 0))]
     loose = {"foot.L": "root", "foot.R": "root"}
