@@ -17,6 +17,8 @@ _TAIL_JOINTS, _TAIL = 3, 0.3
 _UP_TO_HEAD, _GOES_ON = 5, 0.6
 # Of the trunk's bones, so many names make one; a crane may have a waist, too.
 _ENOUGH = 3
+# A head moves what is at least so large a part of what the neck moves; a jaw does not of what the head moves.
+_JAW = 0.5
 _NOT_BODY = {"twist", "control", "attachment", "helper", "ear", "wing", "tail"}
 
 
@@ -132,7 +134,7 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
             return
         neck, head = (chain[0] if len(chain) > 1 else -1), chain[-1]
         sure, why = 0.8 * min((k.confidence for k in limbs), default=0.5) + 0.1, "is beyond the arms"
-        if draft.tree.below[head] and len(chain) == _UP_TO_HEAD:
+        if (draft.tree.below[head] and len(chain) == _UP_TO_HEAD) or _is_small(draft, chain):
             sure = min(sure, _GOES_ON)
     between = draft.tree.way(neck, head) if neck >= 0 and draft.tree.is_below(head, neck) else [head]
     if len(between) > 1:
@@ -190,12 +192,25 @@ def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
 def _up_to_head(draft: Draft, first: int) -> list[int]:
     """From the neck to the head: up to where the face begins, or the last joint that moves points."""
     tree, chain = draft.tree, [first]
-    while len(tree.below[chain[-1]]) == 1 and len(chain) < _UP_TO_HEAD:
-        chain.append(tree.below[chain[-1]][0])
-    last = chain[-1]
-    if len(chain) > 1 and not tree.below[last] and _is_end(draft, last):
+    while len(below := tree.below[chain[-1]]) == 1 and len(chain) < _UP_TO_HEAD:
+        if "face" in roles_in_name(tree.rig.names[below[0]]):
+            return chain
+        chain.append(below[0])
+    if len(chain) > 1 and not tree.below[chain[-1]] and _is_end(draft, chain[-1]):
         chain.pop()
-    return chain
+    # Of two joints neither need be a neck: which is the head is left open.
+    return chain[:-1] if len(chain) > 2 and _is_small(draft, chain) else chain
+
+
+def _is_small(draft: Draft, chain: Sequence[int]) -> bool:
+    """Whether the last of joints moves far less than the one above, as a jaw does that is all a head has."""
+    if len(chain) < 2:
+        return False
+    size = []
+    for node in chain[-2:]:
+        ends = draft.poses.box_of([node], draft.tree.places)
+        size.append(max(((end - ends[0]).length for end in ends), default=0.0))
+    return 0.0 < size[1] < _JAW * size[0]
 
 
 def _is_end(draft: Draft, node: int) -> bool:

@@ -1,0 +1,72 @@
+"""Which joint is the head, of those beyond the arms."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from recognition_bodies.skeletons import LEG, TRUNK, Joint, both, line, rig_with
+
+from rigtri.model.content import Content
+from rigtri.model.mesh import Mesh
+from rigtri.model.rig import Rig
+from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.recognise import recognise
+
+ARMS = both(
+    line("upper_arm.L forearm.L hand.L", "chest", (0.16, 1.45, 0), (0.44, 1.45, -0.005), (0.7, 1.45, 0))
+)
+# All that hangs at the head.
+JAW: Joint = ("jaw", "head", (0, 1.63, 0.06))
+BODY = [*TRUNK, JAW, *ARMS, *both(LEG)]
+# How far from each joint its points reach.
+SIZES = {"neck": 0.06, "head": 0.1, "jaw": 0.02}
+
+
+def with_points(rig: Rig, joints: list[Joint]) -> Rig:
+    """Each joint moves the two ends of the diagonal of a cube around it."""
+    half = np.array([SIZES.get(name, 0.08) for name, _, _ in joints])
+    places = np.array([place for _, _, place in joints])
+    points = np.concatenate([places - half[:, np.newaxis], places + half[:, np.newaxis]])
+    rows = np.tile(np.arange(len(joints)), 2)[:, np.newaxis]
+    mesh = Mesh("body", 0, points, skin=0, joints=rows, weights=np.ones(rows.shape))
+    return replace(rig, content=Content(read_outlines=lambda: [mesh]))
+
+
+def found(rig: Rig, joints: list[Joint]) -> dict[str, list[str]]:
+    """The joints of neck and head, of those that are sure."""
+    (character,) = recognise(rig).characters
+    return {
+        chain.kind: [joints[k][0] for k in chain.joints]
+        for chain in character.chains
+        if chain.kind in ("neck", "head") and chain.confidence >= CONFIDENT
+    }
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        {"neck": "DEF-spine.004", "head": "DEF-spine.005", "jaw": "DEF-jaw"},
+        {"neck": "neck.x", "head": "head.x", "jaw": "c_jawbone.x"},
+        {"neck": "NPC Neck [Neck]", "head": "NPC Head [Head]"},
+        {"neck": "Neck_M", "head": "Head_M", "jaw": "Jaw_M"},
+    ],
+    ids=["Rigify", "Auto-Rig Pro", "Skyrim", "Advanced Skeleton"],
+)
+def test_a_jaw_that_is_all_a_head_has_is_not_the_head(names: dict[str, str]) -> None:
+    """Before, the jaw was the head, and the head a part of the neck, and both were sure."""
+    rig = rig_with(BODY)
+    called = replace(rig, names=tuple(names.get(name, name) for name in rig.names))
+    assert found(called, BODY) == {"neck": ["neck"], "head": ["head"]}
+
+
+def test_without_names_what_moves_far_less_than_the_head_is_a_jaw() -> None:
+    rig = with_points(rig_with(BODY, named=False), BODY)
+    assert found(rig, BODY) == {"neck": ["neck"], "head": ["head"]}
+
+
+def test_without_names_or_a_neck_a_head_with_a_jaw_is_not_sure() -> None:
+    """A small head on a thick neck would look the same."""
+    joints = [(name, "chest" if name == "head" else above, at) for name, above, at in BODY if name != "neck"]
+    assert found(with_points(rig_with(joints, named=False), joints), joints) == {}
