@@ -86,7 +86,7 @@ def _spine(draft: Draft, found: Sequence[Found]) -> None:
         _named_trunk(draft)
         return
     joints = tree.way(draft.hips, draft.chest)[1:]
-    neck = bones.get("neck", -1)
+    neck = _neck(draft)
     joints = joints[: joints.index(neck)] if neck in joints else joints
     named = {bone: bones[bone] for bone in _SPINE if bones.get(bone, -1) in joints}
     # A humanoid has its chest above a spine, and no joint of so few is none: names that say otherwise do not
@@ -124,7 +124,7 @@ def _whose(draft: Draft) -> str:
 
 def _head(draft: Draft, limbs: Sequence[Found]) -> None:
     bones = draft.known_bones
-    neck, head = bones.get("neck", -1), bones.get("head", -1)
+    neck, head = _neck(draft), bones.get("head", -1)
     sure, why = (0.99 if draft.certain else 0.92), _whose(draft)
     if head >= 0 and not draft.certain:
         head = _last_numbered(draft, head)
@@ -147,11 +147,30 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
             draft.call(bone, bones[bone])
 
 
+def _neck(draft: Draft) -> int:
+    """The neck by its name; of a trunk that is numbered throughout (Rigify), the first beyond the arms."""
+    tree, neck, chest = draft.tree, draft.known_bones.get("neck", -1), draft.chest
+    if (
+        min(neck, chest) < 0
+        or draft.certain
+        or not _is_numbered(draft, neck)
+        or not tree.is_below(chest, neck)
+    ):
+        return neck
+    spine = parse_name(tree.rig.names[neck]).plain
+    return next((k for k in tree.below[chest] if parse_name(tree.rig.names[k]).plain == spine), -1)
+
+
+def _is_numbered(draft: Draft, node: int) -> bool:
+    """Whether a joint is called as one of the trunk, whatever its number stands for."""
+    return roles_in_name(draft.tree.rig.names[node]) == ("trunk",)
+
+
 def _last_numbered(draft: Draft, head: int) -> int:
     """The head of a trunk that is numbered throughout (Rigify) is its last joint, however many there are."""
     tree, names = draft.tree, draft.tree.rig.names
     spine = parse_name(names[head]).plain
-    while roles_in_name(names[head]) == ("trunk",):
+    while _is_numbered(draft, head):
         more = [k for k in tree.below[head] if parse_name(names[k]).plain == spine]
         if len(more) != 1:
             break

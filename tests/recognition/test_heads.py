@@ -70,3 +70,22 @@ def test_without_names_or_a_neck_a_head_with_a_jaw_is_not_sure() -> None:
     """A small head on a thick neck would look the same."""
     joints = [(name, "chest" if name == "head" else above, at) for name, above, at in BODY if name != "neck"]
     assert found(with_points(rig_with(joints, named=False), joints), joints) == {}
+
+
+def test_the_neck_of_a_numbered_trunk_begins_beyond_the_arms() -> None:
+    """Rigify's numbers are those of three spine joints; before, the fourth and fifth were of the neck."""
+    spine = [(f"DEF-spine.{k:03}", (0, 1.0 + 0.06 * k, 0)) for k in range(1, 6)]
+    names = " ".join(["hips", *(name for name, _ in spine), "neck", "head"])
+    places = [(0, 1, 0), *(at for _, at in spine), (0, 1.5, 0), (0, 1.6, 0.02)]
+    arms = [(name, "DEF-spine.005" if above == "chest" else above, at) for name, above, at in ARMS]
+    joints = [*line(names, "", *places), *arms, *both(LEG)]
+    called = {"hips": "DEF-spine", "neck": "DEF-spine.006", "head": "DEF-spine.007"}
+    called |= {name: f"DEF-{name}" for name, _, _ in (*arms, *both(LEG))}
+    rig = rig_with(joints)
+    rig = replace(rig, names=tuple(called.get(name, name) for name in rig.names))
+    assert found(rig, joints) == {"neck": ["neck"], "head": ["head"]}
+    (character,) = recognise(rig).characters
+    (trunk,) = (chain.joints for chain in character.chains if chain.kind == "spine")
+    assert [joints[k][0] for k in trunk] == [name for name, _ in spine]
+    bones = {part.bone: joints[part.joint][0] for part in character.parts}
+    assert bones["neck"] == "neck"
