@@ -9,11 +9,12 @@ from dataclasses import replace
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
-from rigtri.recognition.body_shape import LEG, SIMILAR, Body, Limbs, stands_too, within
+from rigtri.recognition.body_shape import Body, Limbs, stands_too, within
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import facing_of
+from rigtri.recognition.front_or_hind import is_further
 from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
-from rigtri.recognition.limb_triples import CLAVICLES, triple_of
+from rigtri.recognition.limb_triples import CLAVICLES, TIE, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement
 from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.two_or_four import may_be_front_legs
@@ -42,8 +43,6 @@ _SEEN = 0.5
 _CLOSE = 0.04
 # A pair of legs or of arms alone is never surer than this by its shape.
 _HALF = 0.62
-# Where a chain could bend at two places almost as well, it is not said which.
-TIE = 0.05
 # Scores of a body between which it goes from a mere guess to as sure as a shape can be.
 _GUESS, _CLEAR, _LEAST, _SUREST = 0.6, 0.9, 0.5, 0.94
 # What is left of a limb without names where others have some.
@@ -121,7 +120,7 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         kind, sure = "leg", _HALF if limbs.kind == "leg" else _LEAST
     elif body is not None and limbs in (body.legs, body.arms) and (not named or _is_clear(body)):
         kind, sure = _shaped(body, limbs), _shape_confidence(draft, body, limbs)
-    elif body is not None and _is_further(body, limbs):
+    elif body is not None and is_further(body, limbs):
         kind = "arm"
     named_well = limbs.named >= _NAMED or (limbs.named >= 0.0 and limbs.lead > TIE)
     if limbs.kind in ("arm", "leg") and (kind or (named_well and len(limbs.at) == 3)):
@@ -142,14 +141,6 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         before = limbs.pair.paths[which][: limbs.at[0]]
         words = tuple(_words(body, limbs, kind))
         yield Found("arm" if kind == "arm" else "leg", "", limbs.joints(which), before, sure, words, limbs)
-
-
-def _is_further(body: Body, limbs: Limbs) -> bool:
-    """Whether a pair may be the arms of a body that stands on four legs: they begin above the front ones."""
-    if body.form != "quadruped" or body.arms is None or len(limbs.at) < 3 or limbs.kind == "other":
-        return False
-    high = (limbs.starts - body.arms.starts).dot(body.up) > 0.0
-    return high and limbs.quality > LEG and limbs.size > SIMILAR * body.arms.size and limbs.lead > TIE
 
 
 def _shaped(body: Body, limbs: Limbs) -> LimbKind:

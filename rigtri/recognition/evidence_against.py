@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import AGREED, Found
-from rigtri.recognition.body_shape import SIMILAR, Limbs, lowest
+from rigtri.recognition.body_shape import SIMILAR, Body, Limbs, lowest
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.layout import CONFIDENT
@@ -37,6 +37,8 @@ _NEXT = 0.6
 _CALLED = 0.8
 # A first bone that is so long a part of the next one is a clavicle of none but very broad shoulders.
 _BROAD = 0.8
+# A trunk that rises by less than this (a cosine) lies.
+_LYING = 0.6
 # Five fingers of three joints each are a hand: birds have fewer toes, and others shorter ones.
 _DIGITS, _PHALANGES = 5, 3
 # A middle that leads by less over the next best, of bones that are less like those of a limb than this: so
@@ -355,6 +357,8 @@ def _rival(draft: Draft, each: Found) -> str:
         return "its first bone may be a clavicle, as a long bone follows"
     if start > 0 and long and not hand and bend > STRAIGHT:
         return "its middle may be a twist joint of its upper bone, as a long bone follows"
+    if start > 0 and end == len(path) - 1 and not fingers and _hangs_from_a_lying_trunk(body, mine):
+        return "its first bone may be a shoulder blade or an upper bone, and nothing shows where its foot is"
     if front:
         return ""
     if mine.fingers >= 2 or draft.shape.plane is None:
@@ -367,6 +371,12 @@ def _rival(draft: Draft, each: Found) -> str:
         if long and aside[0] > 0.01 * mine.size and aside[1] > 0.05 * mine.size:
             return f"the chain from {_title(draft, node)} may be an arm as well"
     return ""
+
+
+def _hangs_from_a_lying_trunk(body: Body | None, arms: Limbs) -> bool:
+    """Whether arms are those of a body whose trunk lies, as of a turtle: they need no shoulder blades."""
+    legs = body.legs if body is not None else None
+    return body is not None and legs is not None and (arms.starts - legs.starts).unit.dot(body.up) < _LYING
 
 
 def _beside(draft: Draft, mine: Limbs) -> list[int]:

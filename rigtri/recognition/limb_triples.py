@@ -58,6 +58,8 @@ _LITTLE = 0.01
 _DISPUTED = 0.25
 # Longer chains are looked at as far as this: no limb has so many joints.
 _MOST = 11
+# Where a chain could bend at two places almost as well, it is not said which.
+TIE = 0.05
 # The lower bone is as long as this, of the upper one, at least and at most.
 _SHORTEST, _LONGEST = 0.5, 1.7
 # It goes on, as a cosine: a limb at rest is not folded.

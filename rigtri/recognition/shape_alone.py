@@ -7,10 +7,11 @@ from dataclasses import replace
 
 from rigtri.maths.angle_limits import radians_below
 from rigtri.maths.triangle import bend_angle
-from rigtri.recognition.arms_legs import TIE, Found, find_limbs
+from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.evidence_against import doubted, unsure
 from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.limb_triples import TIE
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.shape_analysis import shape_of
 from rigtri.text import a

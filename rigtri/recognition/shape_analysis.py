@@ -13,6 +13,7 @@ from rigtri.maths.vectors import dot, length
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of
 from rigtri.recognition.facing import facing_of
+from rigtri.recognition.front_or_hind import turned
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind, PoseName
 from rigtri.recognition.limb_triples import HAND, first_bend
@@ -83,7 +84,7 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
         others = bodies(tree, paws, plane)
         if others and others[0].form == "quadruped" and others[0].score > ways[0].score:
             limbs, ways = paws, others
-    ways = [settled(tree, way, poses, names) for way in ways]
+    ways = turned([settled(tree, way, poses, names) for way in ways], limbs)
     legs, up = many_legs(tree, limbs, plane)
     if legs and ways:
         ways = [replace(ways[0], up=up), *ways[1:]]

@@ -229,3 +229,17 @@ def test_a_narrow_body_whose_joints_are_a_little_off_has_its_plane_by_both_pairs
         narrow.append((name, over, (0.3 * x, y, z + off)))
     for names in (None, {"upper_arm": "humerus", "forearm": "radius", "hand": "carpus"}):
         assert character(narrow, names)[1] == LEGS
+
+
+def test_a_front_leg_whose_first_bone_may_be_a_blade_or_an_upper_bone_is_not_sure() -> None:
+    """A turtle's upper arm is short, and no joint follows its foot. Before, its foot was a sure wrist."""
+    places = {"pelvis": (0.2, -0.29), "spine1": (0.23, -0.1), "spine2": (0.23, 0.1), "chest": (0.2, 0.23)}
+    places |= {"neck": (0.23, 0.35), "head": (0.26, 0.46), "muzzle": (0.23, 0.54)}
+    places |= {"tail1": (0.19, -0.37), "tail2": (0.17, -0.45), "tail3": (0.15, -0.53)}
+    places |= {"thigh": (0.18, -0.29), "shin": (0.12, -0.24), "foot": (0.05, -0.34), "toe": (0.01, -0.37)}
+    places |= {"upper_arm": (0.18, 0.31), "forearm": (0.165, 0.34), "hand": (0.07, 0.32)}
+    places |= {"finger": (0.01, 0.33)}
+    turtle = [(name, over, (0.8 * x, *places[name.partition(".")[0]])) for name, over, (x, _, _) in HORSE]
+    found, limbs = character(turtle)
+    assert found.form == "quadruped"
+    assert limbs.keys() == {"left hind leg", "right hind leg"}

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import pytest
-from recognition_bodies.skeletons import HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import ARM, HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
 
 from rigtri.recognition.layout import Character
 from rigtri.recognition.recognise import recognise
+
+# Heights and depths of a centaur's legs, from the top.
+FRONT = [(1.1, 0.7), (0.75, 0.55), (0.42, 0.58), (0.05, 0.57)]
+HIND = [(1.1, -0.6), (0.75, -0.45), (0.42, -0.72), (0.05, -0.63)]
 
 
 def insect(pairs: int, joints: int, feelers: bool, name: str) -> list[Joint]:
@@ -104,3 +108,22 @@ def test_where_a_chain_goes_on_beyond_five_joints_no_head_is_sure() -> None:
     snout = line("s1 s2 s3", "muzzle", (0, 1.9, 1.7), (0, 1.75, 1.75), (0, 1.6, 1.8))
     (found,) = recognise(rig_with([*HORSE, *snout], named=False)).characters
     assert [chain.is_sure for chain in found.chains if chain.kind in ("neck", "head")] == [False, False]
+
+
+def test_a_centaur_faces_where_its_arms_are() -> None:
+    """Its joints hang from the hips of the man. Before, legs deeper in the tree were in front."""
+    man = [*TRUNK, *both(ARM)]
+    centaur = [(name, over, (x, y + 0.45, z + 0.6)) for name, over, (x, y, z) in man]
+    centaur += line("barrel pelvis", "hips", (0, 1.3, 0.1), (0, 1.3, -0.5))
+    centaur += both(
+        [
+            *line("fu.L fl.L fc.L fh.L", "hips", *((0.15, y, z) for y, z in FRONT)),
+            *line("bu.L bl.L bc.L bh.L", "pelvis", *((0.15, y, z) for y, z in HIND)),
+        ]
+    )
+    (found,) = recognise(rig_with(centaur, named=False)).characters
+    assert found.facing == (0.0, 0.0, 1.0)
+    names = [name for name, _, _ in centaur]
+    bends = {names[chain.bend[1]]: chain.side for chain in found.chains if chain.bend}
+    assert {side for name, side in bends.items() if name.endswith(".L")} == {"left"}
+    assert {"fl.L", "bl.L"} <= bends.keys()
