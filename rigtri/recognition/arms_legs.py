@@ -17,6 +17,7 @@ from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
 from rigtri.recognition.limb_triples import CLAVICLES, TIE, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement
 from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.ranking import SAME_SCORE, ranked
 from rigtri.recognition.two_or_four import may_be_front_legs
 from rigtri.text import a
 
@@ -70,7 +71,7 @@ def find_limbs(draft: Draft) -> list[Found]:
     _stand_by_names(draft, named, pairs)
     pairs = _sided(draft, pairs)
     found = [_agreed(draft, each, pairs) for each in named]
-    for each in sorted(pairs, key=lambda each: -each.confidence):
+    for each in ranked(pairs, lambda each: each.confidence, SAME_SCORE):
         taken = {joint for other in found for joint in other.joints}
         if not taken.intersection(each.joints):
             found.append(each)

@@ -15,17 +15,11 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
-from rigtri.recognition.limb_triples import (
-    Triple,
-    branches,
-    has_thumb,
-    loose_ends,
-    sharpest_of,
-    triple_of,
-)
+from rigtri.recognition.limb_triples import Triple, branches, has_thumb, loose_ends, sharpest_of, triple_of
 from rigtri.recognition.limb_words import LimbWords, Place
 from rigtri.recognition.naming_schemes import NO_LIMB, roles_in_name
 from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.ranking import SAME_SCORE, ranked
 from rigtri.recognition.symmetry import Pair, Plane, between
 
 # So many of the longest pairs are tried as legs and as arms.
@@ -190,7 +184,7 @@ def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body
     alone = [() if clear else _alone(tree, legs, even) for legs in even]
     ways = [way for each in zip(alone, both, strict=True) for ways in each for way in ways]
     ways = [replace(k, score=k.score - _LEFT_OVER) if stands_too(tree, k, even) else k for k in ways]
-    ways.sort(key=lambda body: -body.score)
+    ways = ranked(ways, lambda body: body.score, SAME_SCORE)
     if not ways:
         return []
     best = ways[0]

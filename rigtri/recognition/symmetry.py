@@ -17,6 +17,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.ranking import SAME_LENGTH, ranked
 
 # Branches shorter than this part of the whole are no limbs.
 SHORT = 0.06
@@ -70,12 +71,12 @@ def pairs_of(tree: Tree) -> list[Pair]:
     found = []
     for above, below in tree.below.items():
         long = [k for k in below if tree.bone[k] + tree.reach[k] > SHORT * whole]
-        long.sort(key=lambda k: -(tree.bone[k] + tree.reach[k]))
+        long = ranked(long, lambda k: tree.bone[k] + tree.reach[k], SAME_LENGTH * whole)
         for a, b in combinations(long[:_MOST], 2):
             pair = _mirrored_pair(tree, above, a, b)
             if pair is not None and pair.reach > SHORT * whole:
                 found.append(pair)
-    return sorted(found, key=lambda pair: -pair.reach)
+    return ranked(found, lambda pair: pair.reach, SAME_LENGTH * whole)
 
 
 def _mirrored_pair(tree: Tree, above: int, a: int, b: int) -> Pair | None:
@@ -108,7 +109,8 @@ def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
         (*between(tree, pair), pair.reach) for pair in pairs[:24] if pair.reach > _VOTING * pairs[0].reach
     ]
     most = fsum(reach for _, _, reach in votes)
-    places = tree.places[sorted(tree.nodes, key=lambda k: -(tree.bone[k] + tree.reach[k]))[:_MANY]]
+    long = ranked(tree.nodes, lambda k: tree.bone[k] + tree.reach[k], SAME_LENGTH * whole)
+    places = tree.places[long[:_MANY]]
 
     def score(point: Vector, normal: Vector) -> tuple[float, Plane]:
         agree = fsum(
