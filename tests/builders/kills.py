@@ -59,6 +59,8 @@ def _run(moment: int, top: str, words: list[str], number: signal.Signals) -> Non
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 2)
     os.dup2(null, 1)
+    # As a terminal starts it: what runs in the background of a shell ignores interrupts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     begin()
     if moment:
         _kill_at(moment, top, number)
