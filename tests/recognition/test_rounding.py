@@ -24,18 +24,18 @@ FOUR_ARMED = [*TRUNK, *both([*ARM, *below(ARM, 1), *LEG])]
 FOUR_ARMED = [(name, over, (x / 3, y / 3, z / 3)) for name, over, (x, y, z) in FOUR_ARMED]
 
 
-def arms(joints: list[Joint], rounding: int, *, named: bool) -> list[str]:
-    """Which arms are recognised, the likeliest first, where places are off by what float32 leaves."""
-    off = np.random.default_rng(rounding).uniform(-3e-8, 3e-8, (len(joints), 3))
+def arms(joints: list[Joint], off: float, *, named: bool) -> list[str]:
+    """Which arms are recognised, the likeliest first, where those further down are so much longer."""
     rig = rig_with(joints, named=named)
-    (found,) = recognise(replace(rig, translation=rig.translation + off, skins=())).characters
+    longer = np.array([[1.0 + off * ("1." in name)] for name, _, _ in joints])
+    (found,) = recognise(replace(rig, translation=rig.translation * longer, skins=())).characters
     return [joints[chain.bend[0]][0] for chain in found.chains if chain.bend and chain.kind == "arm"]
 
 
-@pytest.mark.parametrize("rounding", [1, 2, 3])
+@pytest.mark.parametrize("off", [-1e-7, 1e-7])
 @pytest.mark.parametrize("named", [True, False])
-def test_of_pairs_of_arms_alike_the_first_of_the_file_are_the_arms(named: bool, rounding: int) -> None:
+def test_of_pairs_of_arms_alike_the_first_of_the_file_are_the_arms(named: bool, off: float) -> None:
     """Before, rounding chose, and a second run of orient-joints turned hands by 90°."""
-    found = arms(FOUR_ARMED, rounding, named=named)
+    found = arms(FOUR_ARMED, off, named=named)
     assert set(found[:2]) == {"upper_arm.L", "upper_arm.R"}
     assert len(found) == (4 if named else 2)
