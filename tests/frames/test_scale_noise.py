@@ -18,7 +18,9 @@ from usd_files import save
 from rigtri.errors import DeviationError
 from rigtri.formats import read
 from rigtri.frames.error_bounds import LeverArm
+from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.rig_size import size_of
+from rigtri.frames.scale_noise import freeze, noisy_joints
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
@@ -85,6 +87,20 @@ def test_noise_in_one_finger_does_not_move_the_hinge_of_its_hand_the_second_time
     twice = orient_joints(once)
     assert np.array_equal(twice.rotation, once.rotation)
     assert np.array_equal(twice.scale, once.scale)
+
+
+def test_nodes_that_hold_matrices_stand_where_noise_above_them_had_put_them() -> None:
+    body = posed_body(Pose())
+    scale, has_matrix = body.rig.scale.copy(), np.zeros(len(body.rig), dtype=bool)
+    scale[body.parts["left upper arm"]] += (5e-5, -5e-5, 0.0)
+    has_matrix[body.parts["left lower arm"]] = True
+    rig = replace(body.rig, scale=scale)
+    rig = replace(rig, skins=(replace(rig.skins[0], inverse_bind=inverse(rig.world[rig.skins[0].joints])),))
+    held = replace(rig, matrix=rig.local.copy(), has_matrix=has_matrix)
+    scales = ScaleTable.of(held)
+    assert noisy_joints(held, scales) == [body.parts["left upper arm"]]
+    result = freeze(held, noisy_joints(held, scales), scales)
+    np.testing.assert_allclose(result.rig.world[:, 3, :3], rig.world[:, 3, :3], rtol=0, atol=1e-12)
 
 
 def with_camera(folder: Path, noise: float) -> Path:

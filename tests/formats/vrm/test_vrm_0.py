@@ -22,6 +22,7 @@ from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageErro
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.json_values import Value
 from rigtri.formats.vrm.bindings import Bindings
+from rigtri.formats.vrm.scene_facts import read_facts
 from rigtri.formats.vrm.vrm0 import read_vrm_0
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
@@ -266,3 +267,13 @@ def test_the_end_of_a_swinging_chain_hangs_along_its_translation_which_its_paren
     swinging = {"secondaryAnimation": {"boneGroups": [{"bones": [1, -1]}]}}
     read_vrm_0(Value(swinging, "extensions.VRM"), [-1, 0, 1, 0], found)
     assert [(each.node, each.source) for each in found.constraints] == [(2, 1)]
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_mesh_is_the_same_fact_under_another_number(number: int) -> None:
+    """It is named by the node that shows it."""
+    vrm = {"firstPerson": {"meshAnnotations": [{"mesh": number}]}}
+    nodes = [{"mesh": number}, {"mesh": 1 - number}]
+    facts, _ = read_facts({"nodes": nodes, "meshes": [{}, {}], "extensions": {"VRM": vrm}}, [4, 5], ())
+    ((shown,),) = facts.values()
+    assert (shown.node, shown.shows) == (4, True)
