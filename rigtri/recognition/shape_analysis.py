@@ -19,6 +19,7 @@ from rigtri.recognition.layout import LimbKind, PoseName
 from rigtri.recognition.limb_triples import HAND, first_bend
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.many_legs import many_legs
+from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair, Plane, opposite, pairs_of, plane_of
 from rigtri.recognition.two_or_four import settled
@@ -74,7 +75,7 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
     tree = tree_of(nodes, poses, pose)
     if len(nodes) > MOST:
         return Shape(tree, pose, (), None, (), ())
-    pairs = pairs_of(tree)
+    pairs = [pair for pair in pairs_of(tree) if not _within_a_limb(tree, pair)]
     plane = plane_of(tree, pairs)
     pairs = opposite(tree, pairs, plane)
     limbs = limbs_of(tree, pairs, poses, names)
@@ -96,6 +97,13 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
             for way in ways
         ]
     return Shape(tree, pose, tuple(pairs), plane, tuple(limbs), tuple(ways), legs)
+
+
+def _within_a_limb(tree: Tree, pair: Pair) -> bool:
+    """Whether names put two branches, and what they hang from, on one side: fingers are no left and right."""
+    nodes = pair.above, pair.paths[0][0], pair.paths[1][0]
+    sides = {parse_name(tree.rig.names[node]).side if node >= 0 else "" for node in nodes}
+    return len(sides) == 1 and "" not in sides
 
 
 def _pointed(

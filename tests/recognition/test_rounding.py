@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import ARM, LEG, TRUNK, Joint, both, rig_with
+from recognition_bodies.skeletons import ARM, LEG, TRUNK, Joint, both, line, rig_with
 
 from rigtri.recognition.recognise import recognise
 
@@ -39,3 +39,15 @@ def test_of_pairs_of_arms_alike_the_first_of_the_file_are_the_arms(named: bool, 
     found = arms(FOUR_ARMED, off, named=named)
     assert set(found[:2]) == {"upper_arm.L", "upper_arm.R"}
     assert len(found) == (4 if named else 2)
+
+
+@pytest.mark.parametrize("fingers", [("thumb", "index", "middle", "ring"), ("thumb", "ring")])
+def test_fingers_of_a_lone_arm_do_not_say_where_it_faces(fingers: tuple[str, ...]) -> None:
+    """Before, two fingers alike were its left and right, and a pole stood above or below the elbow."""
+    joints = line("upper_arm.L forearm.L hand.L", "", (0.2, 1.4, 0), (0.48, 1.4, 0), (0.74, 1.4, 0))
+    for k, finger in enumerate(fingers):
+        places = [(0.8 + 0.03 * step, 1.4 - 0.004 * step * step, 0.04 - 0.02 * k) for step in range(3)]
+        joints += line(" ".join(f"{finger}{step}.L" for step in range(3)), "hand.L", *places)
+    (found,) = recognise(rig_with(joints)).characters
+    assert [chain.name for chain in found.chains if chain.is_sure and chain.bend] == ["left arm"]
+    assert not any(found.facing)
