@@ -9,11 +9,12 @@ from dataclasses import replace
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
-from rigtri.recognition.body_shape import Body, Limbs, stands_too, within
+from rigtri.recognition.body_shape import Body, stands_too, within
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.front_or_hind import is_further
 from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
+from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import CLAVICLES, TIE, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement
 from rigtri.recognition.naming_schemes import parse_name

@@ -6,24 +6,18 @@ have in common: legs carry and are longest, arms begin higher in the tree, a hea
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from math import fsum
+from math import copysign, fsum
 from typing import Literal
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.layout import LimbKind
-from rigtri.recognition.limb_triples import Triple, branches, has_thumb, loose_ends, sharpest_of, triple_of
-from rigtri.recognition.limb_words import LimbWords, Place
-from rigtri.recognition.naming_schemes import NO_LIMB, roles_in_name
-from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.limb_pairs import TRIED, Limbs
 from rigtri.recognition.ranking import SAME_SCORE, ranked
-from rigtri.recognition.symmetry import Pair, Plane, between
+from rigtri.recognition.symmetry import Plane, between
 
-# So many of the longest pairs are tried as legs and as arms.
-_TRIED = 10
 # Another file's up than the one it says counts so much less.
 _OTHER_UP = 0.8
 # The line between two limbs of a pair lies across the plane: the cosine, which allows for a turned chest.
@@ -38,6 +32,8 @@ SIMILAR, LEG = 0.6, 0.2
 _STANDS = 0.7
 # Legs go aside from a trunk that lies, or leans as dinosaurs do (cosines). Their tails, in legs, at least.
 _ASIDE, _LEANING, _TAIL = 0.5, 0.8, 0.2
+# Legs that go down an axis of the file by this (a cosine, 15°) stand on it, however the trunk leans.
+_ALONG_AXIS = 0.966
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
 # What legs lose that go the way of the spine.
@@ -46,32 +42,6 @@ _UPWARDS = 0.4
 _MISNAMED = 0.4
 # The limbs of a body on four legs reach the ground: they end as low, up to this part of a leg.
 LEVEL = 0.3
-
-
-@dataclass(frozen=True, eq=False)
-class Limbs:
-    """Two limbs that are alike. at: places of start, middle and end in ``pair.paths``; of two joints where
-    there is no end. starts, ends: where they are, in the middle between both. size: of both bones,
-    file units. fingers: how many chains there are at the end. thumb: whether one of three or more stands
-    apart. quality: how limb-like, 0 to 1. lead: over other places to bend. named: how far names say the
-    same three joints, −1 to 1. kind, place: what names say that it is, ``other`` for no limb at all."""
-
-    pair: Pair
-    at: tuple[int, ...]
-    starts: Vector
-    ends: Vector
-    size: float
-    fingers: int
-    thumb: bool
-    quality: float
-    lead: float
-    named: float = 0.0
-    kind: LimbKind | Literal["other", ""] = ""
-    place: Place = ""
-
-    def joints(self, which: int) -> tuple[int, ...]:
-        """Start, middle and end of one of the two, or start and end."""
-        return tuple(self.pair.paths[which][k] for k in self.at)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,97 +58,11 @@ class Body:
     doubt: bool = False
 
 
-def limbs_of(
-    tree: Tree,
-    pairs: Sequence[Pair],
-    poses: Poses,
-    names: Mapping[int, LimbWords],
-    towards: Vector | None = None,
-    kind: LimbKind | Literal[""] = "",
-) -> list[Limbs]:
-    """The pairs as limbs, with where each bends by its shape and by names.
-
-    towards: where their knees, or elbows, point, where that is known. kind: as `triple_of` has it.
-    """
-    tried, found = pairs[: 3 * _TRIED], []
-    sharpest = sharpest_of(tree, poses) if any(len(pair.paths[0]) > 3 for pair in tried) else []
-    for pair in tried:
-        bend = triple_of(tree, pair.paths, sharpest, names, towards, kind)
-        if bend is None or (len(pair.paths[0]) <= 3 and bend.quality < 0.3):
-            pair = loose_ends(tree, pair, poses)
-            bend = triple_of(tree, pair.paths, sharpest, names) if len(pair.paths[0]) > 2 else None
-        if bend is not None or len(pair.paths[0]) > 1:
-            limbs = _limbs(tree, pair, bend)
-            words = [names[k] for k in (*limbs.joints(0), *limbs.joints(1)) if k in names]
-            found.append(replace(limbs, kind=_kind_of(tree, limbs, words, poses), place=_place_of(words)))
-    return found
-
-
-def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:
-    at = bend.at if bend else (0, branches(tree, pair.paths[0])[0])
-    pair = _middlemost(tree, pair, at[-1]) if bend else pair
-    one, other = pair.paths
-    starts, ends = ((tree.at[one[k]] + tree.at[other[k]]) * 0.5 for k in (at[0], at[-1]))
-    count = min(branches(tree, path)[1] for path in pair.paths)
-    size = bend.size if bend else pair.reach
-    quality, lead, named = (bend.quality, bend.lead, bend.named) if bend else (0.2, 0.0, 0.0)
-    thumb = count > 2 and all(has_thumb(tree, path) for path in pair.paths)
-    return Limbs(pair, at, starts, ends, size, count, thumb, quality, lead, named)
-
-
-def _kind_of(
-    tree: Tree, limbs: Limbs, words: Sequence[LimbWords], poses: Poses
-) -> LimbKind | Literal["other", ""]:
-    """What names say that two limbs are; ``other`` where one says a trunk, a wing, or something worn.
-
-    The arm of a machine may end in its gun.
-    """
-    kinds: set[LimbKind] = {word.kind for word in words if word.kind}
-    kind = kinds.pop() if len(kinds) == 1 else ""
-    for *bones, end in (limbs.joints(0), limbs.joints(1)):
-        armed = kind and len(bones) == 2 and poses.moves_points(end)
-        roles = {role for joint in bones for role in roles_in_name(tree.rig.names[joint])}
-        roles |= {role for role in roles_in_name(tree.rig.names[end]) if not (armed and role == "attachment")}
-        if NO_LIMB & roles:
-            return "other"
-    return "other" if any(word.trunk for word in words) else kind
-
-
-def _place_of(words: Sequence[LimbWords]) -> Place:
-    """Whether names say that a limb is one in front or behind."""
-    places = {word.place for word in words if word.place}
-    return places.pop() if len(places) == 1 else ""
-
-
-def _middlemost(tree: Tree, pair: Pair, at: int) -> Pair:
-    """The pair with the middle one for its end, where several joints begin at that place: of a palm."""
-    ends = [_middle_of(tree, path[at]) for path in pair.paths]
-    if [path[at] for path in pair.paths] == ends:
-        return pair
-    one, other = ((*path[:at], end, *tree.paths[end][1:]) for path, end in zip(pair.paths, ends, strict=True))
-    return replace(pair, paths=(one, other))
-
-
-def _middle_of(tree: Tree, node: int) -> int:
-    """Of the joints that stand where ``node`` does, under one, the one whose branch ends midmost."""
-    near = 0.01 * (tree.bone[node] + tree.reach[node])
-    same = [
-        k
-        for k in tree.below[tree.above[node]]
-        if tree.below[k] and (tree.at[k] - tree.at[node]).length < near
-    ]
-    if len(same) < 3:
-        return node
-    tips = [tree.at[tree.paths[k][-1]] for k in same]
-    spread = [max((other - tip).length for other in tips) for tip in tips]
-    return same[spread.index(min(spread))]
-
-
 def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body]:
     """The ways to take pairs for legs and arms, the likeliest first; one alone where it may be that."""
     if plane is None:
         return []
-    even = [pair for pair in limbs if pair.kind != "other" and across(tree, pair, plane)][:_TRIED]
+    even = [pair for pair in limbs if pair.kind != "other" and across(tree, pair, plane)][:TRIED]
     both = [_with_arms(tree, legs, even) for legs in even]
     clear = any(way.score > _ALONE for ways in both for way in ways)
     alone = [() if clear else _alone(tree, legs, even) for legs in even]
@@ -222,7 +106,8 @@ def _alone(tree: Tree, limbs: Limbs, others: Sequence[Limbs]) -> tuple[Body, Bod
 def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     """Directions that may be up for a pair as legs and another as arms, unit, with how far each is trusted.
 
-    The file's, and others where neither legs nor trunk stand on that; not what goes from left to right. Where
+    The file's, and others where neither legs nor trunk stand on that: the axis that legs go down, else what
+    trunk or limbs show; not what goes from left to right. Where
     a trunk goes on in a tail, or has both pairs beside it, legs go down from it, however the file stands.
     """
     standing, spine = Vector(*tree.rig.rules.up), arms.starts - legs.starts
@@ -232,11 +117,19 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
     if four or (loose and abs(down.dot(on)) < _LEANING and _has_tail(tree, legs, arms, on)):
         return [((limbs if four else legs.starts - legs.ends).unit, _OTHER_UP)]
+    axis = _axis(-down)
+    turned = [axis] if axis.dot(-down) > _ALONG_AXIS and axis.dot(on) > 0 else [spine.unit, limbs.unit]
+    others = [(up, _OTHER_UP) for up in turned if any(up)]
     if abs(between(tree, legs.pair)[1].dot(standing)) > _STANDS:
-        return [(up.unit, _OTHER_UP) for up in (spine, limbs) if any(up.unit)]
+        return others
     upright = down.dot(-standing) > _STANDS or on.dot(standing) > _STANDS
-    others = [] if upright else [(up.unit, _OTHER_UP) for up in (spine, limbs) if any(up.unit)]
-    return [(standing, 1.0), *others]
+    return [(standing, 1.0)] if upright else [(standing, 1.0), *others]
+
+
+def _axis(way: Vector) -> Vector:
+    """The axis of the file that is nearest to a direction, with its sign."""
+    most = max(way, key=abs)
+    return Vector(*(copysign(1.0, each) if each == most else 0.0 for each in way))
 
 
 def _has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:

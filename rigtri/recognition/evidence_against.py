@@ -8,10 +8,11 @@ from dataclasses import replace
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import AGREED, Found
-from rigtri.recognition.body_shape import SIMILAR, Body, Limbs, lowest
+from rigtri.recognition.body_shape import SIMILAR, Body, lowest
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import HAND, STRAIGHT, branches
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name

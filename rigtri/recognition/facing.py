@@ -13,8 +13,9 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
-from rigtri.recognition.body_shape import Body, Limbs
+from rigtri.recognition.body_shape import Body
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import offset, thumb_of
 from rigtri.recognition.many_legs import ends_of_trunk
 from rigtri.recognition.naming_schemes import roles_in_name

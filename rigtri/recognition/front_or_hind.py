@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from rigtri.recognition.body_shape import LEG, SIMILAR, Body, Limbs
+from rigtri.recognition.body_shape import LEG, SIMILAR, Body
+from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import TIE
 
 # Arms begin over the legs of one end of a trunk up to this part of it.

@@ -8,9 +8,10 @@ from itertools import combinations
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.joint_names import Side
 from rigtri.recognition.arms_legs import Found
-from rigtri.recognition.body_shape import Body, Limbs
+from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES, Kind
+from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import thumb_of
 from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
 from rigtri.recognition.shape_analysis import MOST

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.body_shape import LEG, LEVEL, SIMILAR, Limbs, across, lowest
+from rigtri.recognition.body_shape import LEG, LEVEL, SIMILAR, across, lowest
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.symmetry import Plane, pairs_of
 
 # Legs go down by this (a cosine), as the file has it, all together.

@@ -11,11 +11,12 @@ from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
 from rigtri.model.dataclass import dataclass
-from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of
+from rigtri.recognition.body_shape import Body, bodies
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.front_or_hind import turned
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind, PoseName
+from rigtri.recognition.limb_pairs import Limbs, limbs_of
 from rigtri.recognition.limb_triples import HAND, first_bend
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.many_legs import many_legs

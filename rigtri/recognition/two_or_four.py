@@ -11,8 +11,9 @@ from dataclasses import replace
 from math import fsum, inf
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.body_shape import LEVEL, Body, Limbs, height, lowest
+from rigtri.recognition.body_shape import LEVEL, Body, height, lowest
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.pose_samples import Poses
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import islice
+from math import cos, radians, sin
 
 import pytest
 from recognition_bodies.cases import Case
@@ -35,6 +36,33 @@ def test_a_man_in_the_pose_of_a_horse_is_none(joints: list[Joint]) -> None:
     (man,) = recognise(rig_with(joints)).characters
     assert man.form == "biped"
     assert man.up[1] > 0.9
+
+
+def leaning(joints: list[Joint], degrees: float) -> list[Joint]:
+    """With all above the hips turned forward about them; the legs stay."""
+    sine, cosine = sin(radians(degrees)), cos(radians(degrees))
+    legs = ("thigh", "shin", "foot", "toe")
+    return [
+        (
+            name,
+            above,
+            at
+            if name.startswith(legs)
+            else (x, 1 + cosine * (y - 1) - sine * z, sine * (y - 1) + cosine * z),
+        )
+        for name, above, at in joints
+        for x, y, z in [at]
+    ]
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_man_who_leans_stands_on_his_legs_whatever_the_file_has_for_up(named: bool) -> None:
+    """Before, up was along the trunk, and `set-rest` left the legs as oblique."""
+    for degrees in (10, 25, 40):
+        (man,) = recognise(lying(leaning(MAN, degrees), named=named)).characters
+        assert man.form == "biped"
+        assert man.up == (0, 0, 1)
+        assert man.facing == (0, -1, 0)
 
 
 def with_y_up(case: Case) -> Rig:
