@@ -17,6 +17,7 @@ from rigtri.recognition.limb_triples import HAND, STRAIGHT, branches
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
 from rigtri.recognition.split_bones import further_part, no_hand, split_bone
+from rigtri.recognition.things import only_things
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
 _UNSURE = 0.6
@@ -84,6 +85,7 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or (not by_name and _arm_as_leg(draft, each, found))
         or (not by_name and (_misnamed(draft, each) or _other_bend(each) or no_hand(draft, each)))
         or split_bone(draft, each)
+        or (not by_name and only_things(draft, each.joints))
         or (not by_name and further_part(draft, each))
         or (not by_name and (_skirt(draft, each) or _rival(draft, each)))
         or (not by_name and _by_the_legs(draft, each, found))

@@ -127,3 +127,19 @@ def test_a_centaur_faces_where_its_arms_are() -> None:
     bends = {names[chain.bend[1]]: chain.side for chain in found.chains if chain.bend}
     assert {side for name, side in bends.items() if name.endswith(".L")} == {"left"}
     assert {"fl.L", "bl.L"} <= bends.keys()
+
+
+def test_limbs_of_a_tree_by_its_names_are_not_sure() -> None:
+    """Its branches stand as arms and legs do. Before, they were, and auto set them up."""
+    called = {"hips": "root", "spine": "trunk", "chest": "trunk2", "neck": "crown", "head": "twig"}
+    bones = sorted({name.partition(".")[0] for name, *_ in MAN if "." in name})
+    called |= {bone: f"branch{k}" for k, bone in enumerate(bones)} | {"": ""}
+
+    def tree(name: str) -> str:
+        bone, dot, side = name.partition(".")
+        return called[bone] + dot + side
+
+    (found,) = recognise(rig_with([(tree(name), tree(over), at) for name, over, at in MAN])).characters
+    assert not any(chain.is_sure for chain in found.chains if chain.bend)
+    (found,) = recognise(rig_with(MAN, named=False)).characters
+    assert len([chain for chain in found.chains if chain.is_sure and chain.bend]) == 4
