@@ -8,6 +8,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.body_shape import LEG, LEVEL, SIMILAR, across, lowest
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
+from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.symmetry import Plane, pairs_of
 
 # Legs go down by this (a cosine), as the file has it, all together.
@@ -18,6 +19,9 @@ _MIDDLE = 0.02
 _LONGER = 0.2
 # A pair of feelers, of jaws or of eyes begins so far from the legs, as a part of one of them.
 _FAR = 0.15
+# What names call the one end, and the other.
+_HEAD = frozenset(["head"])
+_ABDOMEN = frozenset(["abdomen", "gaster", "opisthosoma"])
 
 
 def many_legs(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> tuple[tuple[Limbs, ...], Vector]:
@@ -53,6 +57,8 @@ def ends_of_trunk(
     starts = Vector()
     for each in legs:
         starts = starts + each.starts * (1.0 / len(legs))
+    names = _named_ends(tree, starts).dot(ahead) / max(each.size for each in legs)
+    yield 3.0 * max(-1.0, min(1.0, names / _FAR)), "what its names call the head is there"
     taken = frozenset[int]().union(*(each.pair.nodes for each in legs))
     free = [k for k in tree.nodes if not any(leg in taken for leg in tree.way(-1, k))]
     pairs = [pair for pair in pairs_of(tree) if taken.isdisjoint(pair.nodes)]
@@ -71,3 +77,13 @@ def ends_of_trunk(
             if abs(far) > _FAR * size:
                 yield 1.0 if far > 0 else -1.0, "feelers, jaws or eyes are there"
                 return
+
+
+def _named_ends(tree: Tree, middle: Vector) -> Vector:
+    """From what names call the abdomen to what they call the head, each else in the middle."""
+    way = Vector()
+    for sign, words in ((1.0, _HEAD), (-1.0, _ABDOMEN)):
+        called = [k for k in tree.nodes if parse_name(tree.rig.names[k]).words & words]
+        for k in called:
+            way = way + (tree.at[k] - middle) * (sign / len(called))
+    return way

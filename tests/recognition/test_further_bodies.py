@@ -143,3 +143,13 @@ def test_limbs_of_a_tree_by_its_names_are_not_sure() -> None:
     assert not any(chain.is_sure for chain in found.chains if chain.bend)
     (found,) = recognise(rig_with(MAN, named=False)).characters
     assert len([chain for chain in found.chains if chain.is_sure and chain.bend]) == 4
+
+
+@pytest.mark.parametrize("pairs", [3, 4])
+def test_an_insect_faces_away_from_what_is_called_its_abdomen(pairs: int) -> None:
+    """Its head reaches further from the legs. Before, the longer end was behind."""
+    places = {"abdomen": (0, 0.36, -0.1), "head": (0, 0.35, 0.5)}
+    body = insect(pairs, 4, feelers=False, name="leg{pair}_{joint}_{side}")
+    (found,) = recognise(rig_with([(name, over, places.get(name, at)) for name, over, at in body])).characters
+    assert found.facing == (0.0, 0.0, 1.0)
+    assert sorted(legs(found)) == [("left", True)] * pairs + [("right", True)] * pairs
