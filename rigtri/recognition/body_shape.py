@@ -32,7 +32,8 @@ SIMILAR, LEG = 0.6, 0.2
 _STANDS = 0.7
 # Legs go aside from a trunk that lies, or leans as dinosaurs do (cosines). Their tails, in legs, at least.
 _ASIDE, _LEANING, _TAIL = 0.5, 0.8, 0.2
-# Legs that go down an axis of the file by this (a cosine, 15°) stand on it, however the trunk leans.
+# Legs that go down an axis of the file by this (a cosine, 15°) stand on it, however the trunk leans; and so
+# upright is the trunk of a body that sits.
 _ALONG_AXIS = 0.966
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
@@ -122,8 +123,13 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     others = [(up, _OTHER_UP) for up in turned if any(up)]
     if abs(between(tree, legs.pair)[1].dot(standing)) > _STANDS:
         return others
-    upright = down.dot(-standing) > _STANDS or on.dot(standing) > _STANDS
-    return [(standing, 1.0)] if upright else [(standing, 1.0), *others]
+    # Legs of a body that sits go as far ahead as down, by 45°; of one that crawls the arms hang down, too.
+    seat = _axis(on)
+    if seat.dot(on) > _ALONG_AXIS and down.dot(-seat) > _ASIDE and abs(out.dot(standing)) < _ASIDE:
+        others = [(seat, _OTHER_UP)]
+    elif down.dot(-standing) > _STANDS or on.dot(standing) > _STANDS:
+        others = []
+    return [(standing, 1.0), *others]
 
 
 def _axis(way: Vector) -> Vector:

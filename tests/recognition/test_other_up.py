@@ -10,7 +10,7 @@ import pytest
 from recognition_bodies.cases import Case
 from recognition_bodies.measure import stands_right
 from recognition_bodies.population import population
-from recognition_bodies.skeletons import HORSE, INSECT, MAN, SITTING, Joint, rig_with
+from recognition_bodies.skeletons import HORSE, INSECT, MAN, SITTING, Joint, both, line, rig_with
 from recognition_bodies.truth import nameless
 
 from rigtri.model.rig import Rig
@@ -63,6 +63,44 @@ def test_a_man_who_leans_stands_on_his_legs_whatever_the_file_has_for_up(named: 
         assert man.form == "biped"
         assert man.up == (0, 0, 1)
         assert man.facing == (0, -1, 0)
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_man_who_sits_upright_has_up_along_his_trunk(named: bool) -> None:
+    """His legs end as far ahead as below, and so go down by the file's axis, too."""
+    (man,) = recognise(lying(SITTING, named=named)).characters
+    assert man.form == "biped"
+    assert man.up == (0, 0, 1)
+    assert man.facing == (0, -1, 0)
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_man_who_crawls_keeps_the_up_of_the_file(named: bool) -> None:
+    """His legs end as far behind as below, as those of one who sits, but his arms hang from the trunk."""
+    spine = line(
+        "hips spine chest neck head",
+        "",
+        (0, 0.5, 0),
+        (0, 0.5, 0.15),
+        (0, 0.5, 0.3),
+        (0, 0.52, 0.5),
+        (0, 0.55, 0.6),
+    )
+    arm = line(
+        "upper_arm.L forearm.L hand.L", "chest", (0.16, 0.5, 0.45), (0.16, 0.27, 0.44), (0.16, 0.05, 0.45)
+    )
+    leg = line(
+        "thigh.L shin.L foot.L toe.L",
+        "hips",
+        (0.1, 0.48, 0),
+        (0.1, 0.05, 0.02),
+        (0.1, 0.05, -0.4),
+        (0.1, 0, -0.5),
+    )
+    (man,) = recognise(rig_with([*spine, *both([*arm, *leg])], named=named)).characters
+    assert man.form == "biped"
+    assert man.up == (0, 1, 0)
+    assert man.facing == (0, 0, 1)
 
 
 def with_y_up(case: Case) -> Rig:
