@@ -282,7 +282,7 @@ def test_modes_of_blenders_exporter_bake_to_the_same_motion(up: Path, tmp_path: 
         said = ["--as", "biped=walk"] if mode == "SCENE" else []
         out = tmp_path / f"baked-{mode}.glb"
         done = cli("bake", file, "-o", out, "--to", "joints", "--rig", up, "--clip", "walk", *said, code=0)
-        assert ("known as 'walk'" in done.output) == (mode in ("split", "ACTIVE_ACTIONS", "SCENE"))
+        assert ("matched with 'walk'" in done.output) == (mode in ("split", "ACTIVE_ACTIONS", "SCENE"))
         names = {"biped": "walk"} if said else {}
         if mode != "SCENE":  # it has the scene's frames, from the second on
             assert take_clips(rig, from_=read(file).rig, as_=names) is rig

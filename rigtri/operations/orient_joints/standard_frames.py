@@ -29,6 +29,8 @@ _GODOT_THUMB = float(np.sqrt(1.0 / 3.0))
 
 # A body that faces farther aside than hand-made characters do by mistake (a cosine) faces another way.
 _ASIDE = cosine_below(5)
+# From here on a body stands on another axis than its format does.
+_UPRIGHT = cosine_below(45)
 
 
 @dataclass(frozen=True)
@@ -134,12 +136,16 @@ def godot_bones(body: Directions) -> Iterator[tuple[str, Floats, Floats]]:
 
 
 def _turned_axes(rig: Rig, body: Directions) -> Floats:
-    """The world's axes, rows (3, 3), turned about up as the body is against its format."""
+    """The world's axes, rows (3, 3), turned about up as the body is against its format.
+
+    Of a body that stands on another axis than its format's up, turned as a whole.
+    """
     up, usual = np.array(rig.rules.up), _usual(rig)
     if rig.rules.orient_locked and dot(body.ahead, usual) >= _ASIDE:
         return np.eye(3)  # which allows no other axes, and faces as it should
-    aside, left = cross(up, usual), cross(up, body.ahead)
-    rows = [dot(e, usual) * body.ahead + dot(e, aside) * left + dot(e, up) * up for e in np.eye(3)]
+    stands = up if dot(body.up, up) >= _UPRIGHT else body.up
+    aside, left = cross(up, usual), cross(stands, body.ahead)
+    rows = [dot(e, usual) * body.ahead + dot(e, aside) * left + dot(e, up) * stands for e in np.eye(3)]
     return np.array(rows)
 
 
