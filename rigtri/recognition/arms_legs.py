@@ -162,8 +162,9 @@ def _shape_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
 
 def _name_evidence(limbs: Limbs) -> float:
     """How much names add: joints that are only numbered are of a limb, and do not say which three bend."""
-    told = max(_NUMBERED, limbs.named) if limbs.named >= 0.0 else 0.0
-    return told if len(limbs.at) == 3 else 1.0
+    if len(limbs.at) < 3:
+        return 1.0
+    return max(_NUMBERED, limbs.named) if limbs.named >= 0.0 else 0.0
 
 
 def _has_both(body: Body | None) -> bool:

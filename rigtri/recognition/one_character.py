@@ -7,6 +7,7 @@ for them is not seen.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import Any
@@ -107,6 +108,13 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
         rules=replace(made.rules, group_parent=group if group < 0 else place[group]),
         content=content,
     )
+
+
+def of_character(rig: Rig, name: str) -> Rig:
+    """A rig in which names that several nodes share mean those at or below a node."""
+    inside, counts = set(rig.below(rig.find(name, "character"))), Counter(rig.names)
+    names = ("" if counts[n] > 1 and k not in inside else n for k, n in enumerate(rig.names))
+    return replace(rig, names=tuple(names))
 
 
 def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:

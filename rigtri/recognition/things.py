@@ -10,11 +10,9 @@ from rigtri.recognition.naming_schemes import parse_name, role_words
 # Some are of bodies, too, a trunk: only where all names are such, and no other word is there, it is a thing.
 _PLANTS = "tree trunk crown branch twig leaf leaves bud petal flower blossom stem stalk vine thorn root fruit"
 _BUILDINGS = "frame beam post strut brace rail rope cable hook pulley weight door window lid drawer shelf"
-_BUILDINGS += (
-    " panel knob handle hinge plate bolt screw rod bar pipe tube shaft hull mast sail cover base top"
-)
+_FITTINGS = "panel knob handle hinge plate bolt screw rod bar pipe tube shaft hull mast sail cover base top"
 _MACHINES = "gear cog lever cylinder crank motor engine valve pump antenna dish pad skid"
-_THINGS = frozenset(f"{_PLANTS} {_BUILDINGS} {_MACHINES}".split()) | role_words()["machine"]
+_THINGS = frozenset(f"{_PLANTS} {_BUILDINGS} {_FITTINGS} {_MACHINES}".split()) | role_words()["machine"]
 
 
 def only_things(draft: Draft, joints: Sequence[int]) -> str:

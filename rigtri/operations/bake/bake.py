@@ -70,10 +70,10 @@ from rigtri.operations.pose import at_rest
 from rigtri.operations.rigtri_nodes import with_record
 from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warnings
 from rigtri.operations.take_clips.ik_switches import ik_ends
-from rigtri.operations.take_clips.lost_motion import of_character
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.progress import as_share, count_done, counted
+from rigtri.recognition.one_character import of_character
 from rigtri.report import Report
 
 # Types of nodes whose keys follow joints, and are made anew after them.

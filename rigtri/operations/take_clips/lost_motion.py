@@ -5,7 +5,6 @@ Only what the user leaves out by name (``--exclude``) is left out.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -36,13 +35,6 @@ def without(edited: Rig, patterns: Sequence[str]) -> Rig:
     clips = (replace(c, tracks=tuple(t for t in c.tracks if t.node not in left)) for c in edited.clips)
     names = tuple("" if node in left else name for node, name in enumerate(edited.names))
     return replace(edited, clips=tuple(clips), names=names)
-
-
-def of_character(rig: Rig, name: str) -> Rig:
-    """A rig in which names that several nodes share mean those at or below a node."""
-    inside, counts = set(rig.below(rig.find(name, "character"))), Counter(rig.names)
-    names = ("" if counts[n] > 1 and k not in inside else n for k, n in enumerate(rig.names))
-    return replace(rig, names=tuple(names))
 
 
 def others_of(edited: Rig, name: str) -> list[str]:

@@ -37,7 +37,7 @@ from rigtri.operations.take_clips.ik_switches import (
     switches,
 )
 from rigtri.operations.take_clips.key_merging import merged, thinned
-from rigtri.operations.take_clips.lost_motion import of_character, others_of, refuse_lost, without
+from rigtri.operations.take_clips.lost_motion import others_of, refuse_lost, without
 from rigtri.operations.take_clips.messages import (
     moves,
     warn_followers,
@@ -55,6 +55,7 @@ from rigtri.operations.take_clips.track_comparison import MISSED, same_at_keys
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
 from rigtri.operations.take_clips.unsure_axes import AxesEvidence
 from rigtri.progress import counted
+from rigtri.recognition.one_character import of_character
 from rigtri.report import Report
 
 

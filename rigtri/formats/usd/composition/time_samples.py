@@ -125,7 +125,7 @@ def _down_to_samples(attribute: Any) -> Iterator[_Opinion]:
 
 
 def _of_clips(attribute: Any, times: Sequence[float]) -> Samples:
-    """The samples of value clips; where one jumps to another, USD lists a time just before itself."""
+    """The samples of value clips. Where a clip jumps, USD lists a time just before the jump, too."""
     found: Samples = [(time, attribute.Get(time)) for time in times]
     for (start, _), (end, _) in _wrong(attribute, found):
         layer = attribute.GetPropertyStack(start)[0].layer.identifier
