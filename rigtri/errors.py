@@ -98,11 +98,11 @@ class GeometryError(RigtriError):
 
 
 class NoLimbError(GeometryError):
-    """A character of whose limbs none is known surely enough."""
+    """A character none of whose limbs is recognised with enough confidence."""
 
     def __init__(self) -> None:
         super().__init__(
-            "--limbs auto: no arms or legs were recognised surely enough. Name the limbs with "
+            "--limbs auto: no arms or legs are recognised with enough confidence. Name the limbs with "
             f"--limb ROOT MIDDLE END. {SEE_LIMBS}"
         )
 
