@@ -79,6 +79,11 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile("proofs" if config.getoption("--slow") else "readme")
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Proofs are not even imported where nobody asks for them: each worker would."""
+    return True if collection_path == TESTS / "proofs" and not config.getoption("--slow") else None
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark the quick tests and the proofs; leave out what --slow or -m ci run, and other parts."""
