@@ -6,10 +6,10 @@ is instanced and the selections are the session layer's; the file keeps its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.animation_binding import SOURCE, idle_above
@@ -62,13 +62,15 @@ def variants_of(stage: Any, skeleton: str, animations: Iterable[str]) -> Iterato
 class SkeletonVariants:
     """The variants that matter to one skeleton and its animation (paths; "" for none).
 
-    states: every way to show it, the file's own first. depends: for each attribute that
-    moves it in any of them, the sets that decide where its values come from.
+    states: every way to show it, the file's own first, and those that leave it out. alike: other choices
+    with which each is shown as it is. depends: for each attribute that moves it in any of them, the sets
+    that decide where its values come from. A variant that leaves the skeleton out decides nothing about it.
     """
 
     def __init__(self, stage: Any, skeleton: str, animation: str, *, explore: bool = True) -> None:
         self.source, self.skeleton, self.animation = stage, skeleton, animation
         self.states: list[VariantState] = []
+        self.alike: dict[int, list[VariantState]] = {}
         self.depends: dict[Any, set[VariantSet]] = {}
         self._authored: dict[VariantSet, str] = {}
         shown_prims = [path for path in (skeleton, animation) if path]
@@ -103,7 +105,8 @@ class SkeletonVariants:
         return f"<{spec.path}> of {spec.layer.identifier}"
 
     def _explore(self) -> list[tuple[VariantState, VariantState, VariantSet]]:
-        """All states that one choice after the other leads to, each with an effect; and the choices."""
+        """All states that one choice after the other leads to, and the choices: each shows something else,
+        or has further sets."""
         self.states = [self._look({})]
         known: dict[Any, VariantState] = {frozenset[Any](): self.states[0]}
         steps = []
@@ -112,7 +115,8 @@ class SkeletonVariants:
                 chosen = {**state.chosen, of: variant}
                 key = frozenset(chosen.items())
                 other = known.get(key) or self._look(chosen)
-                if not _differing(state.shown, other.shown):
+                if not _differing(state.shown, other.shown) and not other.selected.keys() - state.selected:
+                    self.alike.setdefault(id(state), []).append(other)
                     continue
                 steps.append((state, other, of))
                 if key not in known:
@@ -127,10 +131,14 @@ class SkeletonVariants:
 
     def _find_dependencies(self, steps: list[tuple[VariantState, VariantState, VariantSet]]) -> None:
         """An attribute may be there and move nothing; what counts is whether a set changes its values."""
-        every = {path for step in steps for state in step[:2] for path in state.shown}
+        base = self.states[0]
+        pairs = [(one, other, [of]) for one, other, of in steps if one.shown and other.shown]
+        # What is shown again behind a choice that leaves the skeleton out has the file's own beside it.
+        pairs += [(base, other, [*other.chosen]) for one, other, _ in steps if other.shown and not one.shown]
+        every = {path for pair in pairs for state in pair[:2] for path in state.shown}
         found: dict[int, Origins] = {}
         idle: dict[int, set[Any]] = {}
-        for one, other, of in steps:
+        for one, other, sets in pairs:
             for state in (one, other):
                 if id(state) not in found:
                     self.choose(state.chosen)
@@ -138,7 +146,7 @@ class SkeletonVariants:
                     idle[id(state)] = {path for path in every if idle_above(self.stage, path.GetPrimPath())}
             hidden = idle[id(one)] | idle[id(other)]
             for path in _differing(found[id(one)], found[id(other)]) - hidden:
-                self.depends.setdefault(path, set()).add(of)
+                self.depends.setdefault(path, set()).update(sets)
 
     def _look(self, chosen: Mapping[VariantSet, str]) -> VariantState:
         self.choose(chosen)
@@ -279,37 +287,64 @@ def _values_at(stage: Any, properties: Iterable[Any]) -> dict[Any, Any]:
 
 
 def each_choice(stage: Any) -> Iterator[tuple[str, Any]]:
-    """The stage as it is (title ""), then with one variant selected otherwise, each by its title in words."""
-    others = list(choices(stage, [str(prim.GetPath()) for prim in stage.Traverse()]))
-    if not others:
+    """The stage as it is (title ""), then with one variant selected otherwise, each by its title in words.
+
+    Sets that only a variant shows are tried with that one selected.
+    """
+    if not any(_sets(prim) for prim in stage.Traverse()):
         return
     session = Sdf.Layer.CreateAnonymous(".usda")
     session.TransferContent(stage.GetSessionLayer())
     trial = Usd.Stage.Open(stage.GetRootLayer(), session)
     trial.SetEditTarget(session)
-    yield "", trial
+    others = list(choices(trial, [str(prim.GetPath()) for prim in trial.Traverse()]))
+    if others:
+        yield "", trial
+        yield from _each_of(trial, others, set(), ())
+
+
+def _each_of(
+    trial: Any, others: Sequence[tuple[Any, str, str, str]], known: set[VariantSet], above: tuple[str, ...]
+) -> Iterator[tuple[str, Any]]:
+    known = known | {(path, name) for path, name, _, _ in others}
     for path, name, variant, selected in others:
         chosen = trial.GetPrimAtPath(path).GetVariantSets().GetVariantSet(name)
         chosen.SetVariantSelection(variant)
-        yield f"Variant '{variant}' of the variant set '{name}' on <{path}>", trial
+        words = (*above, f"variant '{variant}' of the variant set '{name}' on <{path}>")
+        title = " and ".join(words)
+        yield title[0].upper() + title[1:], trial
+        inner = choices(trial, [str(prim.GetPath()) for prim in trial.Traverse()])
+        yield from _each_of(trial, [each for each in inner if each[:2] not in known], known, words)
         chosen.SetVariantSelection(selected)
 
 
 def why_placed_otherwise(stage: Any) -> str:
-    """Which unselected variant has skeletons, points or transforms of its own; "" if none."""
+    """Which unselected variant has skeletons, points, transforms or prims of its own; "" if none.
+
+    One that only leaves prims out has nothing that would be placed otherwise.
+    """
     before: Origins = {}
     for title, trial in each_choice(stage):
-        found = {
-            attribute.GetPath(): _origin(attribute)
-            for prim in Usd.PrimRange.Stage(trial, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate))
-            for attribute in prim.GetAuthoredAttributes()
-            if attribute.GetName() in _PLACES or attribute.GetName().startswith("xformOp")
-        }
+        found = _placing(trial)
         if not title:
             before = found
-        elif others := _differing(before, found):
-            return f"{title} has <{min(others)}> of its own. Give each variant a file of its own"
+            continue
+        there = {path for path in _differing(before, found) if trial.GetPrimAtPath(path.GetPrimPath())}
+        if there:
+            return f"{title} has <{min(there)}> of its own. Give each variant a file of its own"
     return ""
+
+
+def _placing(stage: Any) -> Origins:
+    """What says where things are and how large: the origins of such attributes, and the types of prims."""
+    found: Origins = {}
+    for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
+        if prim.IsA(UsdGeom.Xformable):
+            found[prim.GetPath()] = str(prim.GetTypeName())
+        for attribute in prim.GetAuthoredAttributes():
+            if attribute.GetName() in _PLACES or attribute.GetName().startswith("xformOp"):
+                found[attribute.GetPath()] = _origin(attribute)
+    return found
 
 
 def _differing(one: Origins, other: Origins) -> set[Any]:

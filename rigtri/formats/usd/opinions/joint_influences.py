@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 from pxr import Usd
@@ -13,12 +13,13 @@ from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_instanced,
 from rigtri.formats.usd.composition.value_types import usable
 from rigtri.formats.usd.composition.variants import each_choice
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
-from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, Bindings
+from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, Bindings, weighted
 from rigtri.formats.usd.reading.source import Source
 from rigtri.report import Notice
 from rigtri.text import listed
 
 ORDER, INDICES = "skel:joints", "primvars:skel:jointIndices"
+WEIGHTS = "primvars:skel:jointWeights"
 
 # What becomes of a joint's token, for each skeleton.
 Renaming = Mapping[str, Callable[[str], str]]
@@ -75,15 +76,40 @@ def why_bound_otherwise(stage: Any, skeleton: str) -> str:
     return ""
 
 
+def check_moves_nothing(stage: Any, skeleton: str, tokens: Sequence[str], gone: Collection[str]) -> None:
+    """FileError where an unselected variant has points that the joints ``gone`` move, or counts past them."""
+    before: dict[str, str] = {}
+    for title, trial in each_choice(stage):
+        queries = Bindings(SharedInstances(trial)).of({skeleton})
+        after = {str(query.GetPrim().GetPath()): _places(query.GetPrim(), WEIGHTS) for query in queries}
+        if not title:
+            before = after
+            continue
+        for query in queries:
+            mesh, own = str(query.GetPrim().GetPath()), query.GetJointOrder()
+            if before.get(mesh) == after[mesh] or not query.HasJointInfluences():
+                continue
+            order = list(map(str, own)) if own else list(tokens)
+            moving = [token for token, moves in zip(order, weighted([query], order), strict=True) if moves]
+            first = len(order) if own else min(map(order.index, gone))
+            if lost := [token for token in moving if token in gone or order.index(token) > first]:
+                names = listed([f"'{token.rpartition('/')[2]}'" for token in lost])
+                raise FileError(
+                    f"A joint of <{skeleton}> cannot be removed: {title[0].lower()}{title[1:]} has <{mesh}>, "
+                    f"which {names} {'moves' if len(lost) == 1 else 'move'}. Leave out the joints that it "
+                    "needs (--exclude), or give each variant a file of its own."
+                )
+
+
 def _bound(stage: Any, skeleton: str) -> dict[str, str]:
     """The places in layers that the influences of each mesh of a skeleton come from, by prim path."""
     prims = [query.GetPrim() for query in Bindings(SharedInstances(stage)).of({skeleton})]
     return {str(prim.GetPath()): _places(prim) for prim in prims}
 
 
-def _places(prim: Any) -> str:
+def _places(prim: Any, *more: str) -> str:
     words = []
-    for name in (ORDER, INDICES):
+    for name in (ORDER, INDICES, *more):
         above = prim
         while above and not above.GetAttribute(name).HasAuthoredValue():
             above = above.GetParent()

@@ -10,6 +10,7 @@ import numpy as np
 
 from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.opinions.edits import Edit, remove_prim, remove_properties, set_tokens
+from rigtri.formats.usd.opinions.joint_influences import check_moves_nothing
 from rigtri.formats.usd.opinions.skeleton_edits import (
     REST_ADDED,
     check_joints_editable,
@@ -57,6 +58,8 @@ def _remove_rows(edit: UsdEdit) -> None:
             raise changed_besides(skeleton.path)
         skins[number] = replace(new, joints=old.joints, inverse_bind=old.inverse_bind)
         check_joints_editable(source.stage, skeleton, "removed")
+        gone = [token for token, stays in zip(skeleton.tokens, keep.tolist(), strict=True) if not stays]
+        check_moves_nothing(source.stage, skeleton.path, skeleton.tokens, gone)
         edits += list(_without_rows(source, skeleton, keep)) if keep.any() else [remove_prim(skeleton.path)]
     if edits:
         edit.rig = replace(rig, skins=tuple(skins))

@@ -137,17 +137,31 @@ def _route(
 ) -> None:
     """Put what each state of a skeleton needs into ``result``, by the path that it is written to."""
     base = variants.states[0]
-    for attribute in [path for path in result if variants.depends.get(path)]:
-        if attribute in base.shown:
-            _put(result.pop(attribute), base, variants, result)
+    own = [path for path in result if variants.depends.get(path) and path in base.shown]
+    _put_alike([result.pop(path) for path in own], base, variants, result, expected)
     joints = Sdf.Path(variants.skeleton).AppendProperty("joints")
     for state in variants.states[1:]:
         if joints not in state.shown:
             continue  # a variant without the skeleton has nothing to reorient
         settings = reoriented.settings(variants, state)
         expected.add(variants, state, settings)
+        _put_alike(settings, state, variants, result, expected)
+
+
+def _put_alike(
+    settings: Sequence[Setting],
+    state: VariantState,
+    variants: SkeletonVariants,
+    result: dict[Any, Setting],
+    expected: Expected,
+) -> None:
+    """Put what a state needs into it, and into those that show the skeleton as it does."""
+    others = variants.alike.get(id(state), ())
+    for shown in (state, *others):
         for edit in settings:
-            _put(edit, state, variants, result)
+            _put(edit, shown, variants, result)
+    for other in others if settings else ():
+        expected.add(variants, other, settings)
 
 
 def _put(edit: Setting, state: VariantState, variants: SkeletonVariants, result: dict[Any, Setting]) -> None:

@@ -1,0 +1,117 @@
+"""Variants as levels of detail: what shows the same skeleton, leaves it out, or has other points."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from program import cli
+from pxr import Usd
+from test_usd_variants import TALL, apart, choosing, edited, over, selecting, variant_set
+from usd_files import MESH, animation, save, scene, skeleton
+
+from rigtri.formats.usd.composition.variants import each_choice
+
+HERO = scene(skeleton(), animation(), MESH)
+BODY = 'def "Body" (references = @./parts/hero.usda@</Root>)\n{\n%s\n}'
+# In b and c a file with a skeleton, in d nothing.
+LODS = {"b": BODY % "", "c": BODY % "" + '\ndef Xform "Extra"\n{\n}', "d": ""}
+
+
+def model(folder: Path, selected: str = "b", **variants: str) -> Path:
+    """A prim /Root whose variants hold a character, or none."""
+    save(folder, HERO, "parts/hero.usda")
+    text = f'#usda 1.0\n(\n    upAxis = "Y"\n)\ndef Xform "Root"\n{{\n{variant_set("lod", **variants)}\n}}\n'
+    return save(folder, choosing(text, 'def Xform "Root"', lod=selected))
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["rename-joints", "--name", "b=elbow"],
+        ["add-root", "--above", "a"],
+        ["orient-joints", "--aim", "x"],
+        ["freeze"],
+        ["add-controls", "--below", "a"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_a_variant_without_the_skeleton_stands_in_nobodys_way(command: list[str], tmp_path: Path) -> None:
+    source, out = model(tmp_path, **LODS), tmp_path / "out.usda"
+    cli(command[0], source, "-o", out, *command[1:], code=0)
+    for variant in "bc":
+        assert apart(source, out, {"lod": variant}) < 1e-5
+    one, other = (selecting(out, "/Root", {"lod": variant}) for variant in "bc")
+    for name in ("joints", "bindTransforms"):
+        path = f"/Root/Body/Skel.{name}"
+        assert one.GetAttributeAtPath(path).Get() == other.GetAttributeAtPath(path).Get()
+    stages = [selecting(path, "/Root", {"lod": "d"}) for path in (source, out)]
+    before, after = ([str(prim.GetPath()) for prim in stage.Traverse()] for stage in stages)
+    assert [path for path in after if "rigtri" not in path] == before
+
+
+def test_baked_keys_are_those_of_every_variant_that_has_the_skeleton(tmp_path: Path) -> None:
+    source = model(tmp_path, **LODS)
+    rigged, moved, baked = (tmp_path / f"{name}.usda" for name in ("rigged", "moved", "baked"))
+    cli("add-controls", source, "-o", rigged, "--below", "a", code=0)
+    cli("bake", rigged, "-o", moved, "--to", "controls", code=0)
+    cli("bake", moved, "-o", baked, "--to", "joints", code=0)
+    for variant in "bc":
+        assert apart(source, baked, {"lod": variant}) < 1e-5
+
+
+def test_variants_that_show_one_skeleton_get_its_axes_beside_one_that_has_another(tmp_path: Path) -> None:
+    tall = over("Skel", TALL)
+    source = model(tmp_path, **LODS, e=BODY % tall)
+    out = edited(source, tmp_path)
+    rests = {}
+    for variant in "bce":
+        assert apart(source, out, {"lod": variant}) < 1e-5
+        stages = [selecting(path, "/Root", {"lod": variant}) for path in (source, out)]
+        before, after = (s.GetAttributeAtPath("/Root/Body/Skel.bindTransforms").Get() for s in stages)
+        assert before != after
+        rests[variant] = after
+    assert rests["b"] == rests["c"]
+
+
+@pytest.mark.parametrize("command", [["prune-joints", "--ends"], ["merge-joints", "--joints", "c"]])
+def test_joints_that_move_points_of_another_variant_are_not_removed(
+    command: list[str], tmp_path: Path
+) -> None:
+    few = MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, 0, 0, 0, 0, 0]")
+    text = choosing(scene(skeleton(), animation(), variant_set("lod", hi=MESH, lo=few)), lod="lo")
+    source, out = save(tmp_path, text), tmp_path / "out.usda"
+    printed = cli(command[0], source, "-o", out, *command[1:], code=3).output
+    assert "variant 'hi' of the variant set 'lod' on </Root> has </Root/Skin>, which " in printed
+    assert not out.exists()
+    cli("prune-joints", source, "-o", out, "--ends", "--exclude", "[bc]", code=0)
+
+
+def test_unused_joints_of_all_variants_are_removed(tmp_path: Path) -> None:
+    """Though a mesh of another variant is bound by numbers of its own."""
+    skin = MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, 1, 1, 0, 0, 1]")
+    few = MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, 0, 0, 0, 0, 0]")
+    text = choosing(scene(skeleton(), animation(), variant_set("lod", hi=skin, lo=few)), lod="lo")
+    source, out = save(tmp_path, text), tmp_path / "out.usda"
+    cli("prune-joints", source, "-o", out, "--ends", "--exclude", "b", code=0)
+    for variant in ("hi", "lo"):
+        assert apart(source, out, {"lod": variant}) < 1e-5
+
+
+def test_scale_is_not_frozen_above_a_prim_that_another_variant_has(tmp_path: Path) -> None:
+    """Even one without a transform: it has the scale of what is above it."""
+    cube = 'def Cube "Proxy"\n{\n}'
+    text = choosing(scene(skeleton(), animation(), MESH, variant_set("lod", hi="", lo=cube)), lod="hi")
+    scaled = 'double3 xformOp:scale = (2, 2, 2)\nuniform token[] xformOpOrder = ["xformOp:scale"]\n'
+    source = save(tmp_path, text.replace("def Skeleton", f"{scaled}def Skeleton", 1))
+    printed = cli("freeze", source, "-o", tmp_path / "out.usda", code=3).output
+    assert "Variant 'lo' of the variant set 'lod' on </Root> has </Root/Proxy> of its own" in printed
+
+
+def test_sets_within_a_variant_are_tried_with_it(tmp_path: Path) -> None:
+    inner = 'def Xform "In" (\nvariants = {\nstring kind = "p"\n}\nprepend variantSets = "kind"\n)\n{\n%s\n}'
+    text = scene(variant_set("lod", hi="", lo=inner % variant_set("kind", p="", q='def Cube "Proxy"\n{\n}')))
+    stage = Usd.Stage.Open(str(save(tmp_path, choosing(text, lod="hi"))))
+    lower = "Variant 'lo' of the variant set 'lod' on </Root>"
+    inner = f"{lower} and variant 'q' of the variant set 'kind' on </Root/In>"
+    assert [title for title, _ in each_choice(stage)] == ["", lower, inner]
