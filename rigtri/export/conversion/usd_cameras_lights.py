@@ -1,4 +1,4 @@
-"""Cameras and lights as prims.
+"""Cameras and lights as prims, and back.
 
 USD's units are those of photography: apertures and focal lengths in tenths of the scene's unit, of which
 only the ratio matters in a perspective. With ``normalize`` a sphere's intensity is its power over all
@@ -15,7 +15,8 @@ from pxr import Gf, UsdGeom, UsdLux
 
 from rigtri.export.conversion.scene import Camera, Light, Scene
 from rigtri.export.conversion.usd_materials import DEGREES
-from rigtri.maths.trigonometry import sin_cos
+from rigtri.export.conversion.usd_values import rest_value
+from rigtri.maths.trigonometry import arc_tangent, sin_cos
 
 # The height of the film, in tenths of a unit: that of 35 mm film, where a unit is a centimetre.
 FILM = 24.0
@@ -70,3 +71,48 @@ def define_light(stage: Any, path: str, light: Light, scene: Scene) -> Any:
         shaping.CreateShapingConeAngleAttr(light.outer * DEGREES)
         shaping.CreateShapingConeSoftnessAttr(1.0 - light.inner / light.outer if light.outer else 0.0)
     return prim
+
+
+def read_camera(prim: Any, unit: float) -> Camera:
+    """A Camera; unit: of the stage in metres, in which near and far are."""
+    camera = UsdGeom.Camera(prim)
+    wide, high = (
+        float(rest_value(a)) for a in (camera.GetHorizontalApertureAttr(), camera.GetVerticalApertureAttr())
+    )
+    near, far = rest_value(camera.GetClippingRangeAttr())
+    flat = rest_value(camera.GetProjectionAttr()) == UsdGeom.Tokens.orthographic
+    focal = float(rest_value(camera.GetFocalLengthAttr()))
+    angle = 2.0 * float(arc_tangent(np.array(high / 2.0), np.array(focal)))
+    height = high / TENTHS * unit if flat else angle
+    name = prim.GetDisplayName() or prim.GetName()
+    # The eye of glTF may not touch what is near.
+    return Camera(name, flat, height, wide / high, max(near * unit, 1e-6), None if far >= FAR else far * unit)
+
+
+def read_light(prim: Any, scene: Scene) -> Light | None:
+    """A light of glTF; None, with a word, for one that has no place or another shape."""
+    name = prim.GetDisplayName() or prim.GetName()
+    if not (prim.IsA(UsdLux.SphereLight) or prim.IsA(UsdLux.DistantLight)):
+        scene.lose(f"light '{name}' of type {prim.GetTypeName()}")
+        return None
+    api = UsdLux.LightAPI(prim)
+    exposure = float(rest_value(api.GetExposureAttr()) or 0.0)
+    if exposure:
+        scene.lose(f"exposure of light '{name}'")
+    red, green, blue = map(float, rest_value(api.GetColorAttr()))
+    # glTF's colours end at 1; what is brighter is intensity.
+    most = max(red, green, blue, 1.0)
+    intensity = float(rest_value(api.GetIntensityAttr())) * most
+    colour = red / most, green / most, blue / most
+    if prim.IsA(UsdLux.DistantLight):
+        return Light(name, "directional", colour, intensity)
+    if not rest_value(api.GetNormalizeAttr()):
+        radius = float(rest_value(UsdLux.SphereLight(prim).GetRadiusAttr()))
+        intensity *= 4.0 * 3.141592653589793 * radius * radius
+    shaping = UsdLux.ShapingAPI(prim)
+    cone = rest_value(shaping.GetShapingConeAngleAttr()) if prim.HasAPI(UsdLux.ShapingAPI) else None
+    if cone is None or cone >= 90.0:
+        return Light(name, "point", colour, intensity / CANDELA)
+    soft = float(rest_value(shaping.GetShapingConeSoftnessAttr()) or 0.0)
+    outer = float(cone) / DEGREES
+    return Light(name, "spot", colour, intensity / CANDELA, outer * (1.0 - min(soft, 1.0)), outer)

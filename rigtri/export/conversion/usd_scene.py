@@ -12,7 +12,8 @@ from pxr import Usd, UsdGeom, UsdLux, UsdSkel
 from rigtri.errors import FileError
 from rigtri.evaluation.timelines import as_played
 from rigtri.export.conversion.scene import Primitive, Scene
-from rigtri.export.conversion.usd_looks import Looks, read_camera, read_light, shows_colours
+from rigtri.export.conversion.usd_cameras_lights import read_camera, read_light
+from rigtri.export.conversion.usd_material_reader import MaterialReader, shows_colours
 from rigtri.export.conversion.usd_motion import PrimMotion
 from rigtri.export.conversion.usd_triangles import Faces, colour_of, materials_of, read_faces
 from rigtri.export.conversion.usd_unread import Unread
@@ -65,7 +66,7 @@ class _Reader:
         self.document, self.source = document, document.source
         self.stage = self.source.stage
         self.scene = Scene(document.rig, name)
-        self.looks = Looks(self.scene, images)
+        self.materials = MaterialReader(self.scene, images)
         self.motion = PrimMotion()
 
     def read(self) -> Scene:
@@ -95,7 +96,7 @@ class _Reader:
     def _unread(self) -> None:
         """Report what is authored and not read, but for what is reported as a whole."""
         omitted = {self.scene.rig.labels[node] for node in self.scene.omitted}
-        unread = Unread(self.looks.unused)
+        unread = Unread(self.materials.unused)
         unread.add_layer(self.stage)
         unread.add(
             self.source.instances.prims(),
@@ -170,10 +171,10 @@ class _Reader:
                 self.scene.lose("displayColor of meshes with a material that does not show it")
             surface = Surface("triangles", np.zeros(0, dtype=np.int64), corners, normals, drawn)
             if material is None:
-                number = self.looks.coloured(colour_of(prim), double_sided=sided)
+                number = self.materials.coloured(colour_of(prim), double_sided=sided)
             else:
                 shown = {each: of[corners] for each, of in faces.values.items()}
-                number = self.looks.number(material, faces.coordinates, shown, double_sided=sided)
+                number = self.materials.number(material, faces.coordinates, shown, double_sided=sided)
             if len(corners):
                 self.scene.primitives.setdefault(mesh.node, []).append(
                     Primitive(found, surface, name, number)

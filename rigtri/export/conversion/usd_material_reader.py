@@ -1,7 +1,6 @@
-"""UsdPreviewSurface networks as materials, and cameras and lights, in glTF's terms.
+"""UsdPreviewSurface networks as materials in glTF's terms; `usd_materials` is the way there.
 
-Source: UsdPreviewSurface specification 2.6; glTF 2.0 §3.9; UsdGeomCamera; UsdLux. `usd_materials` and
-`usd_cameras_lights` are the way there.
+Source: UsdPreviewSurface specification 2.6; glTF 2.0 §3.9.
 """
 
 from __future__ import annotations
@@ -11,15 +10,13 @@ from pathlib import PurePosixPath
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Usd, UsdShade
 
 from rigtri.errors import FileError
-from rigtri.export.conversion.scene import Camera, Image, Light, Material, Scene, Slot, Texture
-from rigtri.export.conversion.usd_cameras_lights import CANDELA, FAR, TENTHS
+from rigtri.export.conversion.scene import Image, Material, Scene, Slot, Texture
 from rigtri.export.conversion.usd_materials import DEGREES, flipped
 from rigtri.export.conversion.usd_networks import source_of, value_of
-from rigtri.export.conversion.usd_values import rest_value
-from rigtri.maths.trigonometry import arc_tangent, sin_cos
+from rigtri.maths.trigonometry import sin_cos
 
 # Texture coordinates this near to an edge are on it: float32, turned over and back.
 _ROUNDED = 1e-6
@@ -41,7 +38,7 @@ _SHARED_WITH = {
 _FRAMES = (0xC0, 0xC1, 0xC2)
 
 
-class Looks:
+class MaterialReader:
     """Materials of a stage, each and each image read once."""
 
     def __init__(self, scene: Scene, read: Callable[[Any], bytes]) -> None:
@@ -281,51 +278,6 @@ def _leaves(texture: Texture, coordinates: Any, along: Sequence[bool]) -> bool:
 
 def _is_colour_of_points(shader: Any) -> bool:
     return str(value_of(shader, "varname")) == "displayColor"
-
-
-def read_camera(prim: Any, unit: float) -> Camera:
-    """A Camera; unit: of the stage in metres, in which near and far are."""
-    camera = UsdGeom.Camera(prim)
-    wide, high = (
-        float(rest_value(a)) for a in (camera.GetHorizontalApertureAttr(), camera.GetVerticalApertureAttr())
-    )
-    near, far = rest_value(camera.GetClippingRangeAttr())
-    flat = rest_value(camera.GetProjectionAttr()) == UsdGeom.Tokens.orthographic
-    focal = float(rest_value(camera.GetFocalLengthAttr()))
-    angle = 2.0 * float(arc_tangent(np.array(high / 2.0), np.array(focal)))
-    height = high / TENTHS * unit if flat else angle
-    name = prim.GetDisplayName() or prim.GetName()
-    # The eye of glTF may not touch what is near.
-    return Camera(name, flat, height, wide / high, max(near * unit, 1e-6), None if far >= FAR else far * unit)
-
-
-def read_light(prim: Any, scene: Scene) -> Light | None:
-    """A light of glTF; None, with a word, for one that has no place or another shape."""
-    name = prim.GetDisplayName() or prim.GetName()
-    if not (prim.IsA(UsdLux.SphereLight) or prim.IsA(UsdLux.DistantLight)):
-        scene.lose(f"light '{name}' of type {prim.GetTypeName()}")
-        return None
-    api = UsdLux.LightAPI(prim)
-    exposure = float(rest_value(api.GetExposureAttr()) or 0.0)
-    if exposure:
-        scene.lose(f"exposure of light '{name}'")
-    red, green, blue = map(float, rest_value(api.GetColorAttr()))
-    # glTF's colours end at 1; what is brighter is intensity.
-    most = max(red, green, blue, 1.0)
-    intensity = float(rest_value(api.GetIntensityAttr())) * most
-    colour = red / most, green / most, blue / most
-    if prim.IsA(UsdLux.DistantLight):
-        return Light(name, "directional", colour, intensity)
-    if not rest_value(api.GetNormalizeAttr()):
-        radius = float(rest_value(UsdLux.SphereLight(prim).GetRadiusAttr()))
-        intensity *= 4.0 * 3.141592653589793 * radius * radius
-    shaping = UsdLux.ShapingAPI(prim)
-    cone = rest_value(shaping.GetShapingConeAngleAttr()) if prim.HasAPI(UsdLux.ShapingAPI) else None
-    if cone is None or cone >= 90.0:
-        return Light(name, "point", colour, intensity / CANDELA)
-    soft = float(rest_value(shaping.GetShapingConeSoftnessAttr()) or 0.0)
-    outer = float(cone) / DEGREES
-    return Light(name, "spot", colour, intensity / CANDELA, outer * (1.0 - min(soft, 1.0)), outer)
 
 
 def shows_colours(material: Any) -> bool:
