@@ -63,6 +63,7 @@ class Rules:
     heads: heads, with the hips of the bodies that stand upright, else −1; a head goes on as its trunk,
     whatever is below it.
     feet: feet without toes, and where they point in the world, unit, (3,). hands: those without fingers.
+    twists: twist joints beside the ends of bones, whose axes they take.
     """
 
     branch: Branch = "chain"
@@ -74,6 +75,7 @@ class Rules:
     heads: Mapping[int, int] = field(default_factory=dict)
     feet: Mapping[int, Floats] = field(default_factory=dict)
     hands: Container[int] = ()
+    twists: Container[int] = ()
 
 
 def chain_child(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
@@ -112,6 +114,8 @@ def aim_targets(tree: Skeleton, ref: ReferencePose, joints: Iterable[int], rules
 def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
     if rules.aim_at and joint in rules.aim_at:
         return _at(ref, joint, rules.aim_at[joint], "named") or Aim("keep")
+    if joint in rules.twists:
+        return Aim("parent")
     limb_node = rules.limb_child.get(joint)
     while limb_node is not None and not _distance(ref, joint, limb_node) > ZERO_LENGTH * ref.extent:
         limb_node = rules.limb_child.get(limb_node)

@@ -135,6 +135,31 @@ def sockets(rig: Rig, characters: Sequence[Character]) -> frozenset[int]:
     return frozenset(joint for joint in known if not moves[joint])
 
 
+def twists_beside_bones(rig: Rig, characters: Sequence[Character]) -> frozenset[int]:
+    """The twist joints that hang from a bone of an arm or leg, beside its end; one may hang from another.
+
+    Each is a part of its bone. Those of rigtri are among them.
+    """
+    found = set[int]()
+    for character in characters:
+        limbs = [chain for chain in character.limbs if chain.kind in ("arm", "leg") and chain.is_sure]
+        taken = {joint for chain in character.chains for joint in chain.joints}
+        bones = {joint for chain in limbs for joint in _within(chain)}
+        twists = {part.joint for part in character.parts if part.role == "twist"} - taken
+        for node in sorted(twists.union(rig.nodes_of("twist"))):
+            if int(rig.parents[node]) in bones | found:
+                found.add(node)
+    return frozenset(found)
+
+
+def _within(chain: Chain) -> tuple[int, ...]:
+    """The joints of a limb from its start on, without its end and what follows that."""
+    start, middle, end = chain.bend
+    first = chain.joints.index(start) if start in chain.joints else 0
+    last = chain.joints.index(end) if end in chain.joints else len(chain.joints)
+    return start, middle, *chain.joints[first:last]
+
+
 def _frame(
     rig: Rig, character: Character, world: Floats, facing: Floats | None
 ) -> tuple[Floats, Floats, bool] | None:

@@ -21,6 +21,12 @@ from rigtri.model.skin import Skin
 X, Y, Z = np.eye(3)
 SIDES = {"left": 1.0, "right": -1.0}
 FINGERS = ("index", "middle", "ring", "little")
+_BONES = (
+    ("upper arm", "lower arm"),
+    ("lower arm", "hand"),
+    ("upper leg", "lower leg"),
+    ("lower leg", "foot"),
+)
 
 _MIXAMO = {
     "hips": "mixamorig:Hips",
@@ -42,6 +48,10 @@ _MIXAMO = {
     "lower leg": "mixamorig:{Side}Leg",
     "foot": "mixamorig:{Side}Foot",
     "toes": "mixamorig:{Side}ToeBase",
+    "upper arm twist": "mixamorig:{Side}ArmTwist{k}",
+    "lower arm twist": "mixamorig:{Side}ForeArmTwist{k}",
+    "upper leg twist": "mixamorig:{Side}UpLegTwist{k}",
+    "lower leg twist": "mixamorig:{Side}LegTwist{k}",
     "slot": "mixamorig:{Side}HandSlot",
     "eye": "mixamorig:{Side}Eye",
     "jaw": "mixamorig:Jaw",
@@ -68,6 +78,10 @@ _UNREAL = {
     "lower leg": "calf_{s}",
     "foot": "foot_{s}",
     "toes": "ball_{s}",
+    "upper arm twist": "upperarm_twist_0{k}_{s}",
+    "lower arm twist": "lowerarm_twist_0{k}_{s}",
+    "upper leg twist": "thigh_twist_0{k}_{s}",
+    "lower leg twist": "calf_twist_0{k}_{s}",
     "slot": "weapon_{s}",
     "eye": "eye_{s}",
     "jaw": "jaw",
@@ -94,6 +108,10 @@ _BLENDER = {
     "lower leg": "shin.{S}",
     "foot": "foot.{S}",
     "toes": "toe.{S}",
+    "upper arm twist": "upper_arm_twist.0{k}.{S}",
+    "lower arm twist": "forearm_twist.0{k}.{S}",
+    "upper leg twist": "thigh_twist.0{k}.{S}",
+    "lower leg twist": "shin_twist.0{k}.{S}",
     "slot": "weapon_slot.{S}",
     "eye": "eye.{S}",
     "jaw": "jaw",
@@ -120,7 +138,8 @@ class Pose:
     are bent back. phalanges: joints of each finger and thumb. face: eyes and a jaw. ends: joints without
     weight that only say where head, fingers and toes end. metacarpals: a joint of each finger in the palm.
     thumb: whether there is one. toes: whether feet have a joint
-    for them. seated: how far the legs are raised ahead. short: the length of the arms.
+    for them. seated: how far the legs are raised ahead. short: the length of the arms. twists: joints beside
+    the end of each bone of arms and legs, along it; one below the other, where ``chained``.
     """
 
     names: str = "mixamo"
@@ -151,6 +170,8 @@ class Pose:
     toes: bool = True
     seated: float = 0.0
     short: float = 1.0
+    twists: int = 0
+    chained: bool = False
 
     @property
     def title(self) -> str:
@@ -207,6 +228,12 @@ def posed_body(pose: Pose) -> PosedBody:
     for side, s in SIDES.items():
         _leg(put, pose, side, s, hips, legs)
         _arm(put, pose, side, s, at["upper chest"])
+        for bone, end in _BONES:
+            start, way = at[f"{side} {bone}"], at[f"{side} {end}"] - at[f"{side} {bone}"]
+            over = f"{side} {bone}"
+            for k in range(1, pose.twists + 1):
+                put(f"{side} {bone} twist {k}", over, start + way * k / (pose.twists + 1))
+                over = f"{side} {bone} twist {k}" if pose.chained else over
     return _assembled(pose, at, hinge, above)
 
 

@@ -109,14 +109,13 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         characters = [k for k in recognise(rig).characters if k.gives_axes]
         tree = replace(tree, sockets=body_hinges.sockets(rig, characters))
     chains = [(k, chain) for k in characters for chain in k.sure_chains]
+    twists = body_hinges.twists_beside_bones(rig, characters)
     hips = frozenset(k.hips for k, chain in chains if chain.kind == "spine")
     fingers = [chain for _, chain in chains if chain.kind == "finger"]
     heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
-    whole = frozenset(joint for _, chain in chains for joint in chain.joints)
-    standard = characters if options.standard_pose is not None else ()
-    # Only Godot's skeleton says how eyes and jaws stand.
-    without = () if options.standard_pose == "godot" else FACE
-    meant = {joint for k in standard for joint in sure_bones(k, without).values()}
+    whole = twists.union(joint for _, chain in chains for joint in chain.joints)
+    meant = twists.intersection(rig.nodes_of("twist"))  # their weights may not be split yet
+    meant = meant.union(_standard_bones(characters, options))
     joints, skipped = select(
         tree,
         ref,
@@ -128,9 +127,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         whole=whole,
         meant=meant,
     )
-    styles = dict.fromkeys(tree.joints, options.style)
-    for start, end, style in options.chain_styles:
-        styles |= dict.fromkeys(along(rig, rig.find(start), rig.find(end)), style)
+    styles = _styles(tree, options)
     limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)))
     known = limb_children(tree, limbs)
     if not options.branch:  # a rule that the user names goes before what is known of a body
@@ -145,11 +142,28 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         {} if options.branch else heads,
         _feet(rig, characters, ref.world, options),
         frozenset(_lone_hands(characters)),
+        twists,
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
     _check_aims(tree, ref, aim_at, styles)
     return Targets(tree, ref, joints, skipped, styles, limbs, aim_targets(tree, ref, joints, rules))
+
+
+def _standard_bones(characters: Iterable[Character], options: OrientJointsOptions) -> Iterator[int]:
+    """The joints that have axes of a standard skeleton, where these are asked for."""
+    # Only Godot's skeleton says how eyes and jaws stand.
+    without = () if options.standard_pose == "godot" else FACE
+    for character in characters if options.standard_pose is not None else ():
+        yield from sure_bones(character, without).values()
+
+
+def _styles(tree: Skeleton, options: OrientJointsOptions) -> dict[int, AxisStyle]:
+    """The style of every joint: that of the first options, or of the last chain that has it."""
+    styles, rig = dict.fromkeys(tree.joints, options.style), tree.rig
+    for start, end, style in options.chain_styles:
+        styles |= dict.fromkeys(along(rig, rig.find(start), rig.find(end)), style)
+    return styles
 
 
 def _fingers_of_one_joint(tree: Skeleton, fingers: Iterable[Chain], joints: Collection[int]) -> Iterator[int]:
