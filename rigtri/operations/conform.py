@@ -152,7 +152,7 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
                 values = {**values, "name": aside}
             # IK bones have the axes of what they follow, joints above the hips those of the world.
             known_axes = [*_ik_bones(rig, skeleton.profile), *_above_hips(rig)]
-            if name == "orient-joints" and "preset" in values and known_axes:
+            if name == "orient-joints" and "preset" in values and known_axes and not rig.rules.orient_locked:
                 values = {**values, "exclude": known_axes}
             if name == "orient-joints" and "world" in values:
                 if not (above := _above_hips(rig)):
@@ -206,7 +206,7 @@ def _of_locked(rig: Rig, options: ConformOptions, steps: Steps, bodies: Sequence
     for body in bodies:
         if not stands_in_tpose(rig, body, options.facing):
             raise GeometryError(f"{locked}, and its arms are not stretched out to the sides: take VRM 1.0")
-    return tuple((name, values) for name, values in steps if name != "set-rest")
+    return tuple((name, values) for name, values in steps if name != "set-rest" and "world" not in values)
 
 
 def _warn_misplaced(rig: Rig, report: Report) -> None:

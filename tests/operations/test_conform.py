@@ -253,6 +253,20 @@ def test_where_joints_may_not_rotate_a_tpose_is_taken_as_it_is() -> None:
         rigtri.conform(replace(locked, rotation=down), to="unity")
 
 
+@pytest.mark.parametrize("to", ["unity", "vrm"])
+def test_where_joints_may_not_rotate_joints_above_the_hips_have_the_axes_of_all(to: str) -> None:
+    """Before, refused: VRM 0.x takes its axes for all joints or none, and those above the hips were named."""
+    rig = rigtri.add_root(rigtri.set_rest(rigtri.read(SAMPLES / "biped.glb"), pose="tpose"))
+    rules = replace(
+        rig.rules,
+        orient_locked="VRM 0.x forbids it",
+        world_aligned=frozenset(np.flatnonzero(rig.is_joint).tolist()),
+    )
+    out = rigtri.conform(replace(rig, source=None, rules=rules), to=to)
+    for node in np.flatnonzero(out.is_joint).tolist():
+        assert np.abs(out.world[node, :3, :3] - np.eye(3)).max() < 1e-6, out.names[node]
+
+
 def test_a_leg_below_another_joint_is_reported() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     parents = rig.parents.copy()
