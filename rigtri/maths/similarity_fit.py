@@ -114,7 +114,7 @@ def fit_similarity(
         clearly = _CLEARLY if about_origin and chosen == 0 else 0.99
         chosen = number if each < clearly * off[chosen] - SAME_PLACE else chosen
     best, least = turns[chosen], off[chosen]
-    if least > OTHER_SHAPE and not about_origin:
+    if least > OTHER_SHAPE and not about_origin and turn is None:
         axes = _three_point_turn(a, b)
         free = _spread(transform_points(a * ratio, from_frame(axes, np.zeros(3))) - b) / size
         if free < 0.1 * least:

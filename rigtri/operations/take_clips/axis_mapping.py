@@ -54,19 +54,22 @@ def _moved(exact: Floats, rounded: Floats) -> float:
 
 class Counterparts:
     """The pairs of two rigs with their C and G. moving: nodes of the other that any of its clips moves.
-    turned: the rotation of G, (3, 3), where it is known.
+    turned: the rotation of G, (3, 3), where it is known. at_rest: that of the bind poses, (3, 3), where these
+    are the rest poses of one standard skeleton.
 
     The rest of a node that moves and is no joint may be the frame that the DCC has shown while it
     wrote: such a node has the axes that its parent's rotation gives.
     """
 
-    def __init__(self, rig: Rig, other: Rig, turned: Floats | None = None) -> None:
-        self.rig, self.other, self._known_turn = rig, other, turned
+    def __init__(
+        self, rig: Rig, other: Rig, turned: Floats | None = None, at_rest: Floats | None = None
+    ) -> None:
+        self.rig, self.other, self._known_turn, self.at_rest = rig, other, turned, at_rest
         found = pairs(rig, other)
         self.of, self.unclear, self.placed = found.of, found.unclear, found.placed
         self.back = {theirs: ours for ours, theirs in self.of.items()}
         self.moving = {t.node for clip in other.clips for t in clip.tracks if t.path != "weights"}
-        binds = BoundAxes(rig, other, self.of)
+        binds = BoundAxes(rig, other, self.of, at_rest)
         self._bound, self.proportions, self.bind_turn = binds.turns, binds.apart, binds.turn
         self.at_one_place = binds.at_one_place
         self._lines: dict[int, tuple[list[int], list[int], int]] = {}

@@ -34,13 +34,13 @@ class BoundAxes:
     """C of joints that a skin of each file holds. of: the nodes of ``other`` by those of ``rig``.
 
     turns: C by joint, (4, 4). apart: how far bind poses differ beside turn, size and place. turn: of those of
-    ``other`` to those of ``rig``, (3, 3); None without any. at_one_place: the joints that both files bind at
-    one place, each in its own, so that bind poses show no bones.
+    ``other`` to those of ``rig``, (3, 3), which may be known before; None without any. at_one_place: the
+    joints that both files bind at one place, each in its own, so that bind poses show no bones.
     """
 
-    def __init__(self, rig: Rig, other: Rig, of: Mapping[int, int]) -> None:
+    def __init__(self, rig: Rig, other: Rig, of: Mapping[int, int], turn: Floats | None = None) -> None:
         self.rig, self.apart = rig, 0.0
-        self.turn: Floats | None = None
+        self._known_turn, self.turn = turn, turn
         self.turns: dict[int, Floats] = {}
         self.at_one_place: set[int] = set()
         for skin in rig.skins:
@@ -66,10 +66,11 @@ class BoundAxes:
         if not usable.any():
             return {}
         points = bind[usable, 3, :3], ours[usable, 3, :3]
-        fit = fit_similarity(*points, about_origin=False)
+        fit = fit_similarity(*points, about_origin=False, turn=self._known_turn)
         if fit.residual > OTHER_SHAPE:
             # No size fits all of them; that of most bones keeps most lengths.
-            fit = fit_similarity(*points, about_origin=False, ratio=self._ratio(both, ours, bind))
+            ratio = self._ratio(both, ours, bind)
+            fit = fit_similarity(*points, about_origin=False, ratio=ratio, turn=self._known_turn)
         self.apart = max(self.apart, fit.residual)
         if self.turn is None:
             self.turn = nearest_rotation(fit.matrix)

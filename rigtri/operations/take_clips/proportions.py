@@ -10,7 +10,7 @@ Source: docs/take-clips.md.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 
@@ -26,6 +26,7 @@ from rigtri.maths.vectors import angle, cross, dot, length, normalise
 from rigtri.model.animation import Path, key_values
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.operations.ik_bones import IK_BONES
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, bind_poses, placed
 from rigtri.operations.take_clips.messages import list_names
@@ -271,10 +272,13 @@ def warn_lengths(bodies: Proportions, report: Report) -> None:
         texts.append(f"The bones of {_names(both, longer)} have other lengths in EDITED; RIG's were kept")
     if turned := bodies.other_directions:
         worst = max(turned, key=lambda node: turned[node])
-        texts.append(
+        text = (
             f"The bones of {_names(both, turned)} point in other directions in EDITED, by up to "
-            f"{turned[worst]:.3g}° ('{both.rig.title(worst)}'); RIG's were kept, so these are off by as much"
+            f"{turned[worst]:.3g}° ('{both.rig.title(worst)}'); RIG's were kept"
         )
+        texts.append(f"{text}, so these are off by as much" if both.at_rest is None else text)
+    if both.at_rest is not None:
+        texts.insert(0, "Both files rest in one standard pose, and rotations count from there")
     if not texts:
         return
     carriers = [n for n in bodies.carriers if both.of[n] in both.moving]
@@ -285,6 +289,22 @@ def warn_lengths(bodies: Proportions, report: Report) -> None:
         )
     names = [both.rig.title(node) for node in dict.fromkeys([*longer, *turned])]
     report.warn("other-proportions", ". ".join(texts), names=names)
+
+
+def warn_ik_bones(bodies: Proportions, moved: Collection[int], report: Report) -> None:
+    """That IK bones, of the nodes of RIG in ``moved``, are where EDITED's body has hands and feet."""
+    rig = bodies.both.rig
+    for profile, bones in IK_BONES.items():
+        names = [rig.names[node] for node in sorted(moved) if rig.names[node] in bones]
+        if names and bodies.other_lengths:
+            text = (
+                f"The keys of {list_names(names)} follow the body of EDITED, whose bones have other lengths"
+            )
+            report.warn(
+                "followers-behind",
+                f"{text}: update them with rigtri add-root --profile {profile}",
+                names=names,
+            )
 
 
 def _names(both: Counterparts, nodes: Iterable[int]) -> str:

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.maths.similarity_fit import SAME_SIZE
+from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
 from rigtri.model.dataclass import dataclass
@@ -31,6 +31,7 @@ from rigtri.operations.take_clips.proportions import (
     warn_lengths,
 )
 from rigtri.operations.take_clips.retargeting import rest_parts
+from rigtri.operations.take_clips.standard_rest import SAME_AXES, standard_rest
 from rigtri.operations.take_clips.standing import stood_up
 from rigtri.report import Report
 
@@ -60,8 +61,8 @@ def checked_bodies(both: Counterparts, every: Sequence[Taken], report: Report) -
     _refuse_other_nodes(both, every)
     refuse_infinite_motion(both, every)
     driven = {track.node for taken in every for track in taken.clip.tracks if track.path != "weights"}
-    bodies = Proportions(both)
-    _refuse_other_skeleton(both, bodies, {both.back[node] for node in driven if node in both.back})
+    bodies = _of_one_skeleton(both, {both.back[node] for node in driven if node in both.back})
+    both = bodies.both
     if (stood := stood_up(both, every, report)) is not both:
         both, bodies = stood, Proportions(stood)
     warn_differences(both, report)
@@ -84,29 +85,51 @@ def _refuse_other_nodes(both: Counterparts, every: Sequence[Taken]) -> None:
         )
 
 
-def _refuse_other_skeleton(both: Counterparts, bodies: Proportions, moved: Collection[int]) -> None:
-    """GeometryError where bones or bind poses differ by more than the bounds; ``moved``: nodes of RIG."""
-    rig = both.rig
-    found = _measured(both, bodies.bones, moved) + _other_axes(both, bodies.at_rest, moved)
-    turned = sorted((bone for bone in found if bone.degrees > MOST_DEGREES), key=lambda b: -b.degrees)
-    long = sorted((bone for bone in found if bone.stretch > MOST_STRETCH), key=lambda b: -b.stretch)
-    why = ""
-    if turned:
-        names = list_names(f"{rig.title(bone.joint)}: {bone.degrees:.3g}°" for bone in turned)
-        why = (
-            f"bones point in other directions in the axes of their joints ({names}; limit {MOST_DEGREES:g}°)"
-        )
-    elif long:
-        names = list_names(f"{rig.title(bone.joint)}: {bone.stretch:.3g}" for bone in long)
-        why = f"its keys would make bones so many times longer or shorter ({names}; limit {MOST_STRETCH:g})"
-    elif found and both.proportions > MOST_APART:
+def _of_one_skeleton(both: Counterparts, moved: Collection[int]) -> Proportions:
+    """The bones of both files, by their rest poses where these are one standard pose. moved: nodes of RIG.
+
+    Raises GeometryError where bones or bind poses, and rest poses, differ by more than the bounds.
+    """
+    bodies = Proportions(both)
+    found = [*_measured(both, bodies.bones, moved), *_other_axes(both, bodies.at_rest, moved)]
+    why, far = _other_bones(both, found), bool(found) and both.proportions > MOST_APART
+    if not why and both.proportions <= OTHER_SHAPE:
+        return bodies
+    rest, remedy = standard_rest(both), "conform both files to one skeleton (rigtri conform)"
+    if not far and rest.fits and (why or max(rest.axes.values()) <= SAME_AXES):
+        bodies = Proportions(rest.counterparts())
+        stretched = [replace(bone, degrees=0.0) for bone in found]
+        why = _other_bones(both, [*stretched, *_other_axes(bodies.both, bodies.at_rest, moved)])
+    elif why and rest.same_axes and rest.aside:
+        names = list_names(f"{both.rig.title(node)}: {each:.3g}°" for node, each in rest.aside.items())
+        why += f"; and limbs point elsewhere at rest ({names})"
+        remedy = "let both files rest in one pose (rigtri set-rest)"
+    if far and not why:
         why = f"bind poses differ by {both.proportions:.2g} of the size (limit {MOST_APART:g})"
     if why:
+        unseen = "" if both.bound else ", or other axes, which only skins of both files show"
+        skin = "" if both.bound else "export EDITED with its skin, "
         raise GeometryError(
-            f"EDITED has another skeleton than RIG, or other axes, which only skins of both files show: "
-            f"{why}. Its rotations would give another motion: retarget it in a DCC, or "
-            "export it with its skin"
+            f"EDITED has another skeleton than RIG{unseen}: {why}. Its rotations would give another motion: "
+            f"{skin}{remedy}, or retarget it in a DCC"
         )
+    return bodies
+
+
+def _other_bones(both: Counterparts, found: Sequence[_Off]) -> str:
+    """Which bones or nodes differ by more than the bounds; "" where none do."""
+    rig = both.rig
+    turned = sorted((bone for bone in found if bone.degrees > MOST_DEGREES), key=lambda b: -b.degrees)
+    long = sorted((bone for bone in found if bone.stretch > MOST_STRETCH), key=lambda b: -b.stretch)
+    if turned:
+        names = list_names(f"{rig.title(bone.joint)}: {bone.degrees:.3g}°" for bone in turned)
+        return (
+            f"bones point in other directions in the axes of their joints ({names}; limit {MOST_DEGREES:g}°)"
+        )
+    if long:
+        names = list_names(f"{rig.title(bone.joint)}: {bone.stretch:.3g}" for bone in long)
+        return f"its keys would make bones so many times longer or shorter ({names}; limit {MOST_STRETCH:g})"
+    return ""
 
 
 def _measured(both: Counterparts, bones: Mapping[int, Bone], moved: Collection[int]) -> list[_Off]:

@@ -53,7 +53,7 @@ def stood_up(both: Counterparts, every: Sequence[Taken], report: Report) -> Coun
     for sign in (-1.0, 1.0):
         about_x = from_frame([[1.0, 0.0, 0.0], [0.0, 0.0, sign], [0.0, -sign, 0.0]], np.zeros(3))
         upright = np.asarray(multiply(from_frame(nearest_rotation(both.space), np.zeros(3)), about_x))[:3, :3]
-        stood = Counterparts(both.rig, both.other, upright)
+        stood = Counterparts(both.rig, both.other, upright, both.at_rest)
         if not any(_lies(stood, taken) for taken in known):
             return stood
     raise GeometryError(

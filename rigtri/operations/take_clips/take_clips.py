@@ -47,7 +47,7 @@ from rigtri.operations.take_clips.messages import (
 from rigtri.operations.take_clips.morph_targets import SAME_WEIGHT
 from rigtri.operations.take_clips.motion_check import MotionCheck, refuse_other_motion
 from rigtri.operations.take_clips.node_matching import pairs
-from rigtri.operations.take_clips.proportions import Proportions
+from rigtri.operations.take_clips.proportions import Proportions, warn_ik_bones
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.skeleton_check import checked_bodies
 from rigtri.operations.take_clips.time_ranges import Ranges
@@ -116,6 +116,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             changed.add(taken.name)
     axes.warn(moved, report)
     warn_followers(start, rig, report)
+    warn_ik_bones(bodies, moved, report)
     rig = drop_switched_off_ik_keys(
         rig, switched, [each for each in timelines(rig) if each.name in taken_all], report
     )
