@@ -27,6 +27,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.option_kinds import StandardPose
 from rigtri.operations.options.pose import PoseOptions
 from rigtri.operations.options.set_rest import SetRestOptions as SetRestOptions
+from rigtri.operations.orient_joints.frame_sources import no_namesakes
 from rigtri.operations.pose import at_rest, pose_of
 from rigtri.operations.prune_joints import weighted_joints
 from rigtri.recognition.recognise import recognise
@@ -171,15 +172,26 @@ def _of_locals(rig: Rig, worlds: Floats, joints: list[int]) -> dict[int, Parts]:
 
 
 def _of_names(rig: Rig, like: Rig, joints: list[int]) -> dict[int, Parts]:
-    """Rest rotations of another rig's joints of the same names; GeometryError where there is none."""
+    """Rest rotations of another rig's joints of the same names; GeometryError where there is none.
+
+    Where no node of both has a name, of the same nodes.
+    """
     theirs = dict[int, int]()
     # A clip library without a skin has the joints of its character.
     for node in joints or range(len(rig)):
         other = like.known(rig.names[node]) if rig.names[node] else None
         if other is not None and (joints or like.is_joint[other]):
             theirs[node] = other
+    if (
+        not theirs
+        and not any(rig.names)
+        and not any(like.names)
+        and np.array_equal(rig.parents, like.parents)
+    ):
+        # Two files of one export, whose nodes are the same.
+        theirs = {node: node for node in joints or np.flatnonzero(like.is_joint).tolist()}
     if not theirs:
-        raise GeometryError("--like: no joint there has the name of one here. Try rename-joints first")
+        raise GeometryError(no_namesakes(rig, like))
     _refuse_other_axes(rig, like, theirs)
     found = {}
     for node, other in theirs.items():

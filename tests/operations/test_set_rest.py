@@ -260,3 +260,33 @@ def test_what_is_up_for_a_body_is_as_it_is_bound_and_not_as_it_rests() -> None:
     leaning[hips] = product(from_axis_angle(normalise(np.array([1.0, 2, 3])), 0.3), rotation[hips])
     stands = rigtri.set_rest(replace(lying, rotation=leaning), pose="tpose")
     assert np.allclose(stands.world, rigtri.set_rest(lying, pose="tpose").world, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("here", "there", "why"),
+    [
+        (False, True, "the joints of this file have no names"),
+        (True, False, "the joints of FILE have no names"),
+        (True, True, "no joint of the two files has the same name"),
+    ],
+)
+def test_joints_without_namesakes_are_refused_with_the_reason(here: bool, there: bool, why: str) -> None:
+    """Before, the advice was to rename the joints of this file, also where those of FILE have no names."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    ours, theirs = (
+        replace(rig, names=tuple(f"{way}{k}" if named else "" for k in range(len(rig))), source=None)
+        for way, named in (("a", here), ("b", there))
+    )
+    if here and there:
+        theirs = replace(theirs, names=tuple(f"b{k}" for k in range(len(rig))))
+    for call in (rigtri.set_rest, rigtri.orient_joints):
+        with pytest.raises(GeometryError, match=f"{why}. Give both files"):
+            call(ours, like=theirs)
+
+
+def test_two_files_of_the_same_nodes_without_names_go_node_by_node() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    bare = replace(rig, names=("",) * len(rig), source=None)
+    posed = replace(rigtri.set_rest(rig, pose="apose"), names=bare.names, source=None)
+    alike = rigtri.set_rest(bare, like=posed)
+    assert np.allclose(np.abs((alike.rotation * posed.rotation).sum(axis=1)), 1.0)

@@ -50,7 +50,7 @@ def like_deltas(targets: Targets, like: Rig, report: Report) -> tuple[list[int],
     tree, other = targets.tree, skeleton(like, plain=True)
     pairs = _namesakes(tree.rig, tree.joints, like, other.joints)
     if not pairs:
-        raise GeometryError("--like: no joint of the two files has the same name")
+        raise GeometryError(no_namesakes(tree.rig, like))
     ours, theirs, common = _common_pose(tree, targets.ref, other, pairs)
     joints = [joint for joint in targets.joints if joint in pairs]
     target = from_axes(nearest_rotation(theirs.world[list(pairs.values())]))
@@ -62,6 +62,25 @@ def like_deltas(targets: Targets, like: Rig, report: Report) -> tuple[list[int],
         report.warn("like-unmatched", text)
     place = {joint: k for k, joint in enumerate(pairs)}
     return joints, delta[[place[joint] for joint in joints]]
+
+
+def no_namesakes(rig: Rig, like: Rig) -> str:
+    """Why no joint of a rig has a namesake in another one, the FILE of ``--like``, and what to do."""
+    files = (("this file", rig), ("FILE", like))
+    nameless = [file for file, known in files if not any(known.names[n] for n in _joints(known))]
+    why = "no joint of the two files has the same name"
+    if nameless:
+        why = f"the joints of {' and of '.join(nameless)} have no names"
+    return (
+        f"--like: {why}. Give both files the names of one scheme first (rigtri rename-joints --to), or each "
+        "joint its own (--name '#2=hips')"
+    )
+
+
+def _joints(rig: Rig) -> Iterable[int]:
+    """The joints; of a file without a skin all nodes."""
+    found: list[int] = np.flatnonzero(rig.is_joint).tolist()
+    return found or range(len(rig))
 
 
 def _common_pose(
