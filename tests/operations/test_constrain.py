@@ -347,6 +347,16 @@ def test_up_leans_to_what_was_requested() -> None:
         assert world[1, :3] @ direction > 0
 
 
+def test_the_reported_rotate_of_an_aim_leans_to_its_up_object() -> None:
+    report = Report()
+    given = options("aim", "driver", world_up="object", up_object="up", maintain_offset=False)
+    out = constrain(random_pose(8, even=True), options=given, report=report)
+    (record,) = report.added
+    parts = [from_angles(np.radians(record[key]), "xyz") for key in ("rotate", "jointOrient")]
+    wanted = to_axes(to_parts(evaluated(out)[0, 4]).rotation)
+    assert_allclose(to_axes(parts[0]) @ to_axes(parts[1]), wanted, atol=1e-12)
+
+
 def test_an_aim_without_direction_or_up_is_defined() -> None:
     rig = rig_of(["driver", "child"], [-1, -1], np.array([[0.0, 3, 0], [0, 0, 0]]))
     out = constrain(rig, options=options("aim", "driver", maintain_offset=False))  # up is y too

@@ -231,6 +231,20 @@ def test_extras_filters_and_materials_without_a_place_in_usd_are_listed(tmp_path
     }
 
 
+def test_an_image_of_a_kind_that_nobody_knows_keeps_its_suffix_and_is_listed(tmp_path: Path) -> None:
+    b = small(2)
+    (tmp_path / "skin.avif").write_bytes(b"of no known kind")
+    b.gltf |= {
+        "images": [{"uri": "skin.avif"}],
+        "textures": [{"source": 0}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+    }
+    b.gltf["meshes"][0]["primitives"][0]["material"] = 0
+    report = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usda").report
+    assert [n.text for n in report.warnings if "skin.avif" in n.text]
+    assert (tmp_path / "out_textures" / "skin.avif").read_bytes() == b"of no known kind"
+
+
 @pytest.mark.parametrize("names", [["smile", "big brow"], ["a/b", "a b"]])
 def test_names_of_morph_targets_and_the_copyright_come_home(names: list[str], tmp_path: Path) -> None:
     b = small(2)
