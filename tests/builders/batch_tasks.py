@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from rigtri import orient_joints
 from rigtri.errors import DeviationError, GeometryError
 from rigtri.files.staged_output import StagedOutput
@@ -98,7 +100,7 @@ def go_wrong(source: Path, report: Report) -> None:
         while not source.with_name(WAITED_FOR).exists():
             threading.Event().wait(0.05)
     if name.startswith("eat"):
-        list(range(1 << 34))
+        np.empty(1 << 32, np.uint8)  # is never touched: only a limit can refuse it
     if name.startswith("refuse"):
         raise GeometryError("no way up")
     if name.startswith("fault"):

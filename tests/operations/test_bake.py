@@ -383,6 +383,20 @@ def test_what_a_constraint_moves_without_controls_is_not_said_to_have_some() -> 
     assert "it has no controls, and the constraint of 'head' moves it" in notice.text
 
 
+def test_the_control_of_a_joint_whose_rotation_is_constrained_does_not_turn() -> None:
+    rig = rigged()
+    control = rig.find("head_ctl")
+    rule = ConstrainOptions(type="orient", child="head", driver=(("hand_L", 1.0),))
+
+    def turns(rig: Rig) -> bool:
+        tracks = bake(rig, options=BakeOptions(to="controls", clip=("walk",))).clip("walk").tracks
+        (values,) = (track.values for track in tracks if (track.node, track.path) == (control, "rotation"))
+        return bool(np.ptp(values, axis=0).max() > 1e-3)
+
+    assert turns(rig)
+    assert not turns(constrain(rig, options=rule))
+
+
 @pytest.mark.slow
 def test_a_wider_tolerance_bears_more_and_strict_bears_none(tmp_path: Path) -> None:
     whole, bare, up = (tmp_path / f"{k}.glb" for k in ("whole", "bare", "up"))
