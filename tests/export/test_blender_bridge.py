@@ -806,6 +806,36 @@ def test_keys_of_controls_in_usd_come_to_blender_and_home(
         assert np.abs(shown - places).max() <= BAKED * size, joint
 
 
+@pytest.mark.slow
+def test_a_usd_character_that_rests_otherwise_than_it_is_bound_comes_home_by_bake_rig(tmp_path: Path) -> None:
+    """Joints of a clip that nobody has edited, at frames and between, by USD and by glTF."""
+    source = next((path for path in asset_files() if path.name == "usdwg_CesiumMan.usdz"), None)
+    if source is None:
+        pytest.skip(NO_ASSETS)
+    rigged, animate = (str(tmp_path / name) for name in ("rigged.usdz", "animate.usdz"))
+    cli("add-controls", source, "-o", rigged, "--whole-character", "-q", code=0)
+    cli("bake", rigged, "-o", animate, "--to", "controls", "-q", code=0)
+    cli("export-blender", animate, "-o", tmp_path / "setup.py", "-q", code=0)
+    was, times = read(source).rig, np.arange(1.0, 47.0, 0.25)
+    before = PoseCache(was, sample_parts(was, was.clips[0], times))
+    joints = np.flatnonzero(was.is_joint).tolist()
+    for suffix, second, y_up in ((".usdc", 1.0, False), (".glb", 24.0, True)):
+        edited, final = (str(tmp_path / f"{name}{suffix}") for name in ("edited", "final"))
+        job = {"script": str(tmp_path / "setup.py"), "target": edited, "clip": "skelAnim_0", "keys": {}}
+        blender_trip(job, folder=tmp_path)
+        told = cli("bake", edited, "--rig", animate, "-o", final, code=0).stderr
+        assert "keys-lost" not in told
+        assert "other parents" not in told
+        out = read(Path(final)).rig
+        (played,) = timelines(out)
+        there = PoseCache(out, sample_parts(out, played.clip, times / second))
+        for joint in joints:
+            x, y, z = there.world(out.find(was.names[joint]))[:, 3, :3].T
+            places = np.stack((x, y, z) if y_up else (x, z, -y), axis=1)
+            off = np.abs(places - before.world(joint)[:, 3, :3]).max()
+            assert off <= SEEN * skeleton_size(was), (suffix, was.names[joint], off)
+
+
 REAL = ["kaykit_Barbarian.glb", "gdquest_mannequiny-0.3.0.glb", "khronos_CesiumMan_Binary.glb"]
 REAL += ["raylib_robot.glb", "addon_Example_vrm1.vrm", "mayausd_HIK_Export.usda", "gt_sparse_player.glb"]
 

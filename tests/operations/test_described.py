@@ -231,19 +231,55 @@ def test_noise_of_bind_poses_counts_in_the_unit_of_the_world(moved: float, codes
     assert [notice.code for notice in report.warnings] == codes
 
 
-def test_a_child_of_another_node_keeps_its_rest_and_that_is_reported() -> None:
+@pytest.mark.parametrize("moves", [False, True])
+def test_a_child_of_another_node_rests_where_the_other_world_has_it_unless_that_node_moves(
+    moves: bool,
+) -> None:
     rig, report = biped(), Report()
     offset = max(n for n, note in rig.metadata.items() if note["type"] == "offset" and note["kind"] == "fk")
     parents, translation = rig.parents.copy(), rig.translation.copy()
     parents[offset] = 0
     translation[offset] += 0.5
-    still = replace(rig, metadata={}, parents=parents, translation=translation)
+    still = replace(rig, metadata={}, parents=parents, translation=translation, clips=())
     assert (as_described(still, rig).translation == translation).all()  # no clip moves it
     track = Track(offset, "translation", "STEP", np.zeros(1), translation[[offset]])
-    found = as_described(replace(still, clips=(Clip("new", (track,)),)), rig, report=report)
+    sway = Track(0, "translation", "LINEAR", np.array([0.0, 1.0]), translation[[0, 0]] + np.eye(3)[:2])
+    clip = Clip("new", (track, sway) if moves else (track,))
+    found = as_described(replace(still, clips=(clip,)), rig, report=report)
+    if not moves:
+        assert not report.warnings
+        np.testing.assert_allclose(found.world[offset], rig.world[offset], atol=1e-6)
+        return
     assert {notice.code for notice in report.warnings} == {"rest-kept"}
     assert rig.names[offset] in report.warnings[0].text
     assert (found.translation[offset] == translation[offset]).all()
+
+
+def test_controls_that_a_dcc_has_made_bones_rest_where_the_other_file_has_them() -> None:
+    """Blender's USD has all bones of an armature in the skeleton, controls too, below its root."""
+    rig = biped()
+    own = [n for n in range(len(rig)) if rig.type_of(n) in ("control", "offset", "poleVector")]
+    bones = replace(
+        rig.skins[0], joints=np.array(own), inverse_bind=np.repeat(np.eye(4)[np.newaxis], len(own), axis=0)
+    )
+    top = rig.find("hips_root_ctl_offset")
+    parents, translation = rig.parents.copy(), rig.translation.copy()
+    parents[top] = rig.parents[rig.find("hips")]
+    translation[own] += 0.25
+    tracks = [Track(n, "translation", "STEP", np.zeros(1), translation[[n]]) for n in own]
+    shown = replace(
+        rig,
+        metadata={},
+        parents=parents,
+        translation=translation,
+        skins=(*rig.skins, bones),
+        clips=(Clip("frames", tuple(tracks)),),
+    )
+    assert shown.is_joint[own].all()
+    report = Report()
+    found = as_described(shown, rig, report=report)
+    assert not report.warnings
+    np.testing.assert_allclose(found.world[own], rig.world[own], atol=1e-6)
 
 
 def test_joints_that_a_path_refers_to_elsewhere_are_reported_with_the_reason() -> None:

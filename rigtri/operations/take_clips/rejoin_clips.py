@@ -11,7 +11,7 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import controls_at_work, skeleton_size
 from rigtri.evaluation.pose_cache import blocks, sample_parts
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import Timeline
+from rigtri.evaluation.timelines import Timeline, put_tracks, without_steps
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Path, Track
@@ -49,9 +49,9 @@ def joined(
     """
     report = report if report is not None else Report()
     known = ClipNames(described, rig, names or {}, report)
-    if known.one_timeline or any(isinstance(clip.key, tuple) for clip in rig.clips):
-        return rig
     both = Counterparts(described, rig)
+    if known.one_timeline or any(isinstance(clip.key, tuple) for clip in rig.clips):
+        return _one_with_original_keys(rig, known, both, between, report)
     clips: list[Clip | None] = list(rig.clips)
     for name, parts in known.together().items():
         homes = known.known.get(name, [])
@@ -79,13 +79,35 @@ def joined(
     return replace(rig, clips=tuple(clip for clip in clips if clip is not None))
 
 
+def _one_with_original_keys(
+    rig: Rig, known: ClipNames, both: Counterparts, between: float, report: Report
+) -> Rig:
+    """The rig with RIG's keys between frames where each file has one clip, as USD; its times stay."""
+    if len(known.ours) != 1 or len(known.theirs) != 1:
+        return rig
+    home, played = known.ours[0], known.theirs[0]
+    whole = Taken(home.name, home, played.clip, (played.name,), known.key)
+    tracks = _with_original_keys(both, whole, between, report, moves=False)
+    was = {(track.node, track.path): track for track in played.clip.tracks}
+    fresh = [track for track in tracks if was.get((track.node, track.path)) is not track]
+    if not fresh:
+        return rig
+    report.reposed = True
+    return put_tracks(rig, played, [without_steps(track) for track in fresh])
+
+
 def _is(parts: Sequence[Timeline], title: str) -> bool:
     """Whether clips are one that is called so already."""
     return len(parts) == 1 and title in (parts[0].clip.name, parts[0].name)
 
 
-def _with_original_keys(both: Counterparts, whole: Taken, between: float, report: Report) -> Sequence[Track]:
-    """The tracks of a clip in the time range of the other file's, with a warning about lost motion."""
+def _with_original_keys(
+    both: Counterparts, whole: Taken, between: float, report: Report, *, moves: bool = True
+) -> Sequence[Track]:
+    """The tracks of a clip in the time range of the other file's, with a warning about lost motion.
+
+    moves: whether the clip may start elsewhere; else it is left as it is where it does.
+    """
     tracks = whole.clip.tracks
     if whole.home is None or not both.of:
         return tracks
@@ -93,6 +115,8 @@ def _with_original_keys(both: Counterparts, whole: Taken, between: float, report
     try:
         settled = seen.settled()
     except GeometryError:  # its time is not known, so it stays
+        return tracks
+    if seen.clock.shift and not moves:
         return tracks
     restored = _restored(seen, settled)
     warn_lost_motion(seen, set(restored), between, report)
@@ -109,11 +133,9 @@ def _restored(seen: Comparison, ranges: Ranges | None) -> dict[tuple[int, Path],
     """Tracks with RIG's keys wherever EDITED agrees with them, by EDITED's node and path.
 
     An exporter writes a key a frame; RIG has more where a limb's motion is curved. Nothing is restored where
-    the two count time by another unit, or where keys of the one are none of the other.
+    keys of the one are none of the other.
     """
     found = dict[tuple[int, Path], Track]()
-    if seen.clock.factor != 1.0:
-        return found
     for was, theirs in (*seen.pairs, *seen.morphs):
         now = seen.clock.to_rig_time(theirs)
         changed, spline = seen.changes(was, now, theirs)
@@ -127,7 +149,7 @@ def _restored(seen: Comparison, ranges: Ranges | None) -> dict[tuple[int, Path],
         if np.array_equal(kept.times, now.times) and np.array_equal(kept.values, now.values):
             continue
         if (back := seen.transfer.back(kept)) is not None:
-            found[back.node, back.path] = back
+            found[back.node, back.path] = seen.clock.to_edited_unit(back)
     return found
 
 

@@ -14,8 +14,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.timelines import timelines
-from rigtri.maths.matrices import decompose, inverse, multiply
-from rigtri.maths.trigonometry import Floats
+from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.vectors import length
 from rigtri.model.metadata import ADDED, ControlRecord
 from rigtri.model.rig import Rig
@@ -29,14 +28,13 @@ from rigtri.operations.take_clips.ik_switches import (
 )
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.node_matching import Pairs, pairs
+from rigtri.operations.take_clips.restore_rest import with_rest_of
 from rigtri.operations.take_clips.unkeyed_poses import key_unkeyed_poses
 from rigtri.recognition.one_character import titles
 from rigtri.report import Report
 
 # Matrices that differ by less, moves as a share of the largest, went through another program's float32.
 _SAME = 1e-4
-# Where nothing stands otherwise than there but for rounding, there is nothing to report.
-_SAME_PLACE = 1e-5
 
 
 @operation(None)
@@ -94,7 +92,9 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         )
         return whole
     switched = switches(whole, {node: node for node in ik_ends(whole)})
-    rested = _rested(whole, described, {node: both.of[node] for node in stored if node in both.of}, report)
+    rested = with_rest_of(
+        whole, described, {node: both.of[node] for node in stored if node in both.of}, report
+    )
     whole = key_unkeyed_poses(whole, rested, described, both.of, report)
     whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)
     return hold_switched_on_ik(whole, switched, timelines(whole))
@@ -167,75 +167,3 @@ def _bound_otherwise(rig: Rig, described: Rig, of: Mapping[int, int]) -> list[st
         if turned or np.abs(here[3, :3] - there[3, :3]).max() * unit > _SAME * size:
             names.append(rig.title(own))
     return names
-
-
-def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
-    """The rig with its nodes ``of`` (those of the other by theirs) at rest where they are there.
-
-    Joints keep their own rest, and so does what no clip moves but controls, so that keys below it mean what
-    they did; all where there are no clips; and, with a warning, what has another parent there.
-    """
-    moving = {track.node for clip in rig.clips for track in clip.tracks}
-    ours, theirs_at = dict[int, Floats](), {node: _zero(described, node) for node in of}
-    translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
-    matrix, names, elsewhere = rig.matrix.copy(), [], []
-    size = float(np.abs(described.world[:, 3, :3]).max(initial=0.0)) or 1.0
-    for theirs, node in sorted(of.items(), key=lambda pair: pair[1]):
-        is_control = rig.type_of(node) == "control"
-        above = ours.get(int(rig.parents[node]), np.eye(4))
-        ours[node] = above if is_control else multiply(rig.local[node], above)
-        if not ((is_control and moving) or node in moving):  # of no clip, no frame is stored as rest
-            continue
-        if rig.is_joint[node] or rig.type_of(node) == "group":
-            continue
-        place, parent = described.local[theirs], theirs_at.get(int(described.parents[theirs]), np.eye(4))
-        moved = not is_control and np.abs(above - parent).max() > _SAME_PLACE * size
-        if moved:
-            place = multiply(theirs_at[theirs], inverse(above))
-        apart = np.abs(rig.local[node] - place)
-        same = bool(apart[:3].max() <= _SAME_PLACE and apart[3].max() <= _SAME_PLACE * size)
-        if not _same_above(rig, described, node, theirs):
-            elsewhere += [] if same else [rig.title(node)]
-            continue
-        names += [] if same else [rig.title(node)]
-        if not is_control:
-            ours[node] = multiply(place, above)
-        if moved or rig.has_matrix[node] or described.has_matrix[theirs]:
-            matrix[node] = place
-            translation[node], rotation[node], scale[node] = decompose(matrix[node])
-        else:
-            translation[node] = described.translation[theirs]
-            rotation[node], scale[node] = described.rotation[theirs], described.scale[theirs]
-    if names:
-        report.reposed = True  # lines of controls go along
-        report.added.append({"type": "described", "nodes": names})
-    if elsewhere:
-        text = f"The file of --rig has other parents for {list_names(elsewhere)}, and their rest pose is kept"
-        more = "For a file that a DCC has exported: rigtri take-clips RIG --from IN"
-        report.warn("rest-kept", f"{text}. {more}", geometry=True, names=elsewhere)
-    return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
-
-
-def _zero(rig: Rig, node: int) -> Floats:
-    """Where a node stands while all controls are zero, seen from what is not rigtri's, (4, 4)."""
-    place = np.eye(4)
-    while node >= 0 and rig.type_of(node) in ADDED:
-        if rig.type_of(node) != "control":
-            place = multiply(place, rig.local[node])
-        node = int(rig.parents[node])
-    return place
-
-
-def _same_above(rig: Rig, described: Rig, node: int, theirs: int) -> bool:
-    """Whether the parents of two nodes have one name; what changes no place is passed over."""
-    return _placing(rig, node) == _placing(described, theirs)
-
-
-def _placing(rig: Rig, node: int) -> str:
-    """The name of the nearest node above that places what is below it; "" for none."""
-    above = int(rig.parents[node])
-    while above >= 0 and rig.type_of(above) in ("", "group"):
-        if np.abs(rig.local[above] - np.eye(4)).max() > 1e-6:
-            break
-        above = int(rig.parents[above])
-    return rig.names[above] if above >= 0 else ""

@@ -81,6 +81,15 @@ class Clock:
             values = values * np.array([1.0 / self.factor, 1.0, 1.0 / self.factor])[:, np.newaxis]
         return replace(track, times=times, values=values)
 
+    def to_edited_unit(self, track: Track) -> Track:
+        """A track of the rig's, where it lies, with its times in EDITED's unit."""
+        if self.factor == 1.0:
+            return track
+        values = track.values
+        if track.interpolation == "CUBICSPLINE":
+            values = values * np.array([self.factor, 1.0, self.factor])[:, np.newaxis]
+        return replace(track, times=as_float32(track.times / self.factor), values=values)
+
 
 def _times_of(home: Timeline | None) -> list[Floats]:
     tracks = home.clip.tracks if home is not None else ()
