@@ -18,6 +18,7 @@ from rigtri.evaluation.sampling import locals_at, sample
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.operations.take_clips.time_ranges import cut, with_end_keys
 from rigtri.report import Report
@@ -178,3 +179,18 @@ def test_steps_become_samples_just_before_each_jump_in_usd(tmp_path: Path) -> No
     assert np.abs(held[0] - held[1]).max() < 1e-6
     there = locals_at(before, before.clips[0], np.array([6.0]))[0, arm]
     assert np.abs(locals_at(after, after.clips[0], np.array([6.0]))[0, arm] - there).max() < 1e-6
+
+
+def test_another_frame_rate_is_reported_where_time_codes_are_the_same(tmp_path: Path) -> None:
+    """Blender's import of USD leaves the frame rate of the scene, and its export writes that."""
+    text = (SAMPLES / "biped.usda").read_text("utf-8")
+    faster = tmp_path / "faster.usda"
+    faster.write_text(text.replace("timeCodesPerSecond = 24", "timeCodesPerSecond = 30"), "utf-8")
+    rig, edited, report = rig_of(SAMPLES / "biped.usda"), rig_of(faster), Report()
+    take_clips(rig, from_=edited, report=report)
+    assert notices(report) == ["other-range"]
+    assert "30 a second instead of 24" in report.warnings[0].text
+    assert "give the scene the frame rate 24" in report.warnings[0].text
+    report = Report()
+    joined(edited, rig, report=report)
+    assert notices(report) == ["other-range"]

@@ -1013,14 +1013,16 @@ def bring(given: str | None) -> None:
         bpy.ops.import_scene.gltf(filepath=str(found), disable_bone_shape=True)
     else:
         bpy.ops.wm.usd_import(filepath=str(found), import_guide=True)
-        play_at(RIG["keys"]["rate"])
 
 
 def play_at(rate: float) -> None:
     """Let frames of the scene be time codes of a USD file: its import leaves the frame rate as it is."""
     render = bpy.context.scene.render
-    render.fps = max(1, round(rate))
-    render.fps_base = render.fps / rate
+    before = render.fps / render.fps_base
+    if abs(before - rate) > 1e-3 * rate:
+        render.fps = max(1, round(rate))
+        render.fps_base = render.fps / rate
+        print(f"rigtri: the frame rate of the scene is that of the file now, {rate:g} (was {before:g})")
 
 
 def set_up(given: str | None = None, drive: float | None = None) -> int:
@@ -1046,6 +1048,8 @@ def set_up(given: str | None = None, drive: float | None = None) -> int:
     remove(nodes, master)
     if not kept.again:
         give_keys(nodes)
+        if not RIG["gltf"]:
+            play_at(RIG["keys"]["rate"])
     Setup(nodes, before if drive is None else drive, kept)
     bpy.context.view_layer.update()
     return len(RIG["constraints"])

@@ -116,6 +116,8 @@ def _with_original_keys(
         settled = seen.settled()
     except GeometryError:  # its time is not known, so it stays
         return tracks
+    if seen.clock.lost_rate:
+        report.warn("other-range", f"Clip '{whole.name}': {seen.clock.lost_rate}")
     if seen.clock.shift and not moves:
         return tracks
     restored = _restored(seen, settled)

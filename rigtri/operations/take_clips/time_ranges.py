@@ -36,6 +36,16 @@ class Clock:
             )
         self.factor = rig.rules.per_second / edited.rules.per_second
         self.shift = 0.0
+        # Why the two may differ in speed alone: the file came back with another frame rate.
+        self.lost_rate = ""
+        if taken.home is not None and edited.rules.raw_quaternions and self.factor != 1.0:
+            both = zip(span(taken.clip), span(taken.home.clip), strict=True)
+            if rig.rules.raw_quaternions and all(abs(a - b) <= MISSED for a, b in both):
+                self.lost_rate = (
+                    f"it has the time codes of RIG, at {edited.rules.per_second:g} a second instead of "
+                    f"{rig.rules.per_second:g}, so it plays at another speed: give the scene the frame rate "
+                    f"{rig.rules.per_second:g} and export it again"
+                )
         # Where the clip may be moved to when its start and its length are others: to RIG's start first.
         self.choices: tuple[float, ...] = ()
         # Where it may be moved to by less than that: Blender's NLA tracks come out one frame late.
@@ -113,6 +123,7 @@ class Ranges:
     taken: tuple[float, float]
     whole: bool
     reported: bool
+    lost_rate: str = ""
 
     def fitted(self, track: Track, own: tuple[float, float] | None) -> Track:
         """A track in the clip's range, or in that which EDITED's track has, ``own``: cut on its own curve, or
@@ -129,6 +140,7 @@ class Ranges:
         what = "it was taken as a whole" if self.whole else "what it has keys of was taken"
         return (
             f"'{name}' runs from {a:.6g} to {b:.6g} in EDITED and from {c:.6g} to {d:.6g} in RIG; {what}{now}"
+            f"{'; ' * bool(self.lost_rate)}{self.lost_rate}"
         )
 
 
@@ -171,7 +183,7 @@ def ranges(
         clock.settle(clock.choices[int(np.argmax(found))] if max(found) or most else 0.0)
     first, last = clock.times(np.array(there)).tolist()
     whole = differ() and most
-    return Ranges(ours, theirs, (first, last), whole, whole or bool(clock.choices))
+    return Ranges(ours, theirs, (first, last), whole, whole or bool(clock.choices), clock.lost_rate)
 
 
 def _agreeing(clock: Clock, shift: float, pairs: Sequence[Pair], same: Callable[[Pair], bool]) -> int:
