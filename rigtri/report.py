@@ -62,6 +62,7 @@ class Report:
     the self-check then compares with the rig in memory. rekeyed: it gives joints other keys or another rest
     pose, and clips look as before, but for ``moves``, the keys of nodes that move on purpose.
     records: whether joints are recorded; a batch, where nobody reads them, has warnings only.
+    answered: codes of warnings that another file's data has made void; see `answer`.
     """
 
     joints: list[dict[str, Any]] = field(default_factory=list)
@@ -74,6 +75,7 @@ class Report:
     rekeyed: bool = False
     moves: set[Hashable] = field(default_factory=set)
     records: bool = True
+    answered: set[str] = field(default_factory=set)
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 
     def warn(
@@ -93,9 +95,14 @@ class Report:
         if len(self._known) != len(self.warnings):
             self._known = set(self.warnings)
         for notice in notices:
-            if notice not in self._known:
+            if notice not in self._known and notice.code not in self.answered:
                 self._known.add(notice)
                 self.warnings.append(notice)
+
+    def answer(self, *codes: str) -> None:
+        """Drop warnings of some codes, now and later: what the file lacks has come from another one."""
+        self.answered.update(codes)
+        self.warnings[:] = [notice for notice in self.warnings if notice.code not in codes]
 
     def refuse_warnings(self) -> None:
         """GeometryError for the first of the warnings, where there are any: what ``--strict`` asks for."""
@@ -107,6 +114,7 @@ class Report:
         """Add the records and warnings of another report."""
         for name in (*(("joints",) if self.records else ()), "limbs", "added", "removed"):
             getattr(self, name).extend(getattr(other, name))
+        self.answer(*other.answered)
         self.extend(other.warnings)
         for key, columns in other.morph_changes.items():
             self.morph_changes.setdefault(key, set()).update(columns)

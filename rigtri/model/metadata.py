@@ -399,6 +399,8 @@ RECORDS: Mapping[str, type[Record]] = {
 }
 # Types of nodes that are there only because rigtri has added them.
 ADDED = frozenset(RECORDS) - {FrameRecord.type}
+# Codes of warnings about what exporters drop of metadata; the file that was exported has it.
+EXPORT_WARNINGS = ("note-damaged", "rest-lost")
 
 
 Place = tuple[str | int, ...]

@@ -20,6 +20,7 @@ from rigtri.files.text_files import check_utf8_path
 from rigtri.formats import USD_SUFFIXES, Document, ReadOptions, output_suffixes, read
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
+from rigtri.model.metadata import EXPORT_WARNINGS
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import from_keywords, with_keywords
 from rigtri.pipeline.rig_checks import check_numbers, check_order
@@ -135,7 +136,9 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
         needed = _needed(document, path, final, options)
         for place in (*request.side_files, *(() if request.to_stdout else (final,))):
             check_not_an_input(place, needed)
-        _take_warnings(document, report, request.strict)
+        # What exporters drop may come from another file yet.
+        lost = [notice for notice in document.warnings if notice.code in EXPORT_WARNINGS]
+        _take_warnings(document, report, request.strict and not lost)
         clock.lap("read")
         begin_stage("edit")
         rig = step(document.rig, report)

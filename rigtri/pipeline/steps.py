@@ -12,6 +12,7 @@ from rigtri.errors import LIST_NAMES, NameNotFoundError, RigtriError
 from rigtri.files.input_stream import opened
 from rigtri.files.text_files import check_plain, json_of, rows_of
 from rigtri.formats import Document, ReadOptions, read
+from rigtri.model.metadata import EXPORT_WARNINGS
 from rigtri.model.options import Option, options_of
 from rigtri.model.rig import Rig
 from rigtri.operations.registry import operation
@@ -41,8 +42,8 @@ def applied(name: str, options: Any, reading: ReadOptions) -> Step:
             read_files = _Files(reading, open_files)
             contents = {one.name: read_files.content(one, path) for one, path in files.items()}
             result = operation(name)(rig, options=replace(options, **contents), report=report)
-        for document in read_files.edited:
-            report.extend(document.warnings)
+        for document in read_files.edited:  # whose metadata nobody uses
+            report.extend(n for n in document.warnings if n.code not in EXPORT_WARNINGS)
         return result
 
     return step

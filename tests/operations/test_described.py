@@ -342,3 +342,31 @@ def test_an_offset_without_a_default_is_reported(tmp_path: Path) -> None:
     (notice,) = [n for n in read(tmp_path / "bare.usda").warnings if n.code == "rest-lost"]
     assert pole.GetName() in notice.text
     assert "--rig" in notice.text
+
+
+def test_what_an_exporter_has_dropped_is_no_damage_where_the_other_file_has_it(tmp_path: Path) -> None:
+    """Blender's USD keeps the words of a constraint, and neither its numbers nor its lists."""
+    rigged, edited, out = (str(tmp_path / f"{name}.usda") for name in ("rigged", "edited", "out"))
+    cli("add-controls", SAMPLES / "biped.usda", "-o", out, "--whole-character", "-q", code=0)
+    spaces = ("--child", "hand_R_ik_ctl", "--space", "root", "--space", "chest", "--switch", "walk@12=chest")
+    cli("constrain", out, "-o", rigged, *spaces, "-q", code=0)
+    stage = Usd.Stage.Open(rigged)
+    for prim in stage.TraverseAll():
+        for name in ("rigtri:weights", "rigtri:offsets"):
+            prim.RemoveProperty(name)
+        weight = prim.GetAttribute("xformOp:translate")
+        if "_weight_" in prim.GetName() and weight:
+            weight.ClearDefault()
+    stage.Export(edited)
+    told = cli("bake", edited, "-o", out, "--overwrite").stderr
+    assert "is damaged and is not used" in told
+    assert "no rest position of 'hand_R_ik_ctl_offset_weight" in told
+    for line in (
+        ("bake", edited, "-o", out, "--rig", rigged),
+        ("bake", edited, "-o", out, "--rig", rigged, "--strict"),
+        ("take-clips", rigged, "--from", edited, "-o", out),
+    ):
+        told = cli(*line, "--overwrite", code=0).stderr
+        assert "damaged" not in told
+        assert "rest position" not in told
+        assert "replaced by" not in told

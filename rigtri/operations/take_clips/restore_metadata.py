@@ -16,7 +16,7 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.timelines import timelines
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.vectors import length
-from rigtri.model.metadata import ADDED, ControlRecord
+from rigtri.model.metadata import ADDED, EXPORT_WARNINGS, ControlRecord, damage
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.take_clips.bind_space import bind_poses
@@ -76,6 +76,8 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
             f"This file does not have {list_names(names)} of the file of --rig",
             names=names,
         )
+    elif not any(damage(stored) for node, stored in rig.metadata.items() if node not in found):
+        report.answer(*EXPORT_WARNINGS)
     _warn_other_metadata(rig, found, report)
     whole = replace(rig, metadata={**rig.metadata, **found})
     _refuse_strange_joints(whole, found, described, report)
@@ -114,7 +116,8 @@ def _refuse_lost_keys(rig: Rig, both: Pairs, ours: Collection[int], missing: lis
 
 def _warn_other_metadata(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
     """A warning where the file has other metadata of its own."""
-    names = [rig.title(node) for node, own in found.items() if rig.metadata.get(node, own) != own]
+    stored = {node: rig.metadata[node] for node in found if node in rig.metadata}
+    names = [rig.title(node) for node, own in stored.items() if own != found[node] and not damage(own)]
     if names:
         text = f"The metadata of {list_names(names)} in this file is replaced by that of the file of --rig"
         report.warn("described-anew", text, names=names)
