@@ -48,7 +48,8 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     if not stored:
         raise GeometryError("The file of --rig has nothing of rigtri's: no controls, poles or constraints")
     both = pairs(described, rig)
-    found = {both.of[node]: own for node, own in stored.items() if node in both.of}
+    shared = {node: both.of[node] for node in stored if node in both.of}
+    found = {node: stored[theirs] for theirs, node in shared.items()}
     # A group only holds the others; as a Scope without metadata it is no node.
     others = [node for node in stored if described.type_of(node) != "group"]
     missing = [node for node in others if node not in both.of]
@@ -94,9 +95,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         )
         return whole
     switched = switches(whole, {node: node for node in ik_ends(whole)})
-    rested = with_rest_of(
-        whole, described, {node: both.of[node] for node in stored if node in both.of}, report
-    )
+    rested = with_rest_of(whole, described, shared, report)
     whole = key_unkeyed_poses(whole, rested, described, both.of, report)
     whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)
     return hold_switched_on_ik(whole, switched, timelines(whole))

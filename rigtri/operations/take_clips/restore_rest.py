@@ -23,6 +23,7 @@ from rigtri.report import Report
 
 # Where nothing stands otherwise than there but for rounding, there is nothing to report.
 _SAME_PLACE = 1e-5
+_SAME_AXES = np.eye(4)
 
 
 def with_rest_of(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
@@ -33,44 +34,24 @@ def with_rest_of(rig: Rig, described: Rig, of: Mapping[int, int], report: Report
     there and cannot be placed by the worlds of both files.
     """
     moving = {track.node for clip in rig.clips for track in clip.tracks}
-    worlds = _Worlds(rig, described)
-    # Zero poses seen from what is not rigtri's, and what takes those of the other to the rig's.
-    ours, theirs_at = dict[int, Floats](), {node: _zero(described, node) for node in of}
-    between = dict[int, Floats]()
+    zero = _ZeroPoses(rig, described, of)
     translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
     matrix, names, elsewhere = rig.matrix.copy(), [], []
-    size = float(np.abs(described.world[:, 3, :3]).max(initial=0.0)) or 1.0
     for theirs, node in sorted(of.items(), key=lambda pair: pair[1]):
+        zero.enter(node, theirs)
         is_control = rig.type_of(node) == "control"
-        above = ours.get(int(rig.parents[node]), np.eye(4))
-        ours[node] = above if is_control else multiply(rig.local[node], above)
-        their_parent = int(described.parents[theirs])
-        between[theirs] = between.get(their_parent, np.eye(4))
-        parent = multiply(theirs_at.get(their_parent, np.eye(4)), between[theirs])
-        same_above = _same_above(rig, described, node, theirs)
-        if not same_above:
-            between[theirs] = multiply(inverse(theirs_at[theirs]), ours[node])
         if not ((is_control and moving) or node in moving):  # of no clip, no frame is stored as rest
             continue
         if rig.type_of(node) == "group":
             continue
-        place = described.local[theirs]
-        moved = not is_control and np.abs(above - parent).max() > _SAME_PLACE * size
-        if not same_above:
-            seen, moved = worlds.local_of(node, theirs), True
-            if seen is None:
-                if not _same(rig.local[node], place, size):
-                    elsewhere.append(rig.title(node))
-                continue
-            place = seen
-            between[theirs] = multiply(inverse(theirs_at[theirs]), multiply(place, above))
-        elif moved:
-            place = multiply(multiply(theirs_at[theirs], between[theirs]), inverse(above))
-        if not _same(rig.local[node], place, size):
-            names.append(rig.title(node))
-        if not is_control:
-            ours[node] = multiply(place, above)
-        if moved or rig.has_matrix[node] or described.has_matrix[theirs]:
+        place = zero.place(node, theirs)
+        same = _same(rig.local[node], described.local[theirs] if place is None else place, zero.size)
+        if place is None:
+            elsewhere += [] if same else [rig.title(node)]
+            continue
+        names += [] if same else [rig.title(node)]
+        own = np.array_equal(place, described.local[theirs])
+        if not own or rig.has_matrix[node] or described.has_matrix[theirs]:
             matrix[node] = place
             translation[node], rotation[node], scale[node] = decompose(matrix[node])
         else:
@@ -84,6 +65,51 @@ def with_rest_of(rig: Rig, described: Rig, of: Mapping[int, int], report: Report
         more = "For a file that a DCC has exported: rigtri take-clips RIG --from IN"
         report.warn("rest-kept", f"{text}. {more}", geometry=True, names=elsewhere)
     return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
+
+
+class _ZeroPoses:
+    """Where nodes of both files stand while controls are zero, each seen from what is not rigtri's.
+
+    Nodes are entered parents first. between: what takes the other file's poses to the rig's, by node.
+    """
+
+    def __init__(self, rig: Rig, described: Rig, of: Mapping[int, int]) -> None:
+        self.rig, self.described = rig, described
+        self.ours, self.between = dict[int, Floats](), dict[int, Floats]()
+        self.theirs = {node: _zero(described, node) for node in of}
+        self.size = float(np.abs(described.world[:, 3, :3]).max(initial=0.0)) or 1.0
+        self.worlds = _Worlds(rig, described)
+
+    def enter(self, node: int, theirs: int) -> None:
+        """Note a node where it rests."""
+        self._put(node, theirs, self.rig.local[node])
+
+    def _put(self, node: int, theirs: int, local: Floats) -> None:
+        above = self._above(node)
+        self.ours[node] = above if self.rig.type_of(node) == "control" else multiply(local, above)
+        self.between[theirs] = self.between.get(int(self.described.parents[theirs]), _SAME_AXES)
+        if not _same_above(self.rig, self.described, node, theirs):
+            self.between[theirs] = multiply(inverse(self.theirs[theirs]), self.ours[node])
+
+    def _above(self, node: int) -> Floats:
+        return self.ours.get(int(self.rig.parents[node]), _SAME_AXES)
+
+    def place(self, node: int, theirs: int) -> Floats | None:
+        """The local matrix, (4, 4), with which a node stands where it does there; None where that is unknown.
+
+        That of the other file itself where nothing above stands otherwise.
+        """
+        parent, above, between = int(self.described.parents[theirs]), self._above(node), self.between[theirs]
+        place: Floats | None = self.described.local[theirs]
+        if not _same_above(self.rig, self.described, node, theirs):
+            place = self.worlds.local_of(node, theirs)
+        elif self.rig.type_of(node) != "control":
+            there = multiply(self.theirs.get(parent, _SAME_AXES), between)
+            if np.abs(above - there).max() > _SAME_PLACE * self.size:
+                place = multiply(multiply(self.theirs[theirs], between), inverse(above))
+        if place is not None:
+            self._put(node, theirs, place)
+        return place
 
 
 class _Worlds:
