@@ -240,6 +240,7 @@ class _Writer:
             if alone:
                 self._prototypes[primitive.shared] = path
         self._name(prim, primitive.name, prim.GetName())
+        self._hide(prim, node, above)
         if primitive.material is not None:
             UsdShade.MaterialBindingAPI.Apply(prim).Bind(
                 UsdShade.Material.Get(self.stage, self._bound[primitive.material])
@@ -247,6 +248,11 @@ class _Writer:
         if skeleton is not None:
             self._bind(prim, primitive, node, skeleton)
         return path
+
+    def _hide(self, prim: Any, node: int, above: Mapping[int, str]) -> None:
+        """Hide what a node shows that is hidden and has no prim of its own: a joint, or below one."""
+        if node in self.scene.hidden and node not in above:
+            UsdGeom.Imageable(prim).MakeInvisible()
 
     def _moved_by(self, node: int, mesh: Mesh) -> Skeleton | None:
         """The Skeleton that moves a mesh of a node, None for none."""
@@ -349,6 +355,8 @@ class _Writer:
                 prim = define(self.stage, f"{holder or self.root}/{word}", lens, self.scene)
                 if prim is not None:
                     self._name(prim.GetPrim(), lens.name, word)
+                    if lenses is self.scene.lights:  # what is hidden can be looked from
+                        self._hide(prim.GetPrim(), node, above)
                     self.result.primitives.setdefault(node, []).append(str(prim.GetPath()))
                     if holder is None:
                         self._bake(prim, node)

@@ -432,3 +432,24 @@ def test_turns_that_openusd_plays_unevenly_are_listed(degrees: float, start: flo
     assert ("slow rotations of prop" in told) == (off > 1e-5)
     if off > 1e-5:
         assert float(told.partition("up to ")[2].partition(" rad")[0]) == pytest.approx(off, rel=0.05)
+
+
+def test_what_hangs_on_a_hidden_joint_is_hidden_and_its_camera_can_be_looked_through(tmp_path: Path) -> None:
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    names = [node["name"] for node in gltf["nodes"]]
+    lamp, light = {"light": 0}, {"type": "point", "name": "lamp"}
+    gltf["extensionsUsed"] = ["KHR_node_visibility", "KHR_lights_punctual"]
+    gltf["extensions"] = {"KHR_lights_punctual": {"lights": [light]}}
+    for name in ("hand_R", "head"):
+        gltf["nodes"][names.index(name)]["extensions"] = {"KHR_node_visibility": {"visible": False}}
+    gltf["nodes"][names.index("fingers_R")]["extensions"] = {"KHR_lights_punctual": lamp}
+    (tmp_path / "in.glb").write_bytes(glb_bytes(gltf, binary))
+    rigtri.convert(tmp_path / "in.glb", tmp_path / "out.usda")
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    prims = [UsdGeom.Imageable(prim) for prim in stage.Traverse() if prim.GetTypeName() not in ("Shader", "")]
+    seen = {prim.GetPrim().GetName(): prim.ComputeVisibility() != "invisible" for prim in prims}
+    assert [name for name, shown in seen.items() if not shown] == ["staff_1", "lamp"]
+    rigtri.convert(tmp_path / "out.usda", tmp_path / "back.glb")
+    nodes = glb_json(tmp_path / "back.glb")["nodes"]
+    hidden = [n["name"] for n in nodes if "KHR_node_visibility" in n.get("extensions", {})]
+    assert sorted(hidden) == ["lamp", "staff"]
