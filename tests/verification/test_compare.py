@@ -137,6 +137,22 @@ def test_what_is_not_a_number_in_one_only_is_infinitely_apart() -> None:
     assert result.as_json()["deviation"] is None
 
 
+def test_a_mesh_without_a_number_in_both_is_said_to_be_unmeasured() -> None:
+    held = character()
+    body = replace(held.drawn[0], points=np.full_like(held.drawn[0].points, np.nan))
+    before = replace(held, drawn=(body, *held.drawn[1:]))
+    result = verify(before, opened_again(turned(before)))
+    (gone,) = result.unmeasured
+    assert result.passes()
+    assert result.worst is not None
+    assert result.as_json()["meshes"][gone] is None
+    line = f"{gone}: nothing could be measured, nothing of it is a number in either file"
+    assert line in result.describe()
+    assert f"nothing could be measured of {gone}" in result.summary()
+    assert len(result.per_mesh) > 1
+    assert verify(held, opened_again(turned(held))).unmeasured == []
+
+
 def test_a_joint_that_is_not_a_number_in_one_only_is_infinitely_apart() -> None:
     before = character()
     assert self_check(before, replace(before, rig=nudged(before.rig, ARM, np.nan))).deviation == np.inf

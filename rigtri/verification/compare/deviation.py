@@ -44,6 +44,7 @@ _POINTS_BLOCK = 1 << 23
 class Deviation:
     """The largest distances of ``probes`` so far, as shares of ``sizes``: of the rows of each, (r,).
 
+    owners, clips: the largest of each, NaN where none could be measured.
     distance: the one that is the largest share, in file units. size: that of what it is of.
     """
 
@@ -61,16 +62,16 @@ class Deviation:
         self.poses += len(poses.times)
         for probe, size in zip(self.probes, self.sizes, strict=True):
             shares = probe.distances(poses) / size[:, np.newaxis]
-            rows = shares.max(axis=1)
+            rows = np.fmax.reduce(shares, axis=1)
             for owner, row in zip(probe.owners, rows.tolist(), strict=True):
                 if owner:
-                    self.owners[owner] = max(self.owners.get(owner, 0.0), row)
-            largest = float(rows.max())
+                    self.owners[owner] = float(np.fmax(self.owners.get(owner, np.nan), row))
+            largest = float(np.fmax.reduce(rows))
             if clip:
-                self.clips[clip] = max(self.clips.get(clip, 0.0), largest)
-            if self.worst is None or largest > self.largest:
+                self.clips[clip] = float(np.fmax(self.clips.get(clip, np.nan), largest))
+            if largest > self.largest or (self.worst is None and not np.isnan(largest)):
                 self.largest = largest
-                row, time = np.unravel_index(np.argmax(shares), shares.shape)
+                row, time = np.unravel_index(np.nanargmax(shares), shares.shape)
                 self.size = float(size[int(row)])
                 self.distance = largest * self.size
                 self.worst = Worst(probe.titles[int(row)], clip, float(poses.times[time]))

@@ -51,7 +51,7 @@ class Probe(Protocol):
         """The nodes of the first rig that place the rows, (r,)."""
 
     def distances(self, poses: SampledPoses) -> Floats:
-        """(r, f), in file units; inf where only one of the two is a number."""
+        """(r, f), in file units; inf where only one of the two is a number, NaN where none is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class FramePoints:
             for world, nodes, points in zip((poses.before, poses.after), self.nodes, self.points, strict=True)
         )
         gone = np.logical_and(*broken)
-        return np.where(gone, 0.0, np.where(np.isfinite(distance), distance, np.inf))
+        return np.where(gone, np.nan, np.where(np.isfinite(distance), distance, np.inf))
 
 
 def _placed(world: Floats, points: Floats) -> Floats:
@@ -144,7 +144,8 @@ class MeshPoints:
             here, there = (np.isfinite(points).all(axis=2) for points in (mine, theirs))
             distance = np.where(here & there, length(mine - theirs), 0.0)
         distance = np.where(here == there, distance, np.inf)
-        return np.asarray(distance.max(axis=1, initial=0.0).reshape(1, -1))
+        seen = np.any(here | there, axis=1) | (not here.shape[1])
+        return np.where(seen, distance.max(axis=1, initial=0.0), np.nan).reshape(1, -1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,12 +13,13 @@ import numpy as np
 
 from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
-from rigtri.text import plain_lines
+from rigtri.text import and_more, plain_lines
 
 # Quaternions stored as float32 are unit within this.
 UNIT = 1e-6
 # Rotations further off show something else where they are not normalised; readers name them.
 VISIBLY_NON_UNIT = 1e-4
+_NO_NUMBERS = "nothing of it is a number in either file"
 
 
 @dataclass(frozen=True)
@@ -81,10 +82,11 @@ class Comparison:
     the source's rotations; raw_deviation: what renderers show that do not
     normalise them (equal to ``deviation`` where all are unit); raw_counts: the format's own
     viewer is one of these. per_mesh, per_clip:
-    deviation by title. poses: how many were evaluated; 0 where both are the same to
-    the bit. lost, added, changed: `correspondence.Correspondence`. different: what looks
-    different whatever the pose (`compare.scene_facts`). boxed: meshes of which only some points
-    were looked at, and the box that the file states for all.
+    deviation by title, NaN where nothing in it is a number in either file. poses: how many were
+    evaluated; 0 where both are the same to the bit. lost, added, changed:
+    `correspondence.Correspondence`. different: what looks different whatever the pose
+    (`compare.scene_facts`). boxed: meshes of which only some points were looked at, and the box that
+    the file states for all.
 
     What an edit declares to change (`expected_result.ExpectedResult`) is not in the deviation, and measured
     by itself, relative to ``diagonal``: moved: how far twist joints, turning, move vertices; None where no
@@ -122,6 +124,11 @@ class Comparison:
         """Whether all that was there is the same to the bit, so that no pose had to be evaluated."""
         declared = self.moved is not None or self.driven or self.motion is not None
         return not (self.poses or declared or self.lost or self.changed or self.different)
+
+    @property
+    def unmeasured(self) -> list[str]:
+        """The meshes of which nothing of it is a number in either file, in any pose."""
+        return [name for name, share in self.per_mesh.items() if np.isnan(share)]
 
     @property
     def measured(self) -> bool:
@@ -187,6 +194,8 @@ class Comparison:
                 f"; rotations as stored: {self.raw_deviation:.2g}, off unit length "
                 f"by {self.denormalisation:.2g}"
             )
+        if self.unmeasured:
+            line += f"; nothing could be measured of {and_more(self.unmeasured, 3)}: {_NO_NUMBERS}"
         if self.boxed:
             line += f"; {len(self.boxed)} large meshes bounded by their boxes"
         if self.moved is not None:
@@ -221,11 +230,18 @@ class Comparison:
                 f"normalised; the source's are off unit length by {self.denormalisation:.2g}"
             )
         for kind, table in (("mesh", self.per_mesh), ("clip", self.per_clip)):
-            rows = sorted(table.items(), key=lambda row: -row[1])
-            lines += [f"{kind:<12}{value:<8.2g}  {name}" for name, value in _first(rows, verbose)]
+            rows = sorted(table.items(), key=lambda row: -np.nan_to_num(row[1], nan=np.inf))
+            lines += [_row(kind, name, value) for name, value in _first(rows, verbose)]
         for label in ("lost", "different", "added", "changed"):
             lines += [f"{label:<12}{what}" for what in _first(getattr(self, label), verbose)]
         return plain_lines(lines)
+
+
+def _row(kind: str, name: str, value: float) -> str:
+    """A line of a table."""
+    if np.isnan(value):
+        return f"{kind:<12}{'-':<8}  {name}: nothing could be measured, {_NO_NUMBERS}"
+    return f"{kind:<12}{value:<8.2g}  {name}"
 
 
 def _largest(shares: Mapping[str, float]) -> tuple[str, float]:
