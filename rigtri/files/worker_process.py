@@ -32,7 +32,8 @@ from rigtri.files.temp_dirs import adopt, root
 
 T = TypeVar("T")
 
-# What the server of children has loaded already, so that a new child costs milliseconds.
+# What the server of children has loaded already, so that a new child costs milliseconds. None of it may start
+# threads: a child has none of them, but the locks that they held.
 PRELOADED = ["rigtri.pipeline.edit", "rigtri.formats.gltf.document", "rigtri.formats.usd.document"]
 
 # How many more objects there must be before rings of them are looked for, and how often that must have

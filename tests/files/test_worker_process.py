@@ -17,7 +17,8 @@ import pytest
 from places import ci
 
 from rigtri.errors import FileError
-from rigtri.files.worker_process import CrashError, WorkerProcess
+from rigtri.files.worker_process import PRELOADED, CrashError, WorkerProcess
+from rigtri.pipeline.batch.local_engine import PRELOADED as BATCH
 
 SERVED = pytest.mark.skipif(
     "forkserver" not in multiprocessing.get_all_start_methods(),
@@ -197,3 +198,20 @@ def test_an_interrupt_at_any_time_ends_the_program_in_our_words(
     text = f"import os, signal, sys; {heard}; import {line.format(now, soon)}"
     done = subprocess.run([sys.executable, "-c", text, "build"], capture_output=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (code, f"\nrigtri: {word}\n".encode())
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="this system does not list threads")
+def test_what_the_server_of_processes_has_loaded_has_started_no_thread() -> None:
+    """A fork copies locks that threads hold, and no thread to let them go."""
+    count = f"""
+import os
+from importlib import import_module
+for name in {[*PRELOADED, *BATCH]!r}:
+    import_module(name)
+print(len(os.listdir("/proc/self/task")))
+"""
+    alone = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}  # it looks after forks itself
+    done = subprocess.run(
+        [sys.executable, "-c", count], capture_output=True, text=True, check=True, env=alone
+    )
+    assert done.stdout == "1\n"

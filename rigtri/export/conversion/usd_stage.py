@@ -21,6 +21,7 @@ from rigtri.export.conversion.usd_materials import MaterialWriter
 from rigtri.export.conversion.usd_names import Names, distinct, node_identifiers
 from rigtri.export.conversion.usd_samples import motion_times, rate_of
 from rigtri.export.conversion.usd_skeletons import Skeleton, plan_skeletons
+from rigtri.formats.usd.codeless_schemas import register_usd_schemas
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.identifiers import identifier
 from rigtri.maths.arrays import Integers
@@ -79,6 +80,7 @@ class _Writer:
         self.scene, self.rig, self.look = scene, scene.rig, look
         self.rate = look.rate or rate_of(self.rig.clips)
         layer = layers.empty()
+        register_usd_schemas()
         self.stage = Usd.Stage.Open(layer)
         self.result = WrittenStage(layer, self.rate)
         self.clip: Clip | None = self.rig.clips[0] if self.rig.clips else None

@@ -1,11 +1,7 @@
-"""USD files. Importing this makes the API schemas of rigtri's own prims known to USD.
+"""USD files: `document` reads a file and writes it.
 
-`document` reads a file and writes it; everything below imports one way: `run_passes` (the list of
-passes) and `layer_writer` (where edits are written) → `passes` → `opinions` → `reading` → `composition` →
-`crate`, `text` and `usdz`, which know bytes alone. What both formats need belongs into `formats`, what no
-file is about into `model`; operations are not known here.
+Everything below imports one way: `run_passes` (the list of passes) and `layer_writer` (where edits are
+written) → `passes` → `opinions` → `reading` → `composition` → `crate`, `text` and `usdz`, which know
+bytes alone. What both formats need belongs into `formats`, what no file is about into
+`model`; operations are not known here.
 """
-
-from rigtri.formats.usd.codeless_schemas import register_usd_schemas
-
-register_usd_schemas()

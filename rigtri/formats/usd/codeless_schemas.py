@@ -22,8 +22,9 @@ _ONE = "RigtriControlAPI"
 def register_usd_schemas() -> None:
     """Let USD know the schemas of rigtri's prims: to be called before the first stage is opened.
 
-    Reading a USD file by rigtri does it, too. Later than that nothing helps: then a UserWarning comes
-    with the first stage that rigtri opens.
+    Reading and writing a USD file by rigtri does it, too; importing rigtri does not, for USD starts threads
+    for it, and a process that has some cannot be forked safely. Later than that nothing helps: then a
+    UserWarning comes with the first stage that rigtri opens.
     """
     folder = Path(str(files("rigtri.schemas"))) / "usd"
     if folder.is_dir():

@@ -108,6 +108,7 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
     its folder (unless ``allow_external``) or to damaged layers (unless ``allow_missing``), or for more prims
     than can be read.
     """
+    codeless_schemas.register_usd_schemas()
     check_utf8_path(path.absolute())
     if not path.is_file():
         raise FileError(f"{path}: there is no such file.")
