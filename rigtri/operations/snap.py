@@ -60,7 +60,7 @@ def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
 
     What was done to each limb goes to ``report.added``, with how far its joints have moved. Raises
     UsageError, NameNotFoundError, GeometryError (no such limb, no FK controls,
-    an IK end that follows a constraint).
+    an IK end that follows a constraint, one below what it moves).
     """
     return in_rig_space(rig, lambda seen: _snapped(seen, options, report))
 
@@ -196,6 +196,7 @@ class _Limb:
         limb = next(limb for limb in self.reference.limbs if limb.chain == self.chain)
         rolling = self._at_work(self.rig).intersection(limb.pivots)
         solver = Solver(self.rig, {limb.control, *rolling}, self.reference)
+        _ = solver.steps  # ControlCycleError where the end hangs on what it moves
         return next(ik for ik in solver.limbs if ik.limb.chain == self.chain)
 
     def _fks(self, ik: Ik) -> dict[int, Fk]:

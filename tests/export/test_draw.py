@@ -148,6 +148,15 @@ def test_controls_and_pole_vectors_of_the_file_are_drawn_where_they_stand() -> N
     assert 'style="stroke:#' in draw(rig)
 
 
+def test_pole_vectors_of_joints_without_a_place_are_drawn_where_they_stand() -> None:
+    rig = _poles(_controls(read(SAMPLES / "biped.glb").rig, Report()), Report())
+    scale = rig.scale.copy()
+    scale[rig.nodes_of("control", "offset")] = 0.0
+    svg = draw(replace(rig, scale=scale))
+    assert "nan" not in svg
+    assert "forearm_L_pole" in svg
+
+
 def test_a_pose_moves_what_it_moves() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     clip = rig.clips[0]

@@ -28,6 +28,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
+from rigtri.operations.options.snap import IkOrFk
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.operations.snap import SnapOptions, snap
 from rigtri.report import Report
@@ -267,6 +268,16 @@ def test_a_time_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
         for track, same in zip(clip.tracks, other.tracks, strict=True):
             np.testing.assert_array_equal(track.times, same.times)
             np.testing.assert_array_equal(track.values, same.values)
+
+
+@pytest.mark.parametrize("to", ["ik", "fk"])
+def test_controls_below_a_joint_that_they_move_are_reported(to: IkOrFk) -> None:
+    rig = posed_by_ik()
+    parents = rig.parents.copy()
+    parents[rig.find("rigtri_controls")] = rig.find("hand_L")
+    options = SnapOptions(limb=(ARM,), to=to, at=("rest",))
+    with pytest.raises(GeometryError, match="'hand_L' → 'hand_L_ik_ctl'"):
+        snap(replace(rig, parents=parents), options=options, report=Report())
 
 
 def test_what_cannot_be_snapped_is_reported() -> None:

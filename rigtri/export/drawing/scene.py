@@ -185,7 +185,9 @@ def _located(scene: Scene, middle: int, pole: int) -> Iterator[Mark]:
     name = scene.rig.names[pole] or scene.rig.labels[pole]
     yield Mark("arrow", "pole", ends, address, size=far)
     text = f"pole vector {scene.rig.title(pole)}"
-    yield Mark("dot", "locator", ends[1:], address, name, text, size=_DOT * min(far, scene.size() * _LONG))
+    # The joint may have no place: then the pole vector is drawn alone.
+    dot = _DOT * float(np.fmin(far, scene.size() * _LONG))
+    yield Mark("dot", "locator", ends[1:], address, name, text, size=dot)
 
 
 def limbs(rig: Rig) -> dict[tuple[int, int, int], int]:
