@@ -67,13 +67,35 @@ def hand_hinges(
     at: Floats,
     body: tuple[Floats, Floats] | None,
 ) -> Iterator[tuple[int, Hinge]]:
-    """The hinge that the fingers of each hand and its wrist share, and the thumb's own.
+    """The hinge that the fingers of each hand and its wrist share, and the thumb's own, of all hands.
 
     sides: of the hands, and whether each is a left one, None where nobody knows. at: the places of all
     nodes, (n, 3). body: where it faces and its up, (3,) each; None for a hand alone.
     """
-    found = (_posed_hand(chains, side, is_left, at, body) for side, is_left in sides.items())
-    hands = [hand for hand in found if hand is not None]
+    hands = {side: _by_hand(chains, side) for side in sides}
+    for number in range(max(map(len, hands.values()), default=0)):
+        pair = ((sides[side], own[number]) for side, own in hands.items() if number < len(own))
+        found = (_posed_hand(own, is_left, at, body) for is_left, own in pair)
+        yield from _pair_hinges([hand for hand in found if hand is not None])
+
+
+def _by_hand(chains: Sequence[Chain], side: Side) -> list[list[Chain]]:
+    """The chains of each hand of a side, with its arm and the fingers that follow it, in order."""
+    own = [k for k in chains if k.kind in ("finger", "hand", "arm") and k.side == side]
+    hands = [k for k in own if k.kind == "hand"]
+    if len(hands) < 2:
+        return [own]
+    found = [[k for k in own if k.kind == "arm" and k.bend[2:] == hand.joints[:1]] for hand in hands]
+    number = -1
+    for chain in own:
+        number += chain.kind == "hand"
+        if chain.kind != "arm" and number >= 0:
+            found[number].append(chain)
+    return found
+
+
+def _pair_hinges(hands: Sequence[_PosedHand]) -> Iterator[tuple[int, Hinge]]:
+    """As `hand_hinges`, of the two hands of a pair, or of one."""
     palms = [hand.palm(curl) for hand, curl in zip(hands, _mean([hand.curl for hand in hands]), strict=True)]
     closing = [(hand, palm) for hand, palm in zip(hands, palms, strict=True) if palm is not None]
     thumbs = _mean([hand.thumb_curl(palm.direction) for hand, palm in closing])
@@ -109,13 +131,11 @@ def _mean(curls: Sequence[_Curl]) -> list[_Curl]:
 
 
 def _posed_hand(
-    chains: Sequence[Chain],
-    side: Side,
+    own: Sequence[Chain],
     is_left: bool | None,
     at: Floats,
     body: tuple[Floats, Floats] | None,
 ) -> _PosedHand | None:
-    own = [k for k in chains if k.kind in ("finger", "hand", "arm") and k.side == side]
     fingers = [k for k in own if k.kind == "finger"]
     thumb = next((k.joints for k in fingers if "thumb" in k.name), ())
     # From the index finger to the little one, in whatever order the file has them.

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from places import SAMPLES
 from posed_bodies import Pose, PosedBody, posed_body, poses
+from recognition_bodies.skeletons import ARM, FINGERS, LEG, TRUNK, both, rig_with
 
 from rigtri import add_controls, add_polevector, make_limb, orient_joints, read
 from rigtri.errors import GeometryError, UsageError
@@ -409,3 +410,22 @@ def test_a_wing_has_one_hinge_along_its_whole_length_on_both_sides(droop: float)
     assert (left @ left[0] > 0.99).all()
     # A hinge is seen in the mirror of the sides as a direction about which things turn.
     assert np.abs(right - left * [1.0, -1.0, -1.0]).max() < 1e-6
+
+
+@pytest.mark.parametrize("drop", [0.15, 0.3])
+def test_each_hand_of_four_arms_that_are_equal_closes_with_its_own_fingers(drop: float) -> None:
+    """Before, the wrists of the second pair had axes of their own, and thumbs closed over other hands."""
+    own = both([*ARM]) + FINGERS
+
+    def second(name: str) -> str:
+        stem, dot, side = name.rpartition(".")
+        return f"{stem}_second{dot}{side}" if dot else name
+
+    more = [(second(name), second(above), (x, y - drop, z)) for name, above, (x, y, z) in own]
+    joints = [*TRUNK, *both(LEG), *own, *more]
+    alone, out = (orient_joints(rig_with(k)) for k in ([*TRUNK, *both(LEG), *own], joints))
+    for name, *_ in own:
+        if name.startswith(("hand", "t", "f")) and not name.startswith("forearm"):
+            expected = alone.world[alone.find(name), :3, :3]
+            for node in (out.find(name), out.find(second(name))):
+                np.testing.assert_allclose(out.world[node, :3, :3], expected, atol=1e-6, err_msg=name)
