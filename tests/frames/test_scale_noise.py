@@ -157,6 +157,22 @@ def test_what_is_refused_for_a_nearly_uniform_scale_names_its_joint(tmp_path: Pa
     assert why_near(rig, rig, verify(read(source), read(source)), 1e-5).startswith(" Numbers in the file are")
 
 
+def test_advice_about_rounding_goes_as_far_as_rounding_does(tmp_path: Path) -> None:
+    """Ten times the tolerance is no bound where a model stands 1000 of its sizes from the origin."""
+    document = read(gltf(tmp_path / "in.glb", Limb()))
+    known = verify(document, document)
+    far = replace(document.rig, translation=document.rig.translation + 1000.0 * known.diagonal)
+    for rig, shown, told in (
+        (far, 0.9e-4, True),
+        (far, 1.1e-4, True),
+        (far, 0.5, False),
+        (document.rig, 0.9e-4, True),
+        (document.rig, 1.1e-3, False),
+    ):
+        found = replace(known, deviation=shown, raw_deviation=shown)
+        assert ("their rounding alone may reach" in why_near(rig, rig, found, 1e-5)) is told
+
+
 @pytest.mark.parametrize(("path", "raw"), [("scale", False), ("translation", False), ("rotation", True)])
 def test_a_number_whose_rounding_is_what_differs_is_named(path: Any, raw: bool, tmp_path: Path) -> None:
     document = read(gltf(tmp_path / "in.glb", Limb()))

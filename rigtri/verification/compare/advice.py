@@ -25,7 +25,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
     """What to do about a deviation that is requested or near the tolerance, with a space before it; else "".
 
     Turning a joint whose scale is nearly uniform moves what hangs there; else only the rounding
-    of stored numbers can be what differs.
+    of stored numbers can be what differs, near the tolerance or as far as that rounding reaches.
     """
     if result.lost or result.different:
         return ""
@@ -39,9 +39,9 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
             f"closely enough. Keep {'its' if len(rough) == 1 else 'their'} scale (freeze: --only above), "
             f"or {allow}"
         )
-    if not result.largest_deviation < 10 * tolerance:
-        return why_far(before, result)
-    noisy = nearly_uniform(before, after, tolerance)
+    largest = result.largest_deviation
+    near = largest < 10 * tolerance
+    noisy = nearly_uniform(before, after, tolerance if near else largest)
     if noisy:
         scale = " ".join(f"{x:.8g}" for x in before.scale[noisy[0]])
         names = ", ".join(f"'{before.title(node)}'" for node in noisy[:4])
@@ -53,6 +53,8 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
     depth = max(before.depth) + 1
     far = float(np.abs(before.world[:, 3, :3]).max(initial=0.0)) / (result.diagonal or 1.0)
     floor = depth * max(far, 1.0) * float(np.finfo(np.float32).eps) / 2
+    if not (near or floor >= _NEAR * largest):
+        return why_far(before, result)
     return (
         f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
         f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
