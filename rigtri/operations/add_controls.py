@@ -66,7 +66,7 @@ from rigtri.operations.rigtri_nodes import (
 )
 from rigtri.operations.skin_joints import add_joint, is_joint_kind, move_joint, skin_sibling_parent
 from rigtri.progress import counted
-from rigtri.recognition.limbs import Limb, forward, named_limbs, with_recognised
+from rigtri.recognition.limbs import Limb, forward, named_limbs, upright, with_recognised
 from rigtri.recognition.one_character import bodies, within
 from rigtri.report import Report
 
@@ -208,7 +208,7 @@ class _Builder:
         free = (joint for joint in self.tree.joints if joint not in self.above_controls)
         top = next(free, self.tree.roots[0])
         points = self.ref.world[list(self.tree.joints), 3, :3]
-        up = np.asarray(self.rig.rules.up, dtype=np.float64)
+        up = upright(self.rig)
         place = self.ref.position(top).copy()
         low = float(dot(points, up).min())
         place = place + up * (low - float(dot(place, up)))

@@ -19,7 +19,7 @@ from rigtri.model.joint_names import side
 from rigtri.model.limb import Limb as Limb
 from rigtri.model.limb import LimbKind
 from rigtri.model.rig import Rig
-from rigtri.recognition.layout import MAP, NAMES, Chain
+from rigtri.recognition.layout import CONFIDENT, MAP, NAMES, Chain
 from rigtri.recognition.naming_schemes import limb_kind_in_name
 from rigtri.recognition.recognise import recognise as layout_of
 from rigtri.recognition.recognise import sure_limbs
@@ -29,6 +29,8 @@ from rigtri.text import listed
 _LEVEL = 0.1
 # Who looks within this of an axis (a cosine, 15°) is drawn from there.
 _ALONG = cosine_below(15)
+# From here on (a cosine) a body stands on another axis than its format does.
+_UPRIGHT = cosine_below(45)
 # Chains that hang at the end of a limb, wherever that hangs.
 _AT_ENDS = ("hand", "finger", "foot")
 
@@ -161,13 +163,27 @@ def facing(rig: Rig) -> Floats | None:
     return None if rig.rules.facing is None else np.asarray(rig.rules.facing, dtype=np.float64)
 
 
+def upright(rig: Rig) -> Floats:
+    """Up of a character as it stands, unit, (3,): an axis of the world, as a rule the one of its format.
+
+    The surest of a rig tells; a tool with z up may write bodies into files with y up as they are.
+    """
+    up = np.asarray(rig.rules.up, dtype=np.float64)
+    known = [k for k in layout_of(rig).characters if any(k.up) and k.confidence >= CONFIDENT]
+    stands = np.array(max(known, key=lambda character: character.confidence).up) if known else up
+    if float(dot(stands, up)) >= _UPRIGHT:
+        return up
+    axis = int(np.argmax(np.abs(stands)))
+    return np.where(np.arange(3) == axis, np.sign(stands[axis]), 0.0)
+
+
 def forward(rig: Rig) -> Floats:
     """Where a character looks, level, unit, (3,): an axis of the world where it is near one; else +x is left.
 
     Source: glTF 2.0 and UsdSkel, where a character of which nobody knows more has its left at +x.
     """
-    up = np.asarray(rig.rules.up, dtype=np.float64)
-    usual = cross([1.0, 0.0, 0.0], up)
+    up = upright(rig)
+    usual = cross([1.0, 0.0, 0.0], up) if not up[0] else np.array([0.0, 0.0, 1.0])
     ahead = facing(rig)
     level = usual if ahead is None else ahead - up * float(dot(ahead, up))
     if not np.abs(level).max() > _LEVEL:  # it looks up or down

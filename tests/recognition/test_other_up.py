@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import islice
 from math import cos, radians, sin
 
+import numpy as np
 import pytest
 from recognition_bodies.cases import Case
 from recognition_bodies.measure import stands_right
@@ -13,7 +14,11 @@ from recognition_bodies.population import population
 from recognition_bodies.skeletons import HORSE, INSECT, MAN, SITTING, Joint, both, line, rig_with
 from recognition_bodies.truth import nameless
 
+from rigtri import add_controls
+from rigtri.export.drawing.view import view_of
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.recognition.limbs import forward, upright
 from rigtri.recognition.recognise import recognise
 
 
@@ -139,3 +144,21 @@ def test_each_of_six_legs_that_are_alike_begins_at_the_thorax_and_bends_twice(na
         for place in ("front", "middle", "back")
         for side in "LR"
     }
+
+
+@pytest.mark.ci
+def test_a_man_on_another_axis_than_his_file_is_seen_and_held_as_he_stands() -> None:
+    """Views look at his face with his head above, and the root control is at his feet."""
+    for rig, up, ahead in (
+        (rig_with(MAN), (0, 1, 0), (0, 0, 1)),
+        (lying(MAN), (0, 0, 1), (0, -1, 0)),
+        (lying(SITTING), (0, 0, 1), (0, -1, 0)),
+    ):
+        np.testing.assert_array_equal(upright(rig), up)
+        np.testing.assert_array_equal(forward(rig), ahead)
+        front = view_of(rig, "front")
+        np.testing.assert_allclose(front.flat(np.array([up], float)), [(0, 1)], atol=1e-9)
+        out = add_controls(rig, root_control=True)
+        (control,) = (node for node, record in out.records(ControlRecord).items() if record.kind == "root")
+        along = rig.world[:, 3, :3] @ np.array(up)
+        assert out.world[control, 3, :3] @ np.array(up) == pytest.approx(along.min())

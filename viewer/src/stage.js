@@ -22,16 +22,14 @@ export const VIEWS = {
   side: [0, 1, 0],
   top: [0.001, 0, 1],
 };
-const UP = new Vector3(0, 1, 0);
 
 export class Stage {
   constructor(canvas, area) {
     this.canvas = canvas;
+    this.area = area;
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(30, 1, 0.01, 100);
-    this.controls = new OrbitControls(this.camera, area);
-    this.controls.addEventListener('change', () => { this.stale = true; });
     const lamp = new DirectionalLight(0xffffff, 2.2);
     lamp.position.set(-0.5, 0.8, 1);
     this.camera.add(lamp);
@@ -55,11 +53,18 @@ export class Stage {
     const floor = new GridHelper(2 * size, 20, 0x8a8f99, 0x8a8f99);
     floor.material.transparent = true;
     floor.material.opacity = 0.28;
-    floor.position.set(middle.x, box.min.y, middle.z);
-    this.scene.add(floor);
     const { root, facts } = models[0];
-    const turn = root.children[0].quaternion;
-    this.ahead = new Vector3(...facts.facing).applyQuaternion(facts.kind === 'usd' ? turn : new Quaternion());
+    const turn = facts.kind === 'usd' ? root.children[0].quaternion : new Quaternion();
+    this.ahead = new Vector3(...facts.facing).applyQuaternion(turn);
+    // Of a body that stands on another axis than its file, up is that of the body.
+    this.up = new Vector3(...facts.up).applyQuaternion(turn);
+    floor.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), this.up);
+    const low = this.up.toArray().map((along, axis) => (along < 0 ? box.max : box.min).getComponent(axis));
+    floor.position.copy(middle).addScaledVector(this.up, new Vector3(...low).sub(middle).dot(this.up));
+    this.scene.add(floor);
+    this.camera.up.copy(this.up);
+    this.controls = new OrbitControls(this.camera, this.area); // it takes the camera's up as it begins
+    this.controls.addEventListener('change', () => { this.stale = true; });
     this.size = size;
     this.frame(models.flatMap((model) => model.cloud()));
   }
@@ -74,12 +79,11 @@ export class Stage {
   /** Look at all from one of VIEWS. */
   look(name) {
     const [ahead, left, above] = VIEWS[name];
-    const aside = new Vector3().crossVectors(UP, this.ahead);
+    const aside = new Vector3().crossVectors(this.up, this.ahead);
     const from = this.ahead.clone().multiplyScalar(ahead);
-    from.addScaledVector(aside, left).addScaledVector(UP, above).normalize();
+    from.addScaledVector(aside, left).addScaledVector(this.up, above).normalize();
     const middle = new Box3().setFromPoints(this.cloud).getCenter(new Vector3());
     Object.assign(this, { from, view: name });
-    this.camera.up.copy(UP);
     this.controls.target.copy(middle);
     this.camera.position.copy(middle).addScaledVector(from, this.#distance(from, middle));
     const far = Math.max(this.size, this.camera.position.distanceTo(middle));
@@ -95,7 +99,7 @@ export class Stage {
   /** Go about the upright axis by an angle. */
   turn(angle) {
     const { target } = this.controls;
-    this.camera.position.sub(target).applyAxisAngle(UP, angle).add(target);
+    this.camera.position.sub(target).applyAxisAngle(this.up, angle).add(target);
     this.controls.update();
   }
 
@@ -108,7 +112,7 @@ export class Stage {
 
   /** How far away all points are in the picture. */
   #distance(from, middle) {
-    const turn = new Matrix4().lookAt(from, new Vector3(), UP).transpose();
+    const turn = new Matrix4().lookAt(from, new Vector3(), this.up).transpose();
     const high = Math.tan((this.camera.fov * Math.PI) / 360);
     const wide = high * this.camera.aspect;
     let far = 0;

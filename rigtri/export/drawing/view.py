@@ -18,7 +18,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.option_kinds import three
 from rigtri.operations.options.draw import VIEWS
-from rigtri.recognition.limbs import forward
+from rigtri.recognition.limbs import forward, upright
 
 # Directions less than this sine apart are one: nothing shows then which way is up.
 _PARALLEL = 1e-6
@@ -117,11 +117,10 @@ class Window:
 def view_of(rig: Rig, name: str = "front") -> View:
     """A character from one of `VIEWS`, or from the direction ``x,y,z`` of the file's world.
 
-    Up is the format's. The front is where its limbs face, else where its format
+    Up is that of the body, as a rule the format's. The front is where its limbs face, else where its format
     prescribes; the side is its left one. UsageError for anything else.
     """
-    up = np.asarray(rig.rules.up, dtype=np.float64)
-    ahead = forward(rig)
+    up, ahead = upright(rig), forward(rig)
     left = cross(up, ahead)
     eyes = {
         "front": ahead,

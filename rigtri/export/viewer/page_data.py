@@ -20,7 +20,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.recognition.limbs import forward
+from rigtri.recognition.limbs import forward, upright
 from rigtri.text import display_name, plain
 
 
@@ -59,6 +59,7 @@ def facts(rig: Rig) -> dict[str, Any]:
         "tracks": [_track(rig, track, place) for track in _prim_tracks(rig)],
         "follows": [[place[source], place[node]] for source, node in _followed(rig)],
         "facing": forward(rig).tolist(),
+        "up": upright(rig).tolist(),
     }
 
 
