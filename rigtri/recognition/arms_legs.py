@@ -13,7 +13,7 @@ from rigtri.recognition.body_shape import Body, stands_too, within
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.front_or_hind import is_further
-from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
+from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import CLAVICLES, TIE, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement
@@ -63,6 +63,11 @@ class Found:
     confidence: float
     evidence: tuple[str, ...]
     pair: Limbs | None = None
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether it may be acted upon, as its confidence is written."""
+        return round(self.confidence, 2) >= CONFIDENT
 
 
 def find_limbs(draft: Draft) -> list[Found]:
@@ -303,7 +308,9 @@ def _side(draft: Draft, each: Found) -> Side:
     if twin:
         return "right" if twin == "left" else "left"
     at = draft.tree.at
-    apart = [(at[a] - at[b]).dot(draft.left) for a, b in zip(mine, other, strict=True)]
+    first = each.pair.at[0]  # shoulder blades may cross at the spine
+    path = (*zip(mine[first:], other[first:], strict=True), *zip(mine[:first], other[:first], strict=True))
+    apart = [(at[a] - at[b]).dot(draft.left) for a, b in path]
     # Feet may cross; hips and shoulders do not. Where limbs begin in the middle the next joints tell.
     widest = max(map(abs, apart), default=0.0)
     offset = next((far for far in apart if abs(far) > 0.1 * widest), 0.0)

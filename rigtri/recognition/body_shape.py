@@ -32,9 +32,14 @@ SIMILAR, LEG = 0.6, 0.2
 _STANDS = 0.7
 # Legs go aside from a trunk that lies, or leans as dinosaurs do (cosines). Their tails, in legs, at least.
 _ASIDE, _LEANING, _TAIL = 0.5, 0.8, 0.2
+# What goes aside by less than this part of its way is in the middle.
+_MIDMOST = 0.1
 # Legs that go down an axis of the file by this (a cosine, 15°) stand on it, however the trunk leans; and so
 # upright is the trunk of a body that sits.
 _ALONG_AXIS = 0.966
+# Legs that are stretched ahead are square to the trunk up to this (a sine), and bend by less than 25°.
+# Arms smaller than this part of legs are those of a dinosaur.
+_LEVEL, _STRETCHED, _SMALL = 0.35, 0.906, 0.3
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
 # What legs lose that go the way of the spine.
@@ -113,6 +118,9 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     """
     standing, spine = Vector(*tree.rig.rules.up), arms.starts - legs.starts
     on, down, out = spine.unit, (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
+    if _sits_upright(tree, legs, arms, on):
+        seat = _axis(on)
+        return [(seat, 1.0 if seat.dot(standing) > _STANDS else _OTHER_UP)]
     limbs = arms.starts - arms.ends + legs.starts - legs.ends
     loose = down.dot(-standing) < _ASIDE
     four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
@@ -132,6 +140,21 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     return [(standing, 1.0), *others]
 
 
+def _sits_upright(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
+    """Whether a trunk goes along an axis of the file and straight legs go square to it, as arms do not.
+
+    So sits who stretches their legs ahead. What stands with a trunk that lies has a tail, bent legs, or front
+    legs.
+    """
+    down, out = (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
+    if _axis(on).dot(on) < _ALONG_AXIS or abs(down.dot(on)) > _LEVEL or out.dot(down) > _ASIDE:
+        return False
+    if len(legs.at) < 3 or arms.size < _SMALL * legs.size or _has_tail(tree, legs, arms, on):
+        return False
+    knees = [[tree.at[joint] for joint in legs.joints(which)] for which in (0, 1)]
+    return all((b - a).unit.dot((c - b).unit) > _STRETCHED for a, b, c in knees)
+
+
 def _axis(way: Vector) -> Vector:
     """The axis of the file that is nearest to a direction, with its sign."""
     most = max(way, key=abs)
@@ -139,10 +162,14 @@ def _axis(way: Vector) -> Vector:
 
 
 def _has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
-    """Whether something hangs where the legs do that goes the other way than the trunk, and is no limb."""
+    """Whether what hangs in the middle where legs do, and is no limb, goes the other way than the trunk."""
     limbs = {path[0] for pair in (legs, arms) for path in pair.pair.paths}
     free = [k for k in tree.below[legs.pair.above] if not any(tree.is_below(first, k) for first in limbs)]
-    behind = (-(tree.at[node] - legs.starts).dot(on) for k in free for node in tree.branch(k))
+    across, down = between(tree, legs.pair)[1], (legs.ends - legs.starts).unit
+    ways = [tree.at[node] - legs.starts for k in free for node in tree.branch(k)]
+    ways = [way for way in ways if abs(way.dot(across)) < _MIDMOST * way.length]
+    # What goes off square to the trunk, as legs that are stretched ahead do, is no more behind than ahead.
+    behind = (-way.dot(on) for way in ways if -way.dot(on) > abs(way.dot(down)))
     return max(behind, default=0.0) > _TAIL * legs.size
 
 

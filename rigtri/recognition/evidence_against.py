@@ -6,16 +6,20 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import AGREED, Found
-from rigtri.recognition.body_shape import SIMILAR, Body, lowest
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.hands_feet import finger_in_name
-from rigtri.recognition.layout import CONFIDENT
-from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_triples import HAND, STRAIGHT, branches
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
+from rigtri.recognition.shape_doubts import (
+    arm_as_leg,
+    may_be_a_thing,
+    other_bend,
+    points_ahead,
+    rival,
+    skirt,
+    upside_down,
+)
 from rigtri.recognition.split_bones import further_part, no_hand, split_bone
 from rigtri.recognition.things import only_things
 
@@ -27,25 +31,8 @@ _TWINS = 0.15
 _BALANCE = 0.4
 # Of a body without legs and without a second arm, so many bones beside the arm's own, or fingers, are named.
 _ENOUGH = 3
-# A further chain at the chest that is so long a part of the arms may be an arm as well.
-_RIVAL = 0.2
 # Of a body one of these names alone does not tell: planes have tails.
 _HEADS = frozenset(["skull", "tail"])
-# A limb bends clearly by this (a cosine, 15°).
-_CLEAR = 0.966
-# A bone after the wrist that is so long a part of the lower arm is rather the lower arm itself.
-_NEXT = 0.6
-# Names that say so far which three joints bend: those of all three, one of them vague.
-_CALLED = 0.8
-# A first bone that is so long a part of the next one is a clavicle of none but very broad shoulders.
-_BROAD = 0.8
-# A trunk that rises by less than this (a cosine) lies.
-_LYING = 0.6
-# Five fingers of three joints each are a hand: birds have fewer toes, and others shorter ones.
-_DIGITS, _PHALANGES = 5, 3
-# A middle that leads by less over the next best, of bones that are less like those of a limb than this: so
-# it is in straight chains of many joints, where crooked places (2 % of a bone) choose it.
-_NARROW, _HARDLY = 0.16, 0.45
 
 
 def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
@@ -55,12 +42,8 @@ def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
     weighed = []
     for each in found:
         why = _contradiction(draft, each, found) if len(each.joints) == 3 else _no_trunk(draft, each)
-        weighed.append(unsure(draft, each, why) if why and _is_sure(each) else each)
+        weighed.append(unsure(draft, each, why) if why and each.is_sure else each)
     return weighed
-
-
-def _is_sure(each: Found) -> bool:
-    return round(each.confidence, 2) >= CONFIDENT  # as it is written
 
 
 def unsure(draft: Draft, each: Found, why: str) -> Found:
@@ -79,15 +62,16 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or _against_the_tree(draft, each)
         or (by_name and (_unnamed_between(draft, each) or _unlike_twin(draft, each, found)))
         or (by_name and _counted(draft, each))
-        or _upside_down(draft, each, found)
+        or (not by_name and upside_down(draft, each, found))
         or _no_trunk(draft, each)
         or _no_body(draft, each, found)
-        or (not by_name and _arm_as_leg(draft, each, found))
-        or (not by_name and (_misnamed(draft, each) or _other_bend(each) or no_hand(draft, each)))
+        or (not by_name and arm_as_leg(draft, each, found))
+        or (not by_name and (_misnamed(draft, each) or other_bend(each) or no_hand(draft, each)))
         or split_bone(draft, each)
         or (not by_name and only_things(draft, each.joints))
         or (not by_name and further_part(draft, each))
-        or (not by_name and (_skirt(draft, each) or _rival(draft, each)))
+        or (not by_name and (skirt(draft, each) or rival(draft, each)))
+        or (not by_name and (points_ahead(draft, each) or may_be_a_thing(draft, each)))
         or (not by_name and _by_the_legs(draft, each, found))
         or ""
     )
@@ -184,7 +168,7 @@ def _counted(draft: Draft, each: Found) -> str:
 
     The first may be a clavicle; of legs it is the hip.
     """
-    if each.kind != "arm" or AGREED in each.evidence:
+    if each.kind != "arm" or (AGREED in each.evidence and not rival(draft, each)):
         return ""
     names, below = draft.tree.rig.names, draft.tree.below[each.joints[2]]
     words = {parse_name(names[joint]).plain for joint in each.joints}
@@ -196,18 +180,6 @@ def _twin(each: Found, found: Sequence[Found]) -> Found | None:
     """The limb of the other side that bends, too."""
     others = (k for k in found if k.kind == each.kind and {k.side, each.side} == {"left", "right"})
     return next((k for k in others if len(k.joints) == 3), None)
-
-
-def _upside_down(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """Legs that begin above arms, as the file says what is up, are no legs."""
-    legs, arms = ([k for k in found if k.kind == kind and k.side] for kind in ("leg", "arm"))
-    if len(legs) != 2 or len(arms) != 2 or _is_named(draft, each):
-        return ""
-    up, at = Vector(*draft.tree.rig.rules.up), draft.tree.at
-    low, high = (at[one.joints[0]].dot(up) + at[other.joints[0]].dot(up) for one, other in (legs, arms))
-    if low > high and draft.up.dot(up) < -0.5:
-        return "its legs begin above its arms"
-    return ""
 
 
 def _is_named(draft: Draft, each: Found) -> bool:
@@ -257,31 +229,6 @@ def _by_words(each: Found) -> bool:
     return each.pair is not None and each.pair.kind == each.kind
 
 
-def _arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """What looks like legs in a body that has none: its arms, where hair passes for arms."""
-    mine, body, tree = each.pair, draft.shape.body, draft.tree
-    arms = body.arms if body is not None and body.form == "biped" else None
-    if each.kind != "leg" or mine is None or arms is None or arms is mine or arms.fingers >= 2:
-        return ""
-    fingers = [k for k in tree.below[each.joints[-1]] if len(tree.paths[k]) >= _PHALANGES]
-    if len(fingers) >= _DIGITS:
-        return "it ends in a hand, and the arms do not"
-    if any(_rival(draft, k) or not _is_sure(k) for k in found if k.pair is arms):
-        if mine.at[0] == 1:
-            return "it may be an arm below its clavicle, for the arms are not sure"
-        if _leads_up(draft, mine.pair.above) and _leads_up(draft, tree.above[mine.pair.above]):
-            return "it may be an arm, for a trunk leads up to it and the arms are not sure"
-    return ""
-
-
-def _leads_up(draft: Draft, node: int) -> bool:
-    """Whether a bone leads up to a joint: a root on the ground, which moves no points, is none."""
-    above = draft.tree.above[node] if node >= 0 else -1
-    if above < 0 or not draft.poses.moves_points(above):
-        return False
-    return (draft.tree.at[node] - draft.tree.at[above]).dot(draft.up) > 0.0
-
-
 def _misnamed(draft: Draft, each: Found) -> str:
     """Names of a limb whose hand is missing: a forearm at its end, or bones that count from the middle."""
     names = [draft.tree.rig.names[node] for node in each.joints]
@@ -299,39 +246,13 @@ def _numbers(name: str) -> list[int]:
     return [int(digits) for digits in re.findall("[0-9]+", name)]
 
 
-def _other_bend(each: Found) -> str:
-    """Shape that hardly tells which joint of a chain bends."""
-    mine = each.pair
-    if mine is None or len(mine.pair.paths[0]) < 4 or mine.named > 0.0:
-        return ""
-    unclear = mine.lead < _NARROW and mine.quality < _HARDLY
-    return "another joint of its chain may be the one that bends" if unclear else ""
-
-
-def _skirt(draft: Draft, each: Found) -> str:
-    """Legs beside which another pair hangs that is as long, or stands where they do: a skirt, a chair."""
-    mine, body = each.pair, draft.shape.body
-    if mine is None or body is None or body.form != "biped" or mine is not body.legs or mine.named > 0.0:
-        return ""
-    if mine in draft.shape.legs and mine.kind == "leg":
-        return ""  # an insect's
-    ground = lowest(draft.tree, mine, body.up)
-    for other in draft.shape.limbs:
-        if other is mine or other.pair.above != mine.pair.above or len(other.at) != len(mine.at):
-            continue
-        apart, like = abs(lowest(draft.tree, other, body.up) - ground), abs(other.size - mine.size)
-        if like < _TWINS * mine.size or (other.size > SIMILAR * mine.size and apart < _TWINS * mine.size):
-            return f"the chain from {_title(draft, other.joints(0)[0])} is as long: both may be a skirt"
-    return ""
-
-
 def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """Arms are told by the legs: where evidence denies these, they are not sure; chairs have both."""
     body = draft.shape.body
     if body is None or each.pair is None or each.pair is not body.arms or _by_words(each):
         return ""
     for leg in (k for k in found if k.pair is body.legs):
-        if _skirt(draft, leg) or (len(leg.joints) == 3 and _contradiction(draft, leg, found)):
+        if skirt(draft, leg) or (len(leg.joints) == 3 and _contradiction(draft, leg, found)):
             return "its legs are not sure"
     return ""
 
@@ -342,58 +263,3 @@ def _has_fingers(draft: Draft, arm: Found) -> bool:
     return (
         len({finger for node in below if (finger := finger_in_name(draft.tree.rig.names[node]))}) >= _ENOUGH
     )
-
-
-def _rival(draft: Draft, each: Found) -> str:
-    """What else the arms may be where shape alone tells: wings beside them, the next joints of the chain."""
-    mine, tree, body = each.pair, draft.tree, draft.shape.body
-    front = body is not None and body.form == "quadruped" and mine is body.arms
-    if mine is None or not (each.kind == "arm" or front) or len(mine.at) < 3 or mine.named > _CALLED:
-        return ""
-    path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
-    long = end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]
-    a, b, c = (tree.at[k] for k in mine.joints(0))
-    bend = (b - a).unit.dot((c - b).unit)
-    at, fingers = branches(tree, path)
-    hand = at == end and fingers >= HAND  # no elbow has so many below it
-    if start == 0 and long and not hand and (not front or bend > _CLEAR):
-        return "its first bone may be a clavicle, as a long bone follows"
-    if start > 0 and long and not hand and bend > STRAIGHT:
-        return "its middle may be a twist joint of its upper bone, as a long bone follows"
-    if start > 0 and end == len(path) - 1 and not fingers and _hangs_from_a_lying_trunk(body, mine):
-        return "its first bone may be a shoulder blade or an upper bone, and nothing shows where its foot is"
-    if front:
-        return ""
-    if mine.fingers >= 2 or draft.shape.plane is None:
-        return ""
-    if start == 1 and tree.bone[path[1]] > _BROAD * (b - a).length:
-        return "its first bone may be an upper arm or a clavicle, and nothing shows where its hand is"
-    for node in _beside(draft, mine):
-        aside = [abs(draft.shape.plane.side_of(tree.at[k])) for k in tree.paths[node][:2]]
-        long = len(tree.paths[node]) > 2 and tree.reach[node] > _RIVAL * mine.size
-        if long and aside[0] > 0.01 * mine.size and aside[1] > 0.05 * mine.size:
-            return f"the chain from {_title(draft, node)} may be an arm as well"
-    return ""
-
-
-def _hangs_from_a_lying_trunk(body: Body | None, arms: Limbs) -> bool:
-    """Whether arms are those of a body whose trunk lies, as of a turtle: they need no shoulder blades."""
-    legs = body.legs if body is not None else None
-    return body is not None and legs is not None and (arms.starts - legs.starts).unit.dot(body.up) < _LYING
-
-
-def _beside(draft: Draft, mine: Limbs) -> list[int]:
-    """What hangs where the arms do, or a joint from there, and has no name that tells what it is."""
-    tree, chest = draft.tree, mine.pair.above
-    body = draft.shape.body
-    legs = body.legs.pair.above if body is not None and body.legs is not None else -1
-    over = tree.above[chest] if chest >= 0 else -1
-    near = [k for k in (chest, over, *tree.below[chest]) if k >= 0 and k not in mine.pair.nodes]
-    hanging = [k for at in near if at == chest or at != legs for k in tree.below[at]]
-    return [
-        k
-        for k in hanging
-        if k not in mine.pair.nodes
-        and chest not in tree.paths[k]
-        and not any(roles_in_name(tree.rig.names[n]) for n in tree.paths[k])
-    ]

@@ -40,6 +40,8 @@ _SOLE = 0.1
 _ASIDE, _RAISED = 0.3, 0.5
 # A trunk that leans so far from its up (a sine) leans ahead, and from the second on it lies.
 _LEANS, _LIES = 0.35, 0.7
+# Before a shin is a bone of at least this part of it, and an ankle is folded so far at rest (a cosine, 60°).
+_LED, _FOLDED = 0.45, 0.5
 # A face stands so far ahead of the trunk or skull, as a part of a limb, to count in full.
 _FACE = 0.15
 _ENDS = ("face", "skull", "tail")
@@ -95,7 +97,7 @@ def _votes(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tupl
         elif abs(along) > _LEANS:
             yield 3.0 * along, "the trunk leans there"
     if body.legs:
-        yield 2.0 * _feet(tree, body, ahead, poses), "the feet point there"
+        yield 2.0 * feet_ahead(tree, body, ahead, poses), "the feet point there"
     if body.arms and body.form == "biped":
         yield _thumbs(tree, body.arms, body.up, ahead), "the thumbs are there"
 
@@ -128,9 +130,22 @@ def _bends(
     """As `_votes`, of knees and elbows: of clear bends, of small ones of twins, and of what may be noise."""
     moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
     for limbs, clear, small, all_ in _bent(body, plane.normal, ahead, moments):
+        if limbs is body.legs and _bends_at_ankles(tree, limbs):
+            continue
         weight = -0.5 if limbs is body.arms else 0.3 if _goes_on(tree, limbs) else 1.0
         words = "the elbows bend away from there" if limbs is body.arms else "the knees bend there"
         yield weight * clear, weight * small, weight * (all_ - clear - small), words
+
+
+def _bends_at_ankles(tree: Tree, legs: Limbs) -> bool:
+    """Whether a long bone leads to legs that are folded at rest: their knees may be ankles of long feet."""
+    for path in legs.pair.paths:
+        start, middle, end = (path[k] for k in legs.at)
+        shin, foot = tree.at[middle] - tree.at[start], tree.at[end] - tree.at[middle]
+        led = (tree.at[start] - tree.at[path[0]]).length > _LED * shin.length
+        if not led or shin.unit.dot(foot.unit) > _FOLDED:
+            return False
+    return True
 
 
 def _goes_on(tree: Tree, legs: Limbs) -> bool:
@@ -138,7 +153,7 @@ def _goes_on(tree: Tree, legs: Limbs) -> bool:
     return tree.reach[legs.joints(0)[-1]] > 0.6 * 0.5 * legs.size
 
 
-def _feet(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> float:
+def feet_ahead(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> float:
     """How far feet point ahead, by their toes or else by what they move: −1 to 1."""
     assert body.legs is not None
     toes = _toes(tree, body.legs, ahead)

@@ -90,7 +90,7 @@ def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: floa
     far = [(at[chain[0]] - at[hand]).length for chain in chains]
     usual = sorted(far)[len(far) // 2]
     near = [k for k, size in enumerate(far) if size < _NEAR * usual]
-    if len(near) == 1:
+    if len(near) == 1 and not _is_within_row(tree, chains, near[0]):
         return near[0]
     least = min(len(chain) for chain in chains)
     short = [k for k, chain in enumerate(chains) if len(chain) == least]
@@ -100,6 +100,16 @@ def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: floa
     alike = [max(bone.dot(k) for k in first if k is not bone) for bone in first]
     other = min(short if len(short) == 1 else range(len(chains)), key=lambda k: alike[k])
     return other if alike[other] < apart else -1
+
+
+def _is_within_row(tree: Tree, chains: Sequence[Sequence[int]], which: int) -> bool:
+    """Whether a chain begins between the others, as the metacarpal of a middle finger does."""
+    at, row = tree.at, [chain[0] for k, chain in enumerate(chains) if k != which]
+    if len(row) < 2:
+        return False
+    one, other = max(combinations(row, 2), key=lambda two: (at[two[0]] - at[two[1]]).length)
+    along = (at[chains[which][0]] - at[one]).dot((at[other] - at[one]).unit)
+    return 0.0 < along < (at[other] - at[one]).length
 
 
 def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
@@ -227,10 +237,10 @@ def _leads_aside(tree: Tree, paths: Sequence[Sequence[int]], count: int) -> bool
 
 def _away(tree: Tree, joints: Sequence[int], towards: Vector) -> float:
     """How far the middle of three joints stands to the other side than knees, or elbows, do: 0 to 1."""
-    return max(0.0, min(1.0, -_beside(tree, joints).dot(towards) / _BENT))
+    return max(0.0, min(1.0, -beside(tree, joints).dot(towards) / _BENT))
 
 
-def _beside(tree: Tree, joints: Sequence[int]) -> Vector:
+def beside(tree: Tree, joints: Sequence[int]) -> Vector:
     """How far the middle of three joints stands beside the line of both ends, as a part of that."""
     start, middle, end = (tree.at[k] for k in joints)
     line, arm = end - start, middle - start
@@ -246,8 +256,8 @@ def first_bend(tree: Tree, path: Sequence[int], at: Sequence[int], lateral: Vect
     start, middle, end = at
     if start == 0 or tree.bone[path[start]] < _SHORT * tree.bone[path[middle]]:
         return None
-    first = _beside(tree, [path[start - 1], path[start], path[middle]])
-    second = _beside(tree, [path[start], path[middle], path[end]])
+    first = beside(tree, [path[start - 1], path[start], path[middle]])
+    second = beside(tree, [path[start], path[middle], path[end]])
     aside = any(abs(bend.unit.dot(lateral)) > _SIDEWAYS for bend in (first, second))
     to_and_fro = min(first.length, second.length) > _BENT and first.dot(second) < 0.0
     return first.unit if to_and_fro and not aside else None

@@ -10,7 +10,6 @@ from rigtri.maths.triangle import bend_angle
 from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.evidence_against import doubted, unsure
-from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.limb_triples import TIE
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.shape_analysis import shape_of
@@ -38,7 +37,7 @@ def agreed(draft: Draft, found: Sequence[Found]) -> list[Found]:
 
 
 def _is_sure(each: Found) -> bool:
-    return len(each.joints) == 3 and round(each.confidence, 2) >= CONFIDENT
+    return len(each.joints) == 3 and each.is_sure
 
 
 def _without_names(draft: Draft) -> Draft:

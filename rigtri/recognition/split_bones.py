@@ -7,13 +7,16 @@ import re
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.limb_triples import CLAVICLES, STRAIGHT
+from rigtri.recognition.limb_triples import CLAVICLES, STRAIGHT, TIE
+from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.naming_schemes import parse_name
 
 # Where a twist joint parts a bone that has one, as a part of the bone before.
 _PARTED = 0.7
 # Parts of one bone are as long as each other up to this part of their length.
 _SIMILAR_LENGTH = 0.25
+# Bones that are so much like those of a limb, and lead so far, say by themselves where it bends.
+_LIKE, _LEADS = 0.25, 3.0 * TIE
 # How Blender numbers the further parts of a bone that was split.
 _PART = re.compile(r"(.+)\.\d{3}")
 
@@ -25,6 +28,8 @@ def split_bone(draft: Draft, each: Found) -> str:
     in one branch and in another.
     """
     tree, names = draft.tree, draft.tree.rig.names
+    if _is_counted_on(draft, each):
+        return ""
     for joint, bone in zip(each.joints, ("upper", "lower"), strict=False):
         part, whole = tree.above[joint], _whole(names[joint])
         if part < 0 or names[part] not in (names[joint], whole) or not parse_name(whole).plain:
@@ -33,6 +38,19 @@ def split_bone(draft: Draft, each: Found) -> str:
         if not any(not tree.is_below(k, joint) and not tree.is_below(joint, k) for k in parts):
             return f"'{tree.rig.title(part)}' may be the first part of its {bone} bone"
     return ""
+
+
+def _is_counted_on(draft: Draft, each: Found) -> bool:
+    """Whether a limb is a chain that was duplicated, ``Arm.L``, ``Arm.L.001``, ``Arm.L.002``, and bends so.
+
+    Its joints are called as the limb and not as one of its bones; its shape by itself has to say the same.
+    """
+    names = [draft.tree.rig.names[joint] for joint in each.joints]
+    counted = names[1:] == [f"{names[0]}.{number:03}" for number in (1, 2)]
+    levels = limb_words(names[0]).levels
+    if not counted or each.pair is None or not levels or max(levels.values()) == 1.0:
+        return False
+    return each.pair.quality > _LIKE and each.pair.lead > _LEADS
 
 
 def _whole(name: str) -> str:

@@ -8,6 +8,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.layout import MAP, NAMES
+from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 
 _SPINE = ("spine", "chest", "upperChest")
@@ -195,7 +196,7 @@ def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
         for child in tree.below[over]:
             if child in taken or any(tree.is_below(k, child) for k in taken):
                 continue
-            if _NOT_BODY.intersection(roles_in_name(tree.rig.names[child])):
+            if _NOT_BODY.intersection(roles_in_name(tree.rig.names[child])) or _is_of_limb(draft, child):
                 continue
             # A wing goes as high, but aside.
             away = [tree.at[k] - starts for k in tree.branch(child)]
@@ -208,11 +209,16 @@ def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
     return _up_to_head(draft, found) if found >= 0 else []
 
 
+def _is_of_limb(draft: Draft, node: int) -> bool:
+    """Whether a name says arm or leg: one arm in the middle of a machine is no neck."""
+    return draft.words.get(node, NO_WORDS).kind != ""
+
+
 def _up_to_head(draft: Draft, first: int) -> list[int]:
     """From the neck to the head: up to where the face begins, or the last joint that moves points."""
     tree, chain = draft.tree, [first]
     while len(below := tree.below[chain[-1]]) == 1 and len(chain) < _UP_TO_HEAD:
-        if "face" in roles_in_name(tree.rig.names[below[0]]):
+        if "face" in roles_in_name(tree.rig.names[below[0]]) or _is_of_limb(draft, below[0]):
             return chain
         chain.append(below[0])
     if len(chain) > 1 and not tree.below[chain[-1]] and _is_end(draft, chain[-1]):

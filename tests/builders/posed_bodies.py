@@ -136,7 +136,8 @@ class Pose:
     yaw: of the root. flip: the root mirrors all. legs: how much of the height. slots: for weapons, in hands.
     little_first: the fingers stand in the file from the little one. hands: their size. knuckles: how far they
     are bent back. phalanges: joints of each finger and thumb. face: eyes and a jaw. ends: joints without
-    weight that only say where head, fingers and toes end. metacarpals: a joint of each finger in the palm.
+    weight that only say where head, fingers and toes end. metacarpals: a joint of each finger in the palm,
+    spread: of these beside that of the knuckles.
     thumb: whether there is one. toes: whether feet have a joint
     for them. seated: how far the legs are raised ahead. short: the length of the arms. twists: joints beside
     the end of each bone of arms and legs, along it; one below the other, where ``chained``.
@@ -166,6 +167,7 @@ class Pose:
     face: bool = False
     ends: bool = False
     metacarpals: bool = False
+    spread: float = 0.5
     thumb: bool = True
     toes: bool = True
     seated: float = 0.0
@@ -284,7 +286,7 @@ def _arm(put, pose: Pose, side: str, s: float, chest: Floats) -> None:  # type: 
         parent = f"{side} hand"
         if pose.metacarpals:
             parent = f"{side} {FINGERS[k]} 0"
-            put(parent, f"{side} hand", wrist + (lower * 0.02 + across * 0.5) * pose.hands, close)
+            put(parent, f"{side} hand", wrist + (lower * 0.02 + across * pose.spread) * pose.hands, close)
         for joint in range(pose.phalanges):
             put(f"{side} {FINGERS[k]} {joint + 1}", parent, place, close)
             parent = f"{side} {FINGERS[k]} {joint + 1}"

@@ -64,7 +64,7 @@ def population(which: int) -> Iterator[Case]:
             random = np.random.default_rng([which, number])
             number += 1
             name = f"{kind} {k}"
-            yield _case(name, random, [make(random)], 2 * k + which)
+            yield case_of(name, random, [make(random)], 2 * k + which)
     for k in range(10):
         yield crowd(which, k, number)
     for k in range(10):
@@ -74,14 +74,14 @@ def population(which: int) -> Iterator[Case]:
     # Numbers of their own, so that what was made before them stays what it was.
     for k in range(24):
         random = np.random.default_rng([which, k, len(KINDS)])
-        yield _case(f"paws {k}", random, [pawed(random)], 2 * k + which)
+        yield case_of(f"paws {k}", random, [pawed(random)], 2 * k + which)
 
 
 def crowd(which: int, k: int, first: int) -> Case:
     """Partial people side by side. first: how many cases come before the crowds of a set."""
     random = np.random.default_rng([which, first + k])
     bodies = [_partial(random, person(random)) for _ in range(int(random.integers(2, 5)))]
-    return _case(f"crowd {k}", random, bodies, 2 * k + which)
+    return case_of(f"crowd {k}", random, bodies, 2 * k + which)
 
 
 def company(which: int, k: int, first: int) -> Case:
@@ -92,16 +92,16 @@ def company(which: int, k: int, first: int) -> Case:
     random = np.random.default_rng([which, first + k])
     makes = (person, person, quadruped, legs_alone)
     bodies = [makes[int(random.integers(4))](random) for _ in range(int(random.integers(2, 4)))]
-    return _case(f"company {k}", random, bodies, 2 * k + which, one_skin=True)
+    return case_of(f"company {k}", random, bodies, 2 * k + which, one_skin=True)
 
 
 def furnished(which: int, k: int, first: int) -> Case:
     """A piece of furniture or a machine whose parts are called as those of bodies. first: as of `crowd`."""
     random = np.random.default_rng([which, first + k])
-    return _case(f"furniture {k}", random, [furniture(random)], 2 * k + which)
+    return case_of(f"furniture {k}", random, [furniture(random)], 2 * k + which)
 
 
-def _case(name: str, random: Random, bodies: list[Skeleton], style: int, *, one_skin: bool = False) -> Case:
+def case_of(name: str, random: Random, bodies: list[Skeleton], style: int, *, one_skin: bool = False) -> Case:
     """A file of bodies side by side. style: which of their words they take. one_skin: that moves them all."""
     turn, size, up = _stance(random)
     names: list[str] = []

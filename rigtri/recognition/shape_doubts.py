@@ -1,0 +1,240 @@
+"""Shapes that may be another limb, or none: skirts, wings, clavicles taken for upper bones, guns, things."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rigtri.maths.scalar_vector import Vector
+from rigtri.maths.triangle import bend_angle
+from rigtri.recognition.arms_legs import Found
+from rigtri.recognition.body_shape import SIMILAR, Body, lowest
+from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.facing import feet_ahead
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_pairs import Limbs
+from rigtri.recognition.limb_triples import HAND, STRAIGHT, beside, branches
+from rigtri.recognition.naming_schemes import roles_in_name
+
+# A further chain at the chest that is so long a part of the arms may be an arm as well.
+_RIVAL = 0.2
+# A limb bends clearly by this (a cosine, 15°).
+_CLEAR = 0.966
+# A bone after the wrist that is so long a part of the lower arm is rather the lower arm itself.
+_NEXT = 0.6
+# A first bone that is so long a part of the next one is a clavicle of none but very broad shoulders.
+_BROAD = 0.8
+# A trunk that rises by less than this (a cosine) lies.
+_LYING = 0.6
+# Five fingers of three joints each are a hand: birds have fewer toes, and others shorter ones.
+_DIGITS, _PHALANGES = 5, 3
+# A middle that leads by less over the next best, of bones that are less like those of a limb than this: so
+# it is in straight chains of many joints, where crooked places (2 % of a bone) choose it.
+_NARROW, _HARDLY = 0.16, 0.45
+# Pairs as long as each other up to this part are alike.
+_SIMILAR = 0.15
+# Bones of a longer chain that are less like those of a limb than this.
+_NO_LIMB = 0.25
+# A gun points ahead by this (a cosine, 25°), and goes down by less than this part of its length.
+_AIMED, _DROOPS = 0.906, 0.5
+# What lives has feet that point ahead this far, 0 to 1, or moves a knee in clips by this (15°, in radians).
+_POINTED, _MOVED = 0.5, 0.26
+# Legs go down by this (a cosine), of those that sit, too.
+_STANDS = 0.5
+# A clavicle is at most so long a part of the upper arm.
+_CLAVICLE = 0.6
+# A joint of a leg with a hock stands so far beside the line of its neighbours, as a part of that.
+_ZIGZAG = 0.08
+# Names that say so far which three joints bend: those of all three, one of them vague.
+_CALLED = 0.8
+
+
+def upside_down(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """Legs that begin above arms, as the file says what is up, are no legs."""
+    legs, arms = ([k for k in found if k.kind == kind and k.side] for kind in ("leg", "arm"))
+    if len(legs) != 2 or len(arms) != 2:
+        return ""
+    up, at = Vector(*draft.tree.rig.rules.up), draft.tree.at
+    low, high = (at[one.joints[0]].dot(up) + at[other.joints[0]].dot(up) for one, other in (legs, arms))
+    if low > high and draft.up.dot(up) < -0.5:
+        return "its legs begin above its arms"
+    return ""
+
+
+def arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """What looks like legs in a body that has none: its arms, where hair passes for arms."""
+    mine, body, tree = each.pair, draft.shape.body, draft.tree
+    arms = body.arms if body is not None and body.form == "biped" else None
+    if each.kind != "leg" or mine is None or arms is None or arms is mine or arms.fingers >= 2:
+        return ""
+    fingers = [k for k in tree.below[each.joints[-1]] if len(tree.paths[k]) >= _PHALANGES]
+    if len(fingers) >= _DIGITS:
+        return "it ends in a hand, and the arms do not"
+    if any(rival(draft, k) or not k.is_sure for k in found if k.pair is arms):
+        if mine.at[0] == 1:
+            return "it may be an arm below its clavicle, for the arms are not sure"
+        if _leads_up(draft, mine.pair.above) and _leads_up(draft, tree.above[mine.pair.above]):
+            return "it may be an arm, for a trunk leads up to it and the arms are not sure"
+    return ""
+
+
+def _leads_up(draft: Draft, node: int) -> bool:
+    """Whether a bone leads up to a joint: a root on the ground, which moves no points, is none."""
+    above = draft.tree.above[node] if node >= 0 else -1
+    if above < 0 or not draft.poses.moves_points(above):
+        return False
+    return (draft.tree.at[node] - draft.tree.at[above]).dot(draft.up) > 0.0
+
+
+def other_bend(each: Found) -> str:
+    """Shape that hardly tells which joint of a chain bends."""
+    mine = each.pair
+    if mine is None or len(mine.pair.paths[0]) < 4 or mine.named > 0.0:
+        return ""
+    unclear = mine.quality < _NO_LIMB or (mine.lead < _NARROW and mine.quality < _HARDLY)
+    return "another joint of its chain may be the one that bends" if unclear else ""
+
+
+def skirt(draft: Draft, each: Found) -> str:
+    """Legs beside which another pair hangs that is as long, or stands where they do: a skirt, a chair."""
+    mine, body = each.pair, draft.shape.body
+    if mine is None or body is None or body.form != "biped" or mine is not body.legs or mine.named > 0.0:
+        return ""
+    if mine in draft.shape.legs and mine.kind == "leg":
+        return ""  # an insect's
+    ground = lowest(draft.tree, mine, body.up)
+    for other in draft.shape.limbs:
+        if other is mine or other.pair.above != mine.pair.above or len(other.at) != len(mine.at):
+            continue
+        apart, like = abs(lowest(draft.tree, other, body.up) - ground), abs(other.size - mine.size)
+        if like < _SIMILAR * mine.size or (other.size > SIMILAR * mine.size and apart < _SIMILAR * mine.size):
+            return (
+                f"the chain from '{draft.tree.rig.title(other.joints(0)[0])}' is as long: both may be a skirt"
+            )
+    return ""
+
+
+def rival(draft: Draft, each: Found) -> str:
+    """What else the arms may be where shape alone tells: wings beside them, the next joints of the chain."""
+    mine, tree, body = each.pair, draft.tree, draft.shape.body
+    front = body is not None and body.form == "quadruped" and mine is body.arms
+    if mine is None or not (each.kind == "arm" or front) or len(mine.at) < 3 or mine.named > _CALLED:
+        return ""
+    path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
+    long = end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]
+    a, b, c = (tree.at[k] for k in mine.joints(0))
+    bend = (b - a).unit.dot((c - b).unit)
+    at, fingers = branches(tree, path)
+    hand = at == end and fingers >= HAND  # no elbow has so many below it
+    if start == 0 and long and not hand and (not front or bend > _CLEAR):
+        return "its first bone may be a clavicle, as a long bone follows"
+    if start > 0 and long and not hand and bend > STRAIGHT:
+        return "its middle may be a twist joint of its upper bone, as a long bone follows"
+    if start > 0 and end == len(path) - 1 and not fingers and _hangs_from_a_lying_trunk(body, mine):
+        return "its first bone may be a shoulder blade or an upper bone, and nothing shows where its foot is"
+    if front:
+        return ""
+    if mine.fingers >= 2 or draft.shape.plane is None:
+        return ""
+    if start == 1 and tree.bone[path[1]] > _BROAD * (b - a).length:
+        return "its first bone may be an upper arm or a clavicle, and nothing shows where its hand is"
+    for node in _beside(draft, mine):
+        aside = [abs(draft.shape.plane.side_of(tree.at[k])) for k in tree.paths[node][:2]]
+        long = len(tree.paths[node]) > 2 and tree.reach[node] > _RIVAL * mine.size
+        if long and aside[0] > 0.01 * mine.size and aside[1] > 0.05 * mine.size:
+            return f"the chain from '{draft.tree.rig.title(node)}' may be an arm as well"
+    return ""
+
+
+def _hangs_from_a_lying_trunk(body: Body | None, arms: Limbs) -> bool:
+    """Whether arms are those of a body whose trunk lies, as of a turtle: they need no shoulder blades."""
+    legs = body.legs if body is not None else None
+    return body is not None and legs is not None and (arms.starts - legs.starts).unit.dot(body.up) < _LYING
+
+
+def _beside(draft: Draft, mine: Limbs) -> list[int]:
+    """What hangs where the arms do, or a joint from there, and has no name that tells what it is."""
+    tree, chest = draft.tree, mine.pair.above
+    body = draft.shape.body
+    legs = body.legs.pair.above if body is not None and body.legs is not None else -1
+    over = tree.above[chest] if chest >= 0 else -1
+    near = [k for k in (chest, over, *tree.below[chest]) if k >= 0 and k not in mine.pair.nodes]
+    hanging = [k for at in near if at == chest or at != legs for k in tree.below[at]]
+    return [
+        k
+        for k in hanging
+        if k not in mine.pair.nodes
+        and chest not in tree.paths[k]
+        and not any(roles_in_name(tree.rig.names[n]) for n in tree.paths[k])
+    ]
+
+
+def points_ahead(draft: Draft, each: Found) -> str:
+    """An arm without fingers whose lower bone is level and points ahead, and that does not hang: a gun."""
+    mine, at = each.pair, draft.tree.at
+    if each.kind != "arm" or mine is None or mine.fingers >= 2 or mine.named > 0.0:
+        return ""
+    start, middle, end = (at[joint] for joint in each.joints)
+    drop = (start - end).dot(draft.up)
+    aimed = (end - middle).unit.dot(draft.facing) > _AIMED
+    return "it points ahead as a gun does" if aimed and drop < _DROOPS * (end - start).length else ""
+
+
+def may_be_a_thing(draft: Draft, each: Found) -> str:
+    """Legs and arms without names of which nothing shows that they live: lamps and cranes have such."""
+    mine, body = each.pair, draft.shape.body
+    if mine is None or body is None or body.legs is None or body.arms is None:
+        return ""
+    if mine.named > 0.0 or mine.kind or _has_names_of_bodies(draft):
+        return ""
+    if body.form == "quadruped":
+        pairs = [limbs for limbs in (body.legs, body.arms) if not _go_down(draft, limbs)]
+        return "its legs go aside, as those of a thing may" if pairs else ""
+    if max(body.legs.fingers, body.arms.fingers) >= 2 or _has_legs_that_live(draft, body, body.legs):
+        return ""
+    if _has_shoulders_and_neck(draft.tree, body.arms):
+        return ""
+    return "nothing shows that it is of a body and not of a thing: no fingers, feet, shoulders or motion"
+
+
+def _go_down(draft: Draft, legs: Limbs) -> bool:
+    """Whether both legs of a pair go down."""
+    at = draft.tree.at
+    ends = [(at[joints[0]], at[joints[-1]]) for joints in map(legs.joints, (0, 1))]
+    return all((start - end).unit.dot(draft.up) > _STANDS for start, end in ends)
+
+
+def _has_names_of_bodies(draft: Draft) -> bool:
+    """Whether any name is of a part of a body."""
+    if draft.reading is not None and draft.reading.bones:
+        return True
+    return any(word.levels or word.trunk for word in draft.words.values())
+
+
+def _has_legs_that_live(draft: Draft, body: Body, legs: Limbs) -> bool:
+    """Whether feet point ahead, clips bend both knees, or legs bend to and fro."""
+    tree, moving = draft.tree, draft.poses.moving
+    if len(moving) and len(legs.at) == 3:
+        bends = (bend_angle(*(moving[:, k] for k in legs.joints(which))) for which in (0, 1))
+        if min(float(angles.max() - angles.min()) for angles in bends) > _MOVED:
+            return True
+    if not _go_down(draft, legs):
+        return False  # what goes aside ends in no foot
+    to_and_fro = all(_bends_to_and_fro(tree, path, draft.facing) for path in legs.pair.paths)
+    return to_and_fro or abs(feet_ahead(tree, body, draft.facing, draft.poses)) > _POINTED
+
+
+def _has_shoulders_and_neck(tree: Tree, arms: Limbs) -> bool:
+    """Whether short clavicles lead to both arms, and two joints go on beside them: neck and head."""
+    for path in arms.pair.paths:
+        start, middle = arms.at[0], arms.at[1]
+        upper = (tree.at[path[middle]] - tree.at[path[start]]).length
+        if start == 0 or tree.bone[path[start]] > _CLAVICLE * upper:
+            return False
+    others = (k for k in tree.below.get(arms.pair.above, ()) if k not in arms.pair.nodes)
+    return any(len(tree.paths[k]) > 1 for k in others)
+
+
+def _bends_to_and_fro(tree: Tree, path: Sequence[int], ahead: Vector) -> bool:
+    """Whether the joints of a leg stand ahead of the line of their neighbours and behind it by turns."""
+    aside = [beside(tree, joints).dot(ahead) for joints in zip(path, path[1:], path[2:], strict=False)]
+    return max(aside, default=0.0) > _ZIGZAG and min(aside, default=0.0) < -_ZIGZAG

@@ -1,0 +1,87 @@
+"""What was taken for something else before: each kind of body by the numbers of some seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import pytest
+from posed_bodies import Pose, posed_body
+from recognition_bodies import oddities, seeds
+from recognition_bodies.cases import Case
+from recognition_bodies.measure import Finding, measure, stands_right
+from recognition_bodies.truth import nameless
+
+from rigtri.recognition.layout import Layout
+from rigtri.recognition.recognise import recognise
+
+
+def found(case: Case, *, named: bool) -> tuple[Layout, list[Finding]]:
+    """What is recognised, and what came of the limbs."""
+    rig = case.rig if named else nameless(case.rig)
+    layout = recognise(rig)
+    return layout, seeds.of_limbs(measure(rig, case.truth, layout, named=named))
+
+
+def surely_wrong(make: Callable[[int], Case], numbers: Sequence[int]) -> list[str]:
+    """What is sure, and wrong, with names and without."""
+    return [
+        f"{number}: {one}"
+        for number in numbers
+        for named in (True, False)
+        for one in found(make(number), named=named)[1]
+        if one.outcome == "surely wrong"
+    ]
+
+
+@pytest.mark.parametrize("make", [oddities.numbered, oddities.parted], ids=["numbered", "parted"])
+def test_parts_and_duplicates_of_bones_are_told_apart(make: Callable[[int], Case]) -> None:
+    """``Arm.L.001`` is a forearm where the shape says so, ``ElbowPart1_R`` a part of one."""
+    for number in (0, 1, 2, 3, 4, 6, 7):
+        _, limbs = found(make(number), named=True)
+        right = [one for one in limbs if one.outcome == "right" and round(one.confidence, 2) >= 0.75]
+        assert len(right) == 4, (number, [str(one) for one in limbs])
+
+
+@pytest.mark.parametrize(
+    ("make", "numbers"),
+    [
+        (oddities.bladed, (14, 44, 9, 18, 29)),
+        (oddities.armed, range(6)),
+        (oddities.symmetric, range(16)),
+    ],
+    ids=["bladed", "armed", "symmetric"],
+)
+def test_blades_guns_and_things_are_no_limbs_that_are_sure(
+    make: Callable[[int], Case], numbers: Sequence[int]
+) -> None:
+    assert surely_wrong(make, numbers) == []
+
+
+def test_a_claw_arm_is_no_neck() -> None:
+    for number in range(4):
+        case = oddities.clawed(number)
+        layout, _ = found(case, named=True)
+        heads = [joint for chain in layout.chains if chain.kind in ("neck", "head") for joint in chain.joints]
+        assert not [name for k in heads if "claw" in (name := case.rig.names[k].lower())]
+
+
+def test_who_sits_with_legs_stretched_ahead_has_up_along_the_trunk() -> None:
+    for number in range(10):
+        case = oddities.stretched(number)
+        (character,) = found(case, named=True)[0].characters
+        assert stands_right(case.truth.characters[0], character) is not False, number
+
+
+@pytest.mark.parametrize("fingers", [2, 3])
+@pytest.mark.parametrize("spread", [0.5, 0.8, 1.0])
+def test_a_middle_finger_whose_palm_bone_begins_nearest_to_the_wrist_is_no_thumb(
+    fingers: int, spread: float
+) -> None:
+    body = posed_body(Pose("none", fingers=fingers, metacarpals=True, spread=spread, arms=60.0))
+    parts = {node: part for part, node in body.parts.items()}
+    thumbs = [
+        parts[chain.joints[0]]
+        for chain in recognise(body.rig).chains
+        if chain.kind == "finger" and "thumb" in chain.name
+    ]
+    assert sorted(thumbs) == ["left thumb 1", "right thumb 1"]
