@@ -308,10 +308,9 @@ def _side(draft: Draft, each: Found) -> Side:
     if twin:
         return "right" if twin == "left" else "left"
     at = draft.tree.at
-    first = each.pair.at[0]  # shoulder blades may cross at the spine
-    path = (*zip(mine[first:], other[first:], strict=True), *zip(mine[:first], other[:first], strict=True))
-    apart = [(at[a] - at[b]).dot(draft.left) for a, b in path]
-    # Feet may cross; hips and shoulders do not. Where limbs begin in the middle the next joints tell.
+    apart = [(at[a] - at[b]).dot(draft.left) for a, b in zip(mine, other, strict=True)]
+    apart = apart[each.pair.at[0] :] + apart[: each.pair.at[0]]
+    # Feet and blades may cross; hips and shoulders do not. If these are in the middle, the next joints tell.
     widest = max(map(abs, apart), default=0.0)
     offset = next((far for far in apart if abs(far) > 0.1 * widest), 0.0)
     return "left" if offset > 0 else "right" if offset < 0 else ""

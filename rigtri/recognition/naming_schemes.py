@@ -46,6 +46,8 @@ BESIDE = frozenset(["twist", "end", "control", "attachment", "helper"])
 NO_LIMB = frozenset(["control", "attachment", "tail", "wing", "ear", "feeler", "machine"])
 # What it has for chains of joints instead of single ones.
 _CHAINS = frozenset(["tail", "wing", "ear", "feeler", "machine", "face", "muzzle", "skull", "trunk"])
+# What parts of a bone are called after its name: ``ElbowPart1_R``. Source: Advanced Skeleton.
+_PARTS = ("part", "segment", "seg")
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
@@ -280,8 +282,6 @@ def is_segment(name: str, above: str) -> bool:
 
     >>> is_segment("DEF-forearm.L.001", "DEF-forearm.L"), is_segment("leg_02.L", "leg_01.L")
     (True, False)
-    >>> is_segment("ElbowPart1_R", "Elbow_R")
-    True
     """
     parsed, over = parse_name(name), parse_name(above)
     if not parsed.side:
@@ -291,13 +291,8 @@ def is_segment(name: str, above: str) -> bool:
     again = bone and (parsed.side, parsed.plain) == (over.side, over.plain) and parsed.raw != over.raw
     # ``Arm1.L.001`` below ``Arm1.L``; but ``Leg.L.001`` may be the shin below the thigh ``Leg.L``.
     more = over.key != over.plain and name.startswith(f"{above}.") and name[len(above) + 1 :].isdigit()
-    part = parsed.side == over.side and bool(over.plain) and parsed.plain in _parts_of(over.plain)
+    part = parsed.side == over.side and parsed.plain in (over.plain + word for word in _PARTS if over.plain)
     return again or more or part or "twist" in roles_in_name(name)
-
-
-def _parts_of(plain: str) -> tuple[str, ...]:
-    """What parts of a bone are called. Source: Advanced Skeleton, ``ShoulderPart1_R`` of ``Shoulder_R``."""
-    return tuple(plain + word for word in ("part", "segment", "seg"))
 
 
 @cache
