@@ -97,7 +97,6 @@ def test_before_and_after_are_both_in_the_page_after_first(samples: Path, tmp_pa
     assert page.text["title"] == "tpose.glb ← biped.glb – rigtri view"
 
 
-@pytest.mark.ci
 def test_limbs_and_pole_vectors_are_reported_by_their_nodes(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     limb = ("--limb", "upper_arm_L", "forearm_L", "hand_L")

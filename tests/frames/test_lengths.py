@@ -255,7 +255,6 @@ def test_noise_adds_up_along_a_chain(tmp_path: Path) -> None:
     assert entries(outcome)["shoulder"]["scale"]["policy"] == "snap"
 
 
-@pytest.mark.ci
 def test_in_usd_noise_of_a_matrix_at_rest_is_made_uniform(tmp_path: Path) -> None:
     """No clip scales it: the matrices of the bind pose and the translations below take it up."""
     source, out = made(tmp_path, lever(10.0), ".usda"), tmp_path / "out.usda"
