@@ -148,6 +148,19 @@ def test_a_body_that_faces_another_way_keeps_its_own(degrees: float) -> None:
     assert degrees_apart(pointing(home, "walk", keys), pointing(plain, "walk", keys) @ about) < 0.01
 
 
+def test_a_body_that_lies_at_rest_and_stands_in_its_clips_stands() -> None:
+    """Before, where only clips say what is up, refused: no rotation by 90° set it upright."""
+    edited = biped()
+    hips = edited.find("Hips")
+    assert {("Hips", "rotation")} <= {(edited.names[t.node], t.path) for t in edited.clip("walk").tracks}
+    rotation = edited.rotation.copy()
+    rotation[hips] = multiply(from_axis_angle(np.array([1.0, 0.0, 0.0]), np.pi), rotation[hips])
+    edited = replace(edited, clips=(edited.clip("walk"),))
+    home = take_clips(other_body(), from_=replace(edited, rotation=rotation))
+    keys = key_times(edited.clip("walk"))
+    assert degrees_apart(pointing(home, "walk", keys), pointing(edited, "walk", keys)) < 0.01
+
+
 def test_ik_bones_of_another_body_are_told_and_follow_again() -> None:
     report = Report()
     home = take_clips(other_body("unreal"), from_=biped("unreal"), report=report)

@@ -36,7 +36,7 @@ def stood_up(both: Counterparts, every: Sequence[Taken], report: Report) -> Coun
     """``both``, or with EDITED's world turned by 90° about x where all clips of both files stand only so.
 
     A warning where a clip lies though nothing else shows that the file does. Raises GeometryError where the
-    file lies, but no such turn sets its clips upright.
+    file lies, but no such turn sets its clips upright, unless both rest in one standard pose.
     """
     carriers = _carriers(both)
     moving = [
@@ -47,15 +47,23 @@ def stood_up(both: Counterparts, every: Sequence[Taken], report: Report) -> Coun
         return both
     known = [taken for taken in moving if taken.home is not None] or moving
     names = list_names(taken.name for taken in lying)
+    notice = "lies", f"In {names} of EDITED the body lies, compared with RIG; {_REMEDY}"
     if any(taken not in lying for taken in known) or not _may_lie(both, known):
-        report.warn("lies", f"In {names} of EDITED the body lies, compared with RIG; {_REMEDY}")
+        report.warn(*notice)
         return both
+    # One standard pose that lies in EDITED is upright as RIG's.
+    turns = [] if both.at_rest is None else [both.at_rest]
     for sign in (-1.0, 1.0):
         about_x = from_frame([[1.0, 0.0, 0.0], [0.0, 0.0, sign], [0.0, -sign, 0.0]], np.zeros(3))
-        upright = np.asarray(multiply(from_frame(nearest_rotation(both.space), np.zeros(3)), about_x))[:3, :3]
-        stood = Counterparts(both.rig, both.other, upright, both.at_rest)
+        upright = multiply(from_frame(nearest_rotation(both.space), np.zeros(3)), about_x)
+        turns.append(np.asarray(upright)[:3, :3])
+    for turn in turns:
+        stood = Counterparts(both.rig, both.other, turn, both.at_rest)
         if not any(_lies(stood, taken) for taken in known):
             return stood
+    if both.at_rest is not None:
+        report.warn(*notice)  # its limbs point as they should, whatever its format says is up
+        return both
     raise GeometryError(
         f"The body lies in {names} of EDITED, and so does the whole file, but no rotation by 90° about x "
         "sets all of these clips upright as in RIG. Export EDITED with the up axis of its format (glTF: "
