@@ -253,3 +253,30 @@ def test_findings_of_many_children_take_no_more_than_their_number(count: int, tm
     start = time.process_time()
     cli("check", path, "-q", code=1)
     assert time.process_time() - start < 20.0  # 4 s; it would be an hour if each looked at all others
+
+
+@pytest.mark.parametrize("wrong", [1e9, "1", True, None, 1e400, [0.5]])
+def test_the_bounds_of_keys_that_are_read_together_are_each_looked_at(wrong: object, tmp_path: Path) -> None:
+    """Accessors of one size are read at once: one whose bounds do not fit has its finding, as alone."""
+    path = tmp_path / "in.glb"
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    samplers = gltf["animations"][0]["samplers"]
+    times = samplers[0]["input"]
+    assert (
+        sum(gltf["accessors"][s["input"]]["count"] == gltf["accessors"][times]["count"] for s in samplers) > 9
+    )
+    for output in [sampler["output"] for sampler in samplers[:2]]:
+        accessor = gltf["accessors"][output]
+        width = {"VEC3": 3, "VEC4": 4}[accessor["type"]]
+        rows = np.frombuffer(
+            binary,
+            "<f4",
+            accessor["count"] * width,
+            gltf["bufferViews"][accessor["bufferView"]].get("byteOffset", 0) + accessor.get("byteOffset", 0),
+        ).reshape(-1, width)
+        accessor["min"], accessor["max"] = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
+    gltf["accessors"][samplers[1]["output"]]["max"][0] = wrong
+    path.write_bytes(glb_bytes(json.dumps(gltf).replace("Infinity", "1e400").encode(), binary))
+    found = [item for item in check(path) if f"/accessors/{samplers[1]['output']}/" in item.pointer]
+    assert [item.id for item in found] == ["gltf.accessor.bounds" if wrong == 1e9 else "gltf.json.value"]
+    assert not [item for item in check(path) if f"/accessors/{samplers[0]['output']}/" in item.pointer]

@@ -59,6 +59,10 @@ def test_scales_names_influences_and_bones_are_found() -> None:
     scale = rig.scale.copy()
     scale[root] = 0.01
     assert "profile.scale" in of_rig(replace(rig, scale=scale), "unreal")
+    assert "profile.scale" not in of_rig(replace(rig, scale=scale), "vrm")  # positive and uniform
+    for size in ([1.0, 2.0, 1.0], [-1.0, -1.0, -1.0]):
+        scale[root] = size
+        assert "profile.scale" in of_rig(replace(rig, scale=scale), "vrm")
     names = list(rig.names)
     names[rig.find("toe_L")], names[rig.find("hand_R")] = "foot.L", "head"
     assert "profile.names-altered" in of_rig(replace(rig, names=tuple(names)), "three")

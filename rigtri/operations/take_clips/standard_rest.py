@@ -130,9 +130,10 @@ def _most_common(turns: Floats) -> Floats:
         return np.eye(3)
     limits = [2.0 * np.sin(np.radians(degrees) / 2.0) for degrees in (MOST_DEGREES, SAME_AXES)]
 
-    def score(turn: Floats) -> list[int]:
+    def score(turn: Floats) -> int:
+        # That of many to rounding counts more than one amid some that are a little off.
         apart = length(turns[:, :3, :3] - turn).max(axis=-1)
-        return [int((apart <= limit).sum()) for limit in limits]
+        return sum(int((apart <= limit).sum()) for limit in limits)
 
     best = max(turns[:, :3, :3], key=score)
     axes = AXIS_TURNS[int(np.abs(AXIS_TURNS - best).max(axis=(1, 2)).argmin())]

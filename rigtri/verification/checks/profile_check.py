@@ -15,6 +15,7 @@ import numpy as np
 
 from rigtri.formats.rules import Rule
 from rigtri.maths.angle_limits import cosine_below
+from rigtri.maths.matrices import determinant
 from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
@@ -39,7 +40,7 @@ class _Engine:
     """What one engine asks for. influences: joints of a point, joints: of a skin; 0 for any number.
 
     first: it reads the first so many influences of a point, wherever others are 0. unique: it finds bones by
-    their names, among all nodes.
+    their names, among all nodes. even: any scale will do that is positive and the same along all axes.
     """
 
     title: str
@@ -47,6 +48,7 @@ class _Engine:
     t_pose: bool = False
     root: bool = False
     scale: bool = False
+    even: bool = False
     influences: int = 0
     first: bool = False
     joints: int = 0
@@ -76,12 +78,13 @@ class _Engine:
 
 # Sources of the numbers: Unity manual, QualitySettings.skinWeights; Unreal, "Skeletal Mesh" (8 influences);
 # Godot, ArrayMesh (ARRAY_FLAG_USE_8_BONE_WEIGHTS) and GLTFDocument; three.js, GLTFLoader and PropertyBinding;
-# WebGL 2.0 (MAX_VERTEX_UNIFORM_VECTORS is at least 256, and a joint takes 4).
+# WebGL 2.0 (MAX_VERTEX_UNIFORM_VECTORS is at least 256, and a joint takes 4). Of VRM and WebGL, glTF 2.0:
+# every viewer shows one set, of four. docs/checks.md says which of these are our own choice.
 _ENGINES: Mapping[str, _Engine] = {
     "unity": _Engine("Unity", humanoid=True, t_pose=True, scale=True, influences=4, unique=True),
     "unreal": _Engine("Unreal", root=True, scale=True, influences=8),
     "godot": _Engine("Godot", t_pose=True, scale=True, influences=8, odd_names=r"[:/]"),
-    "vrm": _Engine("VRM", humanoid=True, t_pose=True, scale=True, influences=4),
+    "vrm": _Engine("VRM", humanoid=True, t_pose=True, scale=True, even=True, influences=4),
     "three": _Engine("three.js", influences=4, first=True, odd_names=r"[\[\].:/\s]"),
     "webgl": _Engine("WebGL", influences=4, joints=64),
 }
@@ -103,8 +106,9 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
     (
         "scale",
         "warning",
-        "A joint has a scale other than 1 in the world: physics, sockets and retargeting go by it.",
-        "VRMC_vrm 1.0, tpose.md; Unity manual, Model tab; Godot, Retargeting 3D Skeletons",
+        "A joint has a scale other than 1 in the world: physics, sockets and retargeting go by it (VRM: "
+        "one that is not positive and uniform).",
+        "VRMC_vrm 1.0, tpose.md, 2.1; for engines rigtri's own choice, with what freeze does",
         "Freeze it with rigtri freeze; what is not uniform of it only a DCC takes out.",
     ),
     (
@@ -132,7 +136,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "root",
         "warning",
         "There is no one root joint above the hips, from which root motion is taken.",
-        "Unreal Engine, Root Motion, and FBX Skeletal Mesh Pipeline",
+        "Unreal Engine, Root Motion; that it is asked for without root motion is rigtri's own choice",
         "Add one with rigtri add-root.",
     ),
     (
@@ -153,7 +157,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "names",
         "warning",
         "Joints share a name, or a bone and any node do: the engine's humanoid finds bones by name.",
-        "Unity manual, Avatar Mapping",
+        "Unity, AvatarBuilder.BuildHumanAvatar (a name twice is an ambiguous transform)",
         "Name them with rigtri rename-joints --name JOINT=NAME.",
     ),
     (
@@ -202,7 +206,7 @@ def _found(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
             yield from _root(rig, body, engine)
         yield from _placed(rig, body, engine)
     if engine.scale:
-        yield from _scale(rig, joints)
+        yield from _uneven(rig, joints) if engine.even else _scale(rig, joints)
     yield from _limits(rig, engine)
     yield from _names(rig, joints, bodies, engine)
 
@@ -261,6 +265,18 @@ def _scale(rig: Rig, joints: list[int]) -> Iterator[tuple[str, int, str]]:
         size = " ".join(f"{each:.6g}" for each in sizes[int(off.argmax())])
         others = f"{count} of {len(joints)} joints have another than 1"
         yield "scale", worst, f"its scale is {size} in the world, and {others}"
+
+
+def _uneven(rig: Rig, joints: list[int]) -> Iterator[tuple[str, int, str]]:
+    sizes = length(rig.local[joints, :3, :3])
+    sizes = np.where(determinant(rig.local[joints]) > 0, 1.0, -1.0)[:, np.newaxis] * sizes
+    off = sizes.max(axis=1) - sizes.min(axis=1) > _ONE * np.abs(sizes).max(axis=1)
+    off |= sizes.min(axis=1) <= 0
+    if off.any():
+        first = int(off.argmax())
+        size = " ".join(f"{each:.6g}" for each in sizes[first])
+        others = f"{int(np.count_nonzero(off))} of {len(joints)} joints have one that is not"
+        yield "scale", joints[first], f"its scale is {size}, VRM allows positive uniform ones, and {others}"
 
 
 def _limits(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:

@@ -61,6 +61,9 @@ def check(view: View) -> None:
     checked_times: set[int] = set()
     for animation in view.each("animations"):
         samplers, channels = animation.objects("samplers"), animation.objects("channels")
+        places = [sampler.raw.get(key) for sampler in samplers for key in ("input", "output")]
+        among = range(len(view.lists["accessors"]))
+        view.read_together(place for place in places if type(place) is int and place in among)
         if not channels:
             animation.add("gltf.animation.empty", "has no channels", "channels")
         seen: dict[tuple[int, str], int] = {}

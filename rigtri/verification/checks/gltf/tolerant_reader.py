@@ -6,7 +6,8 @@ The rules about single values, bytes and bounds are the readers' own (`Value`,
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +21,14 @@ from rigtri.formats.gltf.structure import LISTS
 from rigtri.formats.gltf.uris import file_of, is_data
 from rigtri.formats.json_values import Value, short_repr
 from rigtri.formats.rules import Violation
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.checks.findings import Findings
 
 # Rows of an accessor decoded at once where they are not kept.
 _BLOCK = 1 << 16
+# Accessors of up to so many rows are read together. Whole numbers below the other are floats without loss.
+_SMALL, _EXACT = 1 << 12, 1 << 53
 # Accessors of these types are only for meshes and materials of others; rigtri does not read them.
 FOREIGN = ("MAT2", "MAT3")
 
@@ -201,6 +205,36 @@ class View:
             self._numbers[index] = self._read(index)
         return self._numbers[index]
 
+    def read_together(self, indices: Iterable[int]) -> None:
+        """Read small accessors of one size at once, as `read` would, where their stated bounds fit.
+
+        Others wait for `read`, with what is wrong with them.
+        """
+        groups = dict[tuple[int, int], list[int]]()
+        for index in dict.fromkeys(indices):
+            if index not in self._numbers and not self._is_lost(index):
+                with suppress(FileError):
+                    layout = self.accessors.layout(index)
+                    if layout.plain and layout.rows <= _SMALL:
+                        groups.setdefault((layout.rows, layout.width), []).append(index)
+        for (rows, width), group in groups.items():
+            with suppress(FileError), np.errstate(invalid="ignore"):
+                numbers = self.accessors.read_alike(group).reshape(len(group), rows, width)
+                lows, highs = numbers.min(axis=1), numbers.max(axis=1)
+                fits = self._states(group, "min", lows) & self._states(group, "max", highs)
+                self._numbers |= {group[k]: numbers[k] for k in np.flatnonzero(fits).tolist()}
+
+    def _states(self, group: Sequence[int], key: str, found: Floats) -> Booleans:
+        """Which accessors state what was found, (a, width), or nothing; not what are no plain numbers."""
+        width = found.shape[1]
+        stated = [self.lists["accessors"][index].get(key) for index in group]
+        plain = [values is None or _plain_numbers(values, width) for values in stated]
+        said = np.array([ok and values is not None for ok, values in zip(plain, stated, strict=True)])
+        given = np.array([values if ok else [0.0] * width for ok, values in zip(said, stated, strict=True)])
+        far = np.abs(given - found) > 1e-5 * np.maximum(1.0, np.maximum(np.abs(given), np.abs(found)))
+        fits = np.isfinite(given).all(axis=1) & ~far.any(axis=1)
+        return np.asarray(np.where(said, fits, np.array(plain)))
+
     def judge(self, index: int) -> None:
         """Judge the min and max of an accessor that nothing else reads; its numbers are not kept."""
         if index not in self._numbers:
@@ -349,6 +383,15 @@ def titled(kind: str, raw: Any, number: int) -> str:
     """What to call a thing of the file in a message."""
     name = raw.get("name") if isinstance(raw, dict) else None
     return f"{kind} '{name}' (#{number})" if isinstance(name, str) and name else f"{kind} #{number}"
+
+
+def _plain_numbers(values: Any, width: int) -> bool:
+    """Whether these are so many floats and small whole numbers."""
+    return (
+        isinstance(values, list)
+        and len(values) == width
+        and all(type(value) is float or (type(value) is int and abs(value) < _EXACT) for value in values)
+    )
 
 
 def _exists(path: Path) -> bool:
