@@ -12,6 +12,7 @@ from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
 from rigtri.recognition.shape_doubts import (
+    ankle_as_knee,
     arm_as_leg,
     may_be_a_thing,
     other_bend,
@@ -69,7 +70,7 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or (not by_name and (_misnamed(draft, each) or other_bend(each) or no_hand(draft, each)))
         or split_bone(draft, each)
         or (not by_name and only_things(draft, each.joints))
-        or (not by_name and further_part(draft, each))
+        or (not by_name and (further_part(draft, each) or ankle_as_knee(draft, each)))
         or (not by_name and (skirt(draft, each) or rival(draft, each)))
         or (not by_name and (points_ahead(draft, each) or may_be_a_thing(draft, each)))
         or (not by_name and _by_the_legs(draft, each, found))

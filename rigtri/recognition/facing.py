@@ -40,8 +40,9 @@ _SOLE = 0.1
 _ASIDE, _RAISED = 0.3, 0.5
 # A trunk that leans so far from its up (a sine) leans ahead, and from the second on it lies.
 _LEANS, _LIES = 0.35, 0.7
-# Before a shin is a bone of at least this part of it, and an ankle is folded so far at rest (a cosine, 60°).
-_LED, _FOLDED = 0.45, 0.5
+# A straight leg bends by less than this, and a foot is set off from it by more (cosines, 15° and 25°). So far
+# ahead feet point (a cosine).
+_STRAIGHT, _SET, _AHEAD = 0.966, 0.906, 0.5
 # A face stands so far ahead of the trunk or skull, as a part of a limb, to count in full.
 _FACE = 0.15
 _ENDS = ("face", "skull", "tail")
@@ -130,22 +131,36 @@ def _bends(
     """As `_votes`, of knees and elbows: of clear bends, of small ones of twins, and of what may be noise."""
     moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
     for limbs, clear, small, all_ in _bent(body, plane.normal, ahead, moments):
-        if limbs is body.legs and _bends_at_ankles(tree, limbs):
+        feet = long_feet(tree, limbs, body.up, ahead) if limbs is body.legs and body.form == "biped" else 0.0
+        if feet:
+            yield feet, 0.0, 0.0, "the feet point there"
             continue
         weight = -0.5 if limbs is body.arms else 0.3 if _goes_on(tree, limbs) else 1.0
         words = "the elbows bend away from there" if limbs is body.arms else "the knees bend there"
         yield weight * clear, weight * small, weight * (all_ - clear - small), words
 
 
-def _bends_at_ankles(tree: Tree, legs: Limbs) -> bool:
-    """Whether a long bone leads to legs that are folded at rest: their knees may be ankles of long feet."""
+def long_feet(tree: Tree, legs: Limbs, up: Vector, ahead: Vector) -> float:
+    """How far long feet point ahead, −1 to 1, where what is taken for knees may be ankles; 0 where not.
+
+    Then legs stand upright and straight down to these, with a joint between, and all below is one line.
+    """
+    if len(legs.at) < 3:
+        return 0.0
+    total, (_, middle, end) = 0.0, legs.at
     for path in legs.pair.paths:
-        start, middle, end = (path[k] for k in legs.at)
-        shin, foot = tree.at[middle] - tree.at[start], tree.at[end] - tree.at[middle]
-        led = (tree.at[start] - tree.at[path[0]]).length > _LED * shin.length
-        if not led or shin.unit.dot(foot.unit) > _FOLDED:
-            return False
-    return True
+        if middle < 2:
+            return 0.0
+        hip, knee, ankle, toe = (tree.at[path[k]] for k in (0, middle - 1, middle, end))
+        leg, foot = (ankle - hip).unit, (toe - ankle).unit
+        tip = tree.at[tree.paths[path[end]][-1]]
+        if any(tip - toe) and (tip - toe).unit.dot(foot) < _STRAIGHT:
+            return 0.0
+        upright = leg.dot(up) < -_STRAIGHT and (knee - hip).unit.dot((ankle - knee).unit) > _STRAIGHT
+        if not upright or leg.dot(foot) > _SET:
+            return 0.0
+        total += 0.5 * foot.dot(ahead)
+    return total if abs(total) > _AHEAD else 0.0
 
 
 def _goes_on(tree: Tree, legs: Limbs) -> bool:

@@ -9,7 +9,7 @@ from rigtri.maths.triangle import bend_angle
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import SIMILAR, Body, lowest
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.facing import feet_ahead
+from rigtri.recognition.facing import feet_ahead, long_feet
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import HAND, STRAIGHT, beside, branches
@@ -166,6 +166,15 @@ def _beside(draft: Draft, mine: Limbs) -> list[int]:
         and chest not in tree.paths[k]
         and not any(roles_in_name(tree.rig.names[n]) for n in tree.paths[k])
     ]
+
+
+def ankle_as_knee(draft: Draft, each: Found) -> str:
+    """Legs that stand straight down to what is taken for knees, and end with what may be long feet."""
+    mine, body = each.pair, draft.shape.body
+    if each.kind != "leg" or mine is None or body is None or mine is not body.legs or mine.named > _CALLED:
+        return ""
+    feet = long_feet(draft.tree, mine, body.up, draft.facing) if body.form == "biped" else 0.0
+    return "its knee may be the ankle of a long foot" if feet else ""
 
 
 def points_ahead(draft: Draft, each: Found) -> str:

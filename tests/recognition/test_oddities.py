@@ -72,6 +72,17 @@ def test_who_sits_with_legs_stretched_ahead_has_up_along_the_trunk() -> None:
         assert stands_right(case.truth.characters[0], character) is not False, number
 
 
+def test_toons_with_feet_as_long_as_their_legs_are_not_turned_round() -> None:
+    assert surely_wrong(oddities.toon, range(20)) == []
+    turned = []
+    for number in range(20):
+        case = oddities.toon(number)
+        (character,) = found(case, named=False)[0].characters
+        if stands_right(case.truth.characters[0], character) is False:
+            turned.append(number)
+    assert turned == []
+
+
 @pytest.mark.parametrize("fingers", [2, 3])
 @pytest.mark.parametrize("spread", [0.5, 0.8, 1.0])
 def test_a_middle_finger_whose_palm_bone_begins_nearest_to_the_wrist_is_no_thumb(

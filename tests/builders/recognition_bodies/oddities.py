@@ -119,6 +119,30 @@ def _bare_mech(random: Random) -> Skeleton:
     return body
 
 
+def toon(seed: int) -> Case:
+    """A figure of few joints with short straight legs, whose feet slope and are as long as these."""
+    random = np.random.default_rng([27, seed])
+    body = Skeleton("biped", words=PEOPLE)
+    leg, trunk, slope = random.uniform(0.15, 0.4), random.uniform(0.25, 0.5), random.uniform(0.2, 0.95)
+    foot = leg * random.uniform(0.8, 1.3) * np.array([0.0, -np.sin(slope), np.cos(slope)])
+    low = 0.01 - foot[1]
+    hip, top = low + leg, low + leg + trunk
+    body.chain("", ("hips", (0, hip, 0)), ("spine", (0, top, random.normal(0, 0.01))))
+    body.chain("spine", ("neck", (0, top + 0.08, -0.01)), ("head", (0, top + 0.14, 0)))
+    drop, start = float(random.choice([0.0, 0.5, 1.0, 1.4])), np.array([0.14, top + 0.02, 0.0])
+    arm = random.uniform(0.17, 0.35) * np.array([np.cos(drop), -np.sin(drop), 0.0])
+    elbow = start + 0.5 * arm - [0, 0, random.uniform(-0.005, 0.015)]
+    body.both("spine", ("UpperArm", start), ("LowerArm", elbow), ("Hand", start + arm))
+    ankle, knee = np.array([0.09, low, 0.0]), low + leg * random.uniform(0.4, 0.6)
+    legs = [("UpperLeg", (0.09, hip, 0)), ("LowerLeg", (0.09, knee, 0.03 * leg * random.normal()))]
+    share = random.uniform(0.5, 1.0)
+    tip = [("Toe tip", ankle + foot)] if seed % 2 else []
+    body.both("hips", *legs, ("Foot", ankle), ("Toes", ankle + share * foot), *tip)
+    body.limb("arm", "UpperArm", "LowerArm", "Hand")
+    body.limb("leg", "UpperLeg", "LowerLeg", "Foot")
+    return case_of(f"toon {seed}", random, [body], seed)
+
+
 def stretched(seed: int) -> Case:
     """A person who sits with straight legs ahead, in a file that has y for up; half of them have z."""
     random = np.random.default_rng([25, seed])
