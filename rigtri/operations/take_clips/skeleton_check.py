@@ -92,11 +92,13 @@ def _of_one_skeleton(both: Counterparts, moved: Collection[int]) -> Proportions:
     """
     bodies = Proportions(both)
     found = [*_measured(both, bodies.bones, moved), *_other_axes(both, bodies.at_rest, moved)]
-    why, far = _other_bones(both, found), bool(found) and both.proportions > MOST_APART
+    why = _other_bones(both, found)
+    if not why and found and both.proportions > MOST_APART:
+        why = f"bind poses differ by {both.proportions:.2g} of the size (limit {MOST_APART:g})"
     if not why and both.proportions <= OTHER_SHAPE:
         return bodies
     rest, remedy = standard_rest(both), "conform both files to one skeleton (rigtri conform)"
-    if not far and rest.fits and (why or max(rest.axes.values()) <= SAME_AXES):
+    if rest.fits and (why or max(rest.axes.values()) <= SAME_AXES):
         bodies = Proportions(rest.counterparts())
         stretched = [replace(bone, degrees=0.0) for bone in found]
         why = _other_bones(both, [*stretched, *_other_axes(bodies.both, bodies.at_rest, moved)])
@@ -104,8 +106,6 @@ def _of_one_skeleton(both: Counterparts, moved: Collection[int]) -> Proportions:
         names = list_names(f"{both.rig.title(node)}: {each:.3g}°" for node, each in rest.aside.items())
         why += f"; and limbs point elsewhere at rest ({names})"
         remedy = "let both files rest in one pose (rigtri set-rest)"
-    if far and not why:
-        why = f"bind poses differ by {both.proportions:.2g} of the size (limit {MOST_APART:g})"
     if why:
         unseen = "" if both.bound else ", or other axes, which only skins of both files show"
         skin = "" if both.bound else "export EDITED with its skin, "
