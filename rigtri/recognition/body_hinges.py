@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rigtri.errors import UsageError
 from rigtri.maths.angle_limits import cosine_below
@@ -61,7 +62,7 @@ class Body:
         return normalise(cross(bone, self.facing)) if lateral else normalise(perpendicular(self.left, bone))
 
 
-def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Floats | None) -> list[Body]:
+def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: ArrayLike | None) -> list[Body]:
     """What the characters say of their joints in a pose, world (n, 4, 4).
 
     facing: where they look by the user's word, (3,), instead of what was recognised. Characters that are not
@@ -161,7 +162,7 @@ def _within(chain: Chain) -> tuple[int, ...]:
 
 
 def _frame(
-    rig: Rig, character: Character, world: Floats, facing: Floats | None
+    rig: Rig, character: Character, world: Floats, facing: ArrayLike | None
 ) -> tuple[Floats, Floats, bool] | None:
     """Where a character looks in a pose and where its up is, (3,) each; None where nothing shows it.
 
@@ -191,7 +192,7 @@ def _in_pose(
         return ahead, up, normal
     bind = bind_pose(rig) if character.pose == "bind" else None
     posed = rig.world if bind is None else bind
-    there, here = (from_axes(nearest_rotation(each[hips])) for each in (posed, world))
+    there, here = from_axes(nearest_rotation(np.stack([posed[hips], world[hips]])))
     turned = multiply(here, conjugate(there))
     if rotation_angle(turned) < SAME_POSE or not np.isfinite(turned).all():
         return ahead, up, normal

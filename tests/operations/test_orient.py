@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from flat_options import axes_of, joints_of
 from numpy.testing import assert_allclose
-from places import ROOT, slow
+from places import ROOT, SAMPLES, slow
 from rigs import chain, rig_of
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.sampling import worlds
 from rigtri.evaluation.skinning import skin_matrices
+from rigtri.formats import read
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotate, unit
 from rigtri.maths.triangle import axis_of
@@ -29,6 +30,7 @@ from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.option_kinds import Selection
 from rigtri.operations.options.orient_joints import StyledChain
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
+from rigtri.recognition import body_hinges
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
@@ -132,6 +134,19 @@ def test_the_middle_joint_flexes_about_plus_n() -> None:
 def test_a_second_run_changes_nothing() -> None:
     once = oriented(arm())
     assert oriented(once) is once
+
+
+def test_what_a_body_says_of_its_joints_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    found = body_hinges._frame
+
+    def counted(*words: Any) -> Any:
+        asked.append("frame")
+        return found(*words)
+
+    monkeypatch.setattr(body_hinges, "_frame", counted)
+    orient_joints(read(SAMPLES / "biped.glb").rig, options=OrientJointsOptions())
+    assert asked == ["frame"]
 
 
 def test_axes_come_from_the_joints_own_space_under_a_stretched_ancestor() -> None:

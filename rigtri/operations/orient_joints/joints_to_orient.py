@@ -40,7 +40,8 @@ from rigtri.recognition.recognise import recognise
 class Targets:
     """The joints to orient, parents first, in the reference pose of their skeleton.
 
-    skipped: why each other joint keeps its axes. styles: of every joint of the skeleton.
+    skipped: why each other joint keeps its axes. styles: of every joint of the skeleton. bodies: of the
+    characters, None where the joints to orient have nothing to do with these.
     """
 
     tree: Skeleton
@@ -50,6 +51,7 @@ class Targets:
     styles: Mapping[int, AxisStyle]
     limbs: tuple[Limb, ...]
     aims: Mapping[int, Aim]
+    bodies: Sequence[body_hinges.Body] | None
 
     @cached_property
     def aim(self) -> Floats:
@@ -129,6 +131,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     )
     styles = _styles(tree, options)
     limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)))
+    bodies = None if everything else body_hinges.bodies(rig, characters, ref.world, options.facing)
     known = limb_children(tree, limbs)
     if not options.branch:  # a rule that the user names goes before what is known of a body
         known = trunk_children(tree, characters) | chain_children(tree, ref, characters) | known
@@ -140,14 +143,14 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         known,
         frozenset(_fingers_of_one_joint(tree, fingers, joints)),
         {} if options.branch else heads,
-        _feet(rig, characters, ref.world, options),
+        body_hinges.lone_feet(characters, bodies or (), ref.world[:, 3, :3]),
         frozenset(_lone_hands(characters)),
         twists,
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
     _check_aims(tree, ref, aim_at, styles)
-    return Targets(tree, ref, joints, skipped, styles, limbs, aim_targets(tree, ref, joints, rules))
+    return Targets(tree, ref, joints, skipped, styles, limbs, aim_targets(tree, ref, joints, rules), bodies)
 
 
 def _standard_bones(characters: Iterable[Character], options: OrientJointsOptions) -> Iterator[int]:
@@ -181,15 +184,6 @@ def _lone_hands(characters: Iterable[Character]) -> Iterator[int]:
         for chain in (chain for chain in character.chains if chain.kind == "hand" and chain.is_sure):
             if len(chain.joints) == 1 and chain.side not in sides:
                 yield chain.joints[0]
-
-
-def _feet(
-    rig: Rig, characters: Sequence[Character], world: Floats, options: OrientJointsOptions
-) -> dict[int, Floats]:
-    """Where feet without toes point in a pose, (n, 4, 4)."""
-    facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
-    known = body_hinges.bodies(rig, characters, world, facing)
-    return body_hinges.lone_feet(characters, known, world[:, 3, :3])
 
 
 def _with_nodes(tree: Skeleton, nodes: Iterable[int]) -> Skeleton:

@@ -266,7 +266,8 @@ def requested_frames(
         if pose is not None:
             standard = standard_frames(rig, targets.ref.world, characters, pose, options.facing)
             warn_facing(standard, report)
-        known = bodies(rig, characters, targets.ref.world, facing)
+        known = targets.bodies if characters else ()
+        known = bodies(rig, characters, targets.ref.world, facing) if known is None else known
         messages.warn_unsure(targets, report)
         planes = bend_planes(targets, known, facing, per_joint=options.per_joint_plane, report=report)
         # After an offset or a snap the present axis is not the one that a run before has found.
