@@ -8,7 +8,7 @@ specification; what viewers that do not normalise show is kept apart (docs/exact
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import chain
 
 import numpy as np
@@ -19,6 +19,7 @@ from rigtri.maths.quaternions import dot, norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Tracks
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.progress import counted
 from rigtri.verification.compare.correspondence import Correspondence, timeline

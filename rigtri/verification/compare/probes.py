@@ -70,7 +70,7 @@ class FramePoints:
     def apart(self, poses: SampledPoses) -> Floats:
         """The points' differences, (r, k, 3, f): one matrix product a row and side."""
         mine, theirs = (
-            _placed(world.transpose(1, 2, 3, 0)[nodes], points)
+            _placed(world.transpose(1, 2, 3, 0)[:, :, :3][nodes], points)
             for world, nodes, points in zip((poses.before, poses.after), self.nodes, self.points, strict=True)
         )
         # The same numbers give the same products, so what is equal is apart by exactly 0.
@@ -93,10 +93,10 @@ class FramePoints:
 
 
 def _placed(world: Floats, points: Floats) -> Floats:
-    """Points (r, k, 4) in the frames of rows, (r, 4, 4, f) → (r, k, 3, f)."""
+    """Points (r, k, 4) in the frames of rows, (r, 4, 3, f), without last columns → (r, k, 3, f)."""
     rows, times = len(world), world.shape[3]
     with np.errstate(invalid="ignore", over="ignore"):
-        placed = points @ world[:, :, :3].reshape(rows, 4, 3 * times)
+        placed = points @ world.reshape(rows, 4, 3 * times)
     return np.asarray(placed.reshape(rows, -1, 3, times))
 
 
