@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from rigtri.maths.scalar_vector import Vector
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import Chain, Kind

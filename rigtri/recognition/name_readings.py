@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side, number, without_prefix
 from rigtri.model.rig import Rig
 from rigtri.recognition.joint_tree import Tree

@@ -12,7 +12,6 @@ than English is only read.
 from __future__ import annotations
 
 import os
-import tomllib
 import unicodedata
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
@@ -23,7 +22,7 @@ from rigtri.errors import FileError, did_you_mean
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import SIDES, Side, side, spread, words
 from rigtri.recognition.layout import BENDS, FINGERS, MIDDLE, SIDED, LimbKind
-from rigtri.recognition.limb_words import limb_words
+from rigtri.recognition.limb_words import limb_words, our_table
 from rigtri.text import is_number
 
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
@@ -153,7 +152,7 @@ def _ours() -> tuple[Scheme, ...]:
     read = [k for k, table in tables if "marks" in table or "like" not in table or k in _LAST]
     order = sorted(read, key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
     found = [_scheme(_tables()[name], name) for name in order]
-    other = tomllib.loads(Path(__file__).with_name("languages.toml").read_text("utf-8"))
+    other = our_table(Path(__file__).with_name("languages.toml"))
     return (*found[: -len(_LAST)], _scheme(other, "languages"), *found[-len(_LAST) :])
 
 
@@ -161,7 +160,7 @@ def _ours() -> tuple[Scheme, ...]:
 def _tables() -> Mapping[str, Mapping[str, Any]]:
     """Our schemes as their files have them, by name."""
     found = Path(__file__).with_name("schemes").glob("*.toml")
-    return {file.stem: tomllib.loads(file.read_text("utf-8")) for file in found}
+    return {file.stem: our_table(file) for file in found}
 
 
 @cache
@@ -203,6 +202,8 @@ def own_table(
 
     more: further faults of the table.
     """
+    import tomllib  # `our_table` reads ours
+
     if not path.is_file():
         raise FileError(f"{path} is not a naming scheme: it does not exist or is not a regular file")
     try:
@@ -298,7 +299,7 @@ def is_segment(name: str, above: str) -> bool:
 @cache
 def role_words() -> Mapping[str, frozenset[str]]:
     """The words of names that say what a joint is for, by role."""
-    table = tomllib.loads(Path(__file__).with_name("roles.toml").read_text("utf-8"))
+    table = our_table(Path(__file__).with_name("roles.toml"))
     return {role: frozenset(text.split()) for role, text in table.items()}
 
 

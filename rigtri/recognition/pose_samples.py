@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
 from rigtri.model.bounding_boxes import boxes, corners
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import PoseName
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 from weakref import ref
@@ -39,6 +40,7 @@ from rigtri.model.skin import Skin
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.recognition import layout_output
 from rigtri.recognition.layout import CONFIDENT, Layout
+from rigtri.recognition.limb_words import our_table
 from rigtri.recognition.limbs import recognise as limbs
 from rigtri.recognition.naming_schemes import own_scheme, parse_name, schemes
 from rigtri.recognition.recognise import recognise, sure_limbs
@@ -573,6 +575,13 @@ def test_all_schemes_that_are_none_are_reported_at_once(tmp_path: Path) -> None:
 def test_rigtris_own_schemes_have_no_faults() -> None:
     folder = Path(rigtri.__file__).parent / "recognition" / "schemes"
     assert [own_scheme(path).title for path in (folder.parent / "languages.toml", *folder.glob("*.toml"))]
+
+
+def test_tables_of_words_are_read_as_toml() -> None:
+    tables = list((Path(rigtri.__file__).parent / "recognition").rglob("*.toml"))
+    assert len(tables) > 20
+    for path in tables:
+        assert repr(our_table(path)) == repr(tomllib.loads(path.read_text("utf-8")))
 
 
 def test_a_folder_of_schemes_that_is_not_there_is_reported(
