@@ -10,7 +10,6 @@ Source: glTF 2.0 §3.5.3, §3.7.3, §3.11 and appendix C; UsdSkel (joint-local S
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +19,7 @@ from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import norm, normalise, slerp_rows, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Column, Interpolation, Path, Track, columns
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 

@@ -7,7 +7,7 @@ that do in one array each, in which all of them are read, changed and compared a
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from itertools import chain, repeat
 from operator import itemgetter
@@ -17,6 +17,7 @@ import numpy as np
 
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 
 Path = Literal["translation", "rotation", "scale", "weights"]
 # What places a node.
@@ -24,7 +25,7 @@ PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 Interpolation = Literal["LINEAR", "STEP", "CUBICSPLINE"]
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False)
 class Track:
     """One property of one node over the time of a clip.
 

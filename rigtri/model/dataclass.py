@@ -1,9 +1,8 @@
-"""`dataclasses.dataclass`, whose frozen classes are made in a fraction of the time.
+"""`dataclasses.dataclass`, whose classes are made in a fraction of the time.
 
-A command makes some 110 frozen classes when it starts. The standard library compiles six functions for
+A command makes some 120 of them when it starts. The standard library compiles up to six functions for
 each, a fifth of the run of a small file (benchmarks/README.md). Here all six are the same functions for all
-classes. In turn an instance takes a microsecond longer, and a comparison a few times as long; so the few
-classes that are made by thousands, such as tracks, keep the standard decorator.
+classes. A comparison takes a few times as long in turn; an instance takes no longer.
 """
 
 from __future__ import annotations
@@ -17,20 +16,21 @@ from reprlib import recursive_repr
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 
-def _frozen(*, eq: bool = True, kw_only: bool = False) -> Callable[[type], type]:
-    """A decorator as ``dataclass(frozen=True)``; what a class defines itself stays."""
+def _maker(*, frozen: bool = False, eq: bool = True, kw_only: bool = False) -> Callable[[type], type]:
+    """A decorator as ``dataclass()``; what a class defines itself stays."""
 
     def made(cls: type) -> type:
         above = (getattr(base, "__dataclass_params__", None) for base in cls.__mro__[1:])
         if any(params is not None and params.frozen for params in above):  # such as a clip of another kind
-            return dataclasses.dataclass(frozen=True, eq=eq, kw_only=kw_only)(cls)
+            return dataclasses.dataclass(frozen=frozen, eq=eq, kw_only=kw_only)(cls)
         own = vars(cls)
-        shared: dict[str, Any] = {"__setattr__": _refuse_set, "__delattr__": _refuse_delete}
-        shared |= {"__init__": _init, "__repr__": _repr, "__signature__": _ShownSignature()}
+        shared: dict[str, Any] = {"__init__": _init, "__repr__": _repr, "__signature__": _ShownSignature()}
+        if frozen:
+            shared |= {"__setattr__": _refuse_set, "__delattr__": _refuse_delete}
         if eq:
             shared["__eq__"] = _equal
         if eq and own.get("__hash__") is None:  # which Python sets where a class has its own __eq__
-            cls.__hash__ = _hash  # type: ignore[method-assign, assignment]
+            cls.__hash__ = _hash if frozen else None  # type: ignore[method-assign, assignment]
         for name, method in shared.items():
             if name not in own:
                 setattr(cls, name, method)
@@ -41,9 +41,9 @@ def _frozen(*, eq: bool = True, kw_only: bool = False) -> Callable[[type], type]
     return made
 
 
-def _dataclass(cls: type | None = None, /, *, frozen: bool = False, **options: Any) -> Any:
+def _dataclass(cls: type | None = None, /, **options: bool) -> Any:
     """As `dataclasses.dataclass`."""
-    made = _frozen(**options) if frozen else dataclasses.dataclass(**options)
+    made = _maker(**options)
     return made if cls is None else made(cls)
 
 

@@ -1,4 +1,4 @@
-"""Frozen classes are what the standard library makes of them."""
+"""Dataclasses are what the standard library makes of them."""
 
 from __future__ import annotations
 
@@ -70,6 +70,28 @@ def test_instances_behave_as_those_of_the_standard_decorator(options: dict[str, 
             for cls in (standard, made):
                 with pytest.raises(TypeError):
                     cls("a")
+
+
+@pytest.mark.parametrize("eq", [True, False])
+def test_classes_that_can_change_are_alike_and_compile_nothing(eq: bool) -> None:
+    for decorator in (dataclass, ours):
+
+        @decorator(eq=eq)
+        class Draft:
+            name: str
+            chains: list[int] = field(default_factory=list)
+            hips: int = -1
+
+        one, other = Draft("a"), Draft("a", hips=-1)
+        one.chains.append(1)
+        other.chains, other.hips = [1], -1
+        assert repr(one).endswith("Draft(name='a', chains=[1], hips=-1)")
+        assert (one == other) is eq
+        assert (Draft.__hash__ is None) is eq
+        del other.name
+        with pytest.raises(TypeError):
+            Draft()
+    assert Draft.__init__.__code__.co_filename != "<string>"
 
 
 def test_a_class_that_compares_by_itself_keeps_that() -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any, Literal
 
@@ -22,6 +22,7 @@ from rigtri.formats.gltf.float32_rounding import Singles
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.references import compressed_spans, used_accessors, used_views
 from rigtri.formats.gltf.uris import encode_data, escape, is_data
+from rigtri.model.dataclass import dataclass
 
 # A view holds one kind only: validators call anything else an override.
 Role = Literal[
