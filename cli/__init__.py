@@ -8,6 +8,7 @@ from it: what a command does is a call of the library.
 from __future__ import annotations
 
 import _thread
+import gc
 import os
 import signal
 import time
@@ -24,6 +25,9 @@ COMPLETION = "_RIGTRI_COMPLETE"
 # Two interrupts nearer than this, in seconds, are one: the second would break off what the first tidies up.
 _NEAR = 0.5
 _last = -_NEAR
+# How many more objects there must be before rings of them are looked for, and how often that must have been
+# before older ones are looked at, too: what is imported has none that go, and what a command reads few.
+_RINGS = 20_000, 5, 10
 # Seconds until an interrupt is tried again that came where it cannot be an exception.
 _LATER = 0.01
 
@@ -80,8 +84,10 @@ def begin() -> None:
     """Before anything else is imported: an interrupt ends the process without a traceback of imports, and no
     modules come from its working folder.
 
-    For `rigtri.__main__` alone: what a caller's process does with interrupts and its search path is not ours.
+    For `rigtri.__main__` alone: what a caller's process does with interrupts, memory and search path is not
+    ours.
     """
+    gc.set_threshold(*_RINGS)
     for number, unset in _UNSET.items():
         _replace(number, unset, _end)
     import_module("rigtri.files.import_path").leave_out_working_folder()
@@ -94,7 +100,8 @@ def raise_interrupts() -> None:
 
 
 def ignore_interrupts() -> None:
-    """When all is done and printed, let an interrupt change nothing any more."""
+    """When all is done and printed, let an interrupt change nothing any more, and the process end at once."""
+    gc.freeze()  # or Python would look through all objects for rings, to no end
     for number in _WORDS:
         _replace(number, _raise, signal.SIG_IGN)
 
