@@ -36,7 +36,16 @@ def _maker(*, frozen: bool = False, eq: bool = True, kw_only: bool = False) -> C
                 setattr(cls, name, method)
         if cls.__doc__ is None:  # the standard library would ask for the signature, which takes as long again
             cls.__doc__ = ""
-        return dataclasses.dataclass(cls, init=False, repr=False, eq=False, kw_only=kw_only)
+        # The standard library would look three times for what each of these texts may mean.
+        hints = own.get("__annotations__")
+        if hints:
+            cls.__annotations__ = {k: hint if "ClassVar" in hint else object for k, hint in hints.items()}
+        done: type = dataclasses.dataclass(cls, init=False, repr=False, eq=False, kw_only=kw_only)
+        if hints:
+            cls.__annotations__ = hints
+            for each in dataclasses.fields(cls):
+                each.type = hints.get(each.name, each.type)
+        return done
 
     return made
 
