@@ -20,7 +20,8 @@ from pathlib import Path
 from warm import Times, version
 
 ROOT = Path(__file__).resolve().parent.parent
-PROGRAM = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]
+# As the installed script does.
+PROGRAM = [sys.executable, "-c", "from rigtri.__main__ import program; program()"]
 
 
 def commands(folder: Path) -> dict[str, list[str]]:
