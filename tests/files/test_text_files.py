@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rigtri.errors import FileError
-from rigtri.files.text_files import rows_of
+from rigtri.files.text_files import check_plain, rows_of
 
 
 @pytest.mark.parametrize(
@@ -43,3 +43,10 @@ def test_a_table_that_is_ambiguous_is_refused(text: str, words: str, tmp_path: P
     with pytest.raises(FileError) as refused:
         rows_of(path)
     assert words in str(refused.value)
+
+
+def test_an_address_is_no_local_file_and_a_drive_is_no_address() -> None:
+    with pytest.raises(FileError, match=r"s3://bucket/a\.glb is not a local file"):
+        check_plain(Path("s3:/bucket/a.glb"))
+    with pytest.raises(FileError, match=r"There is no file c:/bucket/a\.glb"):
+        check_plain(Path("c:/bucket/a.glb"))

@@ -681,3 +681,19 @@ def test_a_mistake_of_ours_in_diff_is_no_answer(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr("rigtri.verification.diff.diff.diff", broken)
     result = cli("diff", samples / "biped.glb", samples / "biped.glb", code=2)
     assert "a mistake of ours" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("off", "words"), [(0.0, []), (0.5, ["meshes: ~ body/0  morphs: 1 of 9 numbers differ, by up to 0.5"])]
+)
+def test_offsets_of_morph_targets_are_compared(off: float, words: list[str], tmp_path: Path) -> None:
+    def built(name: str, offset: float) -> Path:
+        b = small(2)
+        offsets = [[0, offset, 1], [0, 0, 1], [0, 0, 1]]
+        b.gltf["meshes"][0]["name"] = "body"
+        b.gltf["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": b.points(offsets)}]
+        b.gltf["meshes"][0]["weights"] = [0.25]
+        return b.glb(tmp_path / name)
+
+    found = diff(built("one.glb", 0.0), built("two.glb", off), verify=False)
+    assert [line for line in lines(found, "rig") if "morph" in line] == words
