@@ -31,6 +31,8 @@ from rigtri.model.skin import Skin
 _BLOCK = 1 << 15
 # Points moved at once: their numbers stay in a processor's cache.
 _POINTS = 1 << 13
+# Matrices of one motion, as products of inverses, differ by less than this share of their largest number.
+_ROUNDING = 1e-14
 
 
 def skin_matrices(skin: Skin, world: Floats) -> Floats:
@@ -119,7 +121,33 @@ def _linear_once(points: Floats, matrices: Floats, joints: Integers, weights: Fl
     """At one time, matrices (m, 4, 4) → (v, 3): influence by influence, each point with its own joint."""
     beside = np.ascontiguousarray(matrices[..., :3].transpose(1, 2, 0))
     blocks = [slice(start, start + _POINTS) for start in range(0, max(len(points), 1), _POINTS)]
+    if len(blocks) > 1 and _alike(matrices):
+        # At rest, where rest and bind pose are one: Σ w·(p·M) is (Σ w)·(p·M).
+        return np.concatenate([_together_block(points[k], weights[k], matrices[0]) for k in blocks])
     return np.concatenate([_linear_block(points[k], joints[k], weights[k], beside) for k in blocks])
+
+
+def _together_block(points: Floats, weights: Floats, matrix: Floats) -> Floats:
+    """A block of points that all their joints move alike."""
+    coordinates = np.ascontiguousarray(points.T)
+    moved = np.empty((3, len(points)))
+    for axis in range(3):
+        np.multiply(coordinates[0], matrix[0, axis], out=moved[axis])
+        moved[axis] += coordinates[1] * matrix[1, axis]
+        moved[axis] += coordinates[2] * matrix[2, axis]
+        moved[axis] += matrix[3, axis]
+    total = weights[:, 0].copy()
+    for column in weights.T[1:]:
+        total += column
+    moved *= total
+    return moved.T
+
+
+def _alike(matrices: Floats) -> bool:
+    """Whether matrices differ by rounding alone."""
+    with np.errstate(invalid="ignore"):
+        size = np.abs(matrices[0]).max(initial=0.0)
+        return bool((np.abs(matrices - matrices[0]) <= _ROUNDING * size).all())  # never NaN
 
 
 def _linear_block(points: Floats, joints: Integers, weights: Floats, beside: Floats) -> Floats:

@@ -291,3 +291,24 @@ def test_a_value_that_another_opinion_hides_is_an_error_with_layer_and_path(tmp_
     Expected().check(stage, settings[:1])
     with pytest.raises(FileError, match=r"</Root/Skel.restTransforms> cannot .*in.usda is stronger"):
         Expected().check(stage, settings)
+
+
+@pytest.mark.parametrize("first", ["A", "B"])
+def test_an_instance_without_a_type_stands_beside_one_with_a_scale(first: str, tmp_path: Path) -> None:
+    """It has no place of its own that could take up what a freeze takes out of the other one."""
+    save(tmp_path, ACTOR, "hero.usda")
+    save(
+        tmp_path, '#usda 1.0\ndef "W"\n{\ndef "Root" (references = @./hero.usda@</Root>)\n{\n}\n}\n', "w.usda"
+    )
+    more = 'double3 xformOp:scale = (2, 2, 2)\nuniform token[] xformOpOrder = ["xformOp:scale"]'
+    arc = "(instanceable = true\nreferences = @./w.usda@</W>)"
+    prims = {"A": f'def Xform "A" {arc}\n{{\n{more}\n}}', "B": f'def "B" {arc}\n{{\n}}'}
+    order = [first, *({"A", "B"} - {first})]
+    source, out = save(tmp_path, shot(*(prims[name] for name in order))), tmp_path / "out.usda"
+    cli("orient-joints", source, "-o", out, "--aim", "x", code=0)
+    cli("verify", source, out, code=0)
+    frozen = tmp_path / "frozen.usda"
+    if cli("freeze", source, "-o", frozen, "--scale").exit_code == 0:
+        stages = [Usd.Stage.Open(str(path)) for path in (source, frozen)]
+        one, other = (skinned(stage, Usd.TimeCode(1)) for stage in stages)
+        assert all(np.abs(one[path] - other[path]).max() < 1e-5 for path in one)

@@ -25,7 +25,7 @@ MOST_BRACKETS, MOST_BRACES = 1000, 5000
 
 # Bytes that are counted at a time.
 _CHUNK = 1 << 20
-_MARKS = re.compile(rb"[\"'@#/]")
+_MARKS = (b'"', b"'", b"@", b"#", b"/")
 _SKIPPED = re.compile(STRINGS + rb"|" + COMMENTS)
 _KINDS = (("brackets", b"([", b")]", MOST_BRACKETS), ("braces", b"{", b"}", MOST_BRACES))
 
@@ -103,10 +103,17 @@ def _too_deep(plain: bytes, opening: bytes, closing: bytes, most: int) -> int:
 def _without_words(content: bytes) -> bytes:
     """The text with strings, asset paths and comments blank, but for their line ends."""
     parts, at, start = [], 0, 0
-    while mark := _MARKS.search(content, at):
-        word = _SKIPPED.match(content, mark.start())
-        at = word.end() if word else mark.end()
+    ahead = dict.fromkeys(_MARKS, -1)  # a find for each is far faster than a search for any
+    while True:
+        for mark, place in ahead.items():
+            if 0 <= place < at or (not at and place < 0):
+                ahead[mark] = content.find(mark, at)
+        found = [place for place in ahead.values() if place >= 0]
+        if not found:
+            return b"".join([*parts, content[start:]])
+        here = min(found)
+        word = _SKIPPED.match(content, here)
+        at = word.end() if word else here + 1
         if word:
-            parts += [content[start : mark.start()], b"\n" * word[0].count(b"\n")]
+            parts += [content[start:here], b"\n" * word[0].count(b"\n")]
             start = at
-    return b"".join([*parts, content[start:]])

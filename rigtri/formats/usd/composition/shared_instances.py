@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdGeom
 
 _SKEL = ("Skeleton", "SkelAnimation")
 # The custom data of the classes through which prototypes are edited: what a later edit may write into.
@@ -77,6 +77,17 @@ class SharedInstances:
     def twins(self) -> Mapping[Any, Any]:
         """The instances that are not read, each with the one that is read in their place."""
         return self._twins
+
+    def placeless(self) -> set[Any]:
+        """Instances without a transform of their own that share a prototype with some that have one."""
+        groups: dict[Any, list[Any]] = {}
+        for twin, first in self._twins.items():
+            groups.setdefault(first, [first]).append(twin)
+        found: set[Any] = set()
+        for group in groups.values():
+            bare = [at for at in group if not self._stage.GetPrimAtPath(at).IsA(UsdGeom.Xformable)]
+            found.update(bare if len(bare) < len(group) else ())
+        return found
 
     def is_twin(self, path: Any) -> bool:
         """Whether another instance is read in the place of this one."""

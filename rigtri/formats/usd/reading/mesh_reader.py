@@ -26,6 +26,8 @@ from rigtri.model.mesh import Mesh, Surface
 
 EARLIEST = Usd.TimeCode.EarliestTime()
 ALL_PRIMS = Usd.TraverseInstanceProxies()
+# Influences looked through at once: they stay in a processor's cache.
+_BLOCK = 1 << 16
 
 
 class Bindings:
@@ -63,13 +65,24 @@ def weighted(queries: Sequence[Any], tokens: Sequence[str]) -> Booleans:
     bound = False
     with quiet("USD cannot find what the skeletons move"):
         for query in queries:
-            if query.HasJointInfluences():
-                influences = _influences(query, tokens, None)
-                if influences is not None:
-                    joints, weights = influences
-                    bound = True
-                    mask[joints[weights != 0.0]] = True
+            pair = _influence_arrays(query, None) if query.HasJointInfluences() else None
+            if pair is not None:
+                bound = True
+                order = _places(query, tokens)
+                moving = _named(query, *pair, len(order))
+                places = order[moving]
+                mask[places[places >= 0]] = True
     return mask if bound else np.ones(len(tokens), dtype=bool)
+
+
+def _named(query: Any, indices: Any, weights: Any, count: int) -> Booleans:
+    """Which of ``count`` joints have weight in arrays of influences, (count,)."""
+    found = np.zeros(count, dtype=bool)
+    for first in range(0, len(indices), _BLOCK):
+        named = indices[first : first + _BLOCK][weights[first : first + _BLOCK] != 0.0]
+        _check_indices(query, named, count)
+        found[named] = True
+    return found
 
 
 def read_meshes(
@@ -239,12 +252,37 @@ def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
     )
 
 
-def _influences(query: Any, tokens: Sequence[str], points: int | None) -> tuple[Integers, Floats] | None:
+def _influences(query: Any, tokens: Sequence[str], points: int) -> tuple[Integers, Floats] | None:
     """Joint indices of the skeleton and weights, (v, k); unmatched influences weigh nothing.
 
-    points: how many, to spread constant influences over; None leaves one row for all.
+    points: how many, to spread constant influences over.
     None where UsdSkel has no use for them and leaves the points where they are.
     FileError for an index that no joint has, though it weighs something.
+    """
+    pair = _influence_arrays(query, points)
+    if pair is None:
+        return None
+    width = max(query.GetNumInfluencesPerComponent(), 1)
+    indices, weights = (
+        pair[0].astype(np.int64).reshape(-1, width),
+        pair[1].astype(np.float64).reshape(-1, width),
+    )
+    order = _places(query, tokens)
+    usable = _usable(indices, len(order))
+    if usable is not None:
+        _check_indices(query, indices[~usable & (weights != 0.0)], len(order))
+        indices[~usable], weights[~usable] = 0, 0.0
+    if not np.array_equal(order, np.arange(len(order))):
+        indices = order[indices]
+        if (usable := _usable(indices, len(tokens))) is not None:
+            indices[~usable], weights[~usable] = 0, 0.0
+    return indices, weights
+
+
+def _influence_arrays(query: Any, points: int | None) -> tuple[Any, Any] | None:
+    """Joint indices and weights as USD has them, at the Default time, else at the earliest sample.
+
+    points: how many, to spread constant influences over; None leaves one row for all. None without any.
     """
     for time in (DEFAULT, EARLIEST):
         if points is None:
@@ -256,26 +294,31 @@ def _influences(query: Any, tokens: Sequence[str], points: int | None) -> tuple[
     width = max(query.GetNumInfluencesPerComponent(), 1)
     if not pair or len(pair[0]) % width or len(pair[0]) != len(pair[1]):
         return None
-    indices = np.array(pair[0], dtype=np.int64).reshape(-1, width)
-    weights = np.array(pair[1], dtype=np.float64).reshape(-1, width)
+    return np.asarray(pair[0]), np.asarray(pair[1])
+
+
+def _places(query: Any, tokens: Sequence[str]) -> Integers:
+    """Which joints of the skeleton the indices of a mesh mean, (o,); −1 for one that it does not have."""
     index = {token: number for number, token in enumerate(tokens)}
     own = query.GetJointOrder()
-    order = np.array([index.get(str(t), -1) for t in own]) if own else np.arange(len(tokens))
-    usable = (indices >= 0) & (indices < len(order))
-    if not usable.all():
-        lost = ~usable & (weights != 0.0)
-        if lost.any():
-            raise FileError(
-                f"<{query.GetPrim().GetPath()}>.primvars:skel:jointIndices names joint {indices[lost][0]}, "
-                f"and it has the joints 0 to {len(order) - 1}. Export it again."
-            )
-        indices[~usable] = 0
-    if own:
-        indices = order[indices]
-        usable &= indices >= 0
-    if not usable.all():
-        indices[~usable], weights[~usable] = 0, 0.0
-    return indices, weights
+    return np.array([index.get(str(t), -1) for t in own], dtype=np.int64) if own else np.arange(len(tokens))
+
+
+def _usable(indices: Integers, count: int) -> Booleans | None:
+    """Which indices are joints; None where all are."""
+    if indices.min(initial=0) >= 0 and indices.max(initial=-1) < count:
+        return None
+    return np.asarray((indices >= 0) & (indices < count))
+
+
+def _check_indices(query: Any, named: Integers, count: int) -> None:
+    """FileError for an index that no joint has."""
+    lost = _usable(named, count)
+    if lost is not None:
+        raise FileError(
+            f"<{query.GetPrim().GetPath()}>.primvars:skel:jointIndices names joint {named[~lost][0]}, "
+            f"and it has the joints 0 to {count - 1}. Export it again."
+        )
 
 
 def _morphs(query: Any, count: int) -> Floats:

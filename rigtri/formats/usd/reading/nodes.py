@@ -52,6 +52,7 @@ class Nodes:
     def add_prims(self) -> list[Any]:
         """Add every prim with a transform; returns the Skeleton and SkelAnimation prims."""
         others = []
+        placeless = self.instances.placeless()
         above: dict[Any, int] = {}
         for prim in self.instances.prims():
             path = prim.GetPath()
@@ -61,8 +62,10 @@ class Nodes:
             if kind in ("Skeleton", "SkelAnimation"):
                 others.append(prim)
             group = kind == "Scope" and prim.HasAttribute("rigtri:type")
-            if prim.IsA(UsdGeom.Xformable) or group:
-                above[path] = self._add_prim(prim, parent, group)
+            # An instance among others that may get another place must not get it.
+            still = group or path in placeless
+            if prim.IsA(UsdGeom.Xformable) or still:
+                above[path] = self._add_prim(prim, parent, still)
         if self.restless:
             more = f" and {len(self.restless) - 1} more" if len(self.restless) > 1 else ""
             text = (
@@ -77,11 +80,11 @@ class Nodes:
             self.warnings.append(Notice("up-axis", text))
         return others
 
-    def _add_prim(self, prim: Any, parent: int, group: bool) -> int:
+    def _add_prim(self, prim: Any, parent: int, still: bool) -> int:
         node, path = len(self.names), str(prim.GetPath())
         metadata = metadata_attributes.read_prim(prim)
         made = not illegible(metadata) and metadata["type"] in ADDED
-        if group:
+        if still:
             local = np.eye(4)
         else:
             xformable = UsdGeom.Xformable(prim)
