@@ -15,7 +15,7 @@ from scaled_limbs import STRETCH, TOKENS, Limb, usd, usda
 from second_opinions import usd_errors
 from usd_files import deviation, save
 
-from rigtri.errors import FileError, GeometryError, RigtriError, UsageError
+from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.formats import ReadOptions, read
 from rigtri.formats.usd.reading.joint_tokens import split_token, unsplit
 from rigtri.model.rig import Rig
@@ -270,19 +270,25 @@ def test_influences_in_another_variant_are_refused(tmp_path: Path) -> None:
     assert "</Root/Body>" in words
 
 
-def test_a_skeleton_inside_an_instance_is_refused_with_layer_and_path(tmp_path: Path) -> None:
+def test_a_skeleton_inside_instances_is_split_in_all_of_them(tmp_path: Path) -> None:
     usd(tmp_path / "asset.usda", LIMB)
-    lines = ["#usda 1.0", 'def "World"', "{", 'def "One" (', "instanceable = true"]
-    lines += ["references = @./asset.usda@</Root>", ")", "{", "}", "}", ""]
-    source, target = save(tmp_path, "\n".join(lines), "shot.usda"), tmp_path / "out.usda"
+    arc = "(\ninstanceable = true\nreferences = @./asset.usda@</Root>\n)\n{\n}\n"
+    text = f'#usda 1.0\ndef "World"\n{{\ndef "One" {arc}def "Two" {arc}}}\n'
+    source, target = save(tmp_path, text, "shot.usda"), tmp_path / "out.usda"
 
     def step(rig: Rig, report: Report) -> Rig:
         options = OrientJointsOptions(on_nonuniform_scale="split", joints=("elbow",))
         return orient_joints(rig, options=options, report=report)
 
-    with pytest.raises(RigtriError, match=r"/World/One/.*inside an instance.*asset\.usda"):
-        edit(source, target, step, options=ReadOptions(allow_rename=True))
-    assert not target.exists()
+    edit(source, target, step, options=ReadOptions(allow_rename=True))
+    stage = Usd.Stage.Open(str(target))
+    assert len(stage.GetPrototypes()) == 1
+    found = [
+        list(prim.GetAttribute("joints").Get())
+        for prim in Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies())
+        if prim.GetTypeName() == "Skeleton"
+    ]
+    assert found == [AFTER, AFTER]
 
 
 def test_attributes_that_name_renamed_joints_are_reported(tmp_path: Path) -> None:

@@ -102,7 +102,8 @@ def _too_deep(plain: bytes, opening: bytes, closing: bytes, most: int) -> int:
 
 def _without_words(content: bytes) -> bytes:
     """The text with strings, asset paths and comments blank, but for their line ends."""
-    parts, at, start = [], 0, 0
+    parts: list[bytes] = []
+    at, start = 0, 0
     ahead = dict.fromkeys(_MARKS, -1)  # a find for each is far faster than a search for any
     while True:
         for mark, place in ahead.items():

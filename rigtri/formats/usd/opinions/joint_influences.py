@@ -9,7 +9,7 @@ from pxr import Usd
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
-from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_instanced, why_locked
+from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_locked
 from rigtri.formats.usd.composition.value_types import usable
 from rigtri.formats.usd.composition.variants import each_choice
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
@@ -42,7 +42,7 @@ def influence_edits(source: Source, renaming: Renaming, *, grown: bool = True) -
         if new == list(old) if prim is not None else not grown:
             continue
         edited = prim or query.GetPrim()
-        refuse(why_instanced(edited) or why_locked(edited, (ORDER, INDICES)))
+        refuse(why_locked(edited, (ORDER, INDICES)))
         at = str(edited.GetPath())
         if orders.setdefault(at, new) != new:
             raise FileError(f"<{at}>.{ORDER} is for two skeletons whose joints are renamed differently.")

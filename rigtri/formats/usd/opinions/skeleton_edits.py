@@ -10,7 +10,6 @@ from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.evaluation.timelines import without_steps
-from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.composition.variants import variants_of
 from rigtri.formats.usd.opinions.edits import Edit, Setting, set_matrices, set_tokens, set_value
 from rigtri.formats.usd.reading.animation_reader import Property
@@ -44,7 +43,6 @@ def joint_names(stage: Any, skeleton: Skeleton) -> list[str] | None:
 
 def check_joints_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
     """FileError where the joints of a skeleton cannot be edited; change: ``added`` or ``removed``."""
-    refuse(why_instanced(stage.GetPrimAtPath(skeleton.path)), f"A joint cannot be {change}")
     own = [Sdf.Path(skeleton.path).AppendProperty(name) for name in _LISTS]
     for variants in variants_of(stage, skeleton.path, skeleton.animations):
         variants.refuse_dependent(own, f"A joint cannot be {change}")

@@ -12,7 +12,7 @@ import numpy as np
 from pxr import Sdf
 
 from rigtri.errors import FixedWeightsError
-from rigtri.formats.usd.composition.stage import DEFAULT, why_instanced, why_locked
+from rigtri.formats.usd.composition.stage import DEFAULT, why_locked
 from rigtri.formats.usd.opinions.edits import Edit, set_value
 from rigtri.formats.usd.opinions.joint_influences import INDICES, ORDER
 from rigtri.maths.arrays import Integers
@@ -36,7 +36,7 @@ def read_influences(query: Any, points: int) -> tuple[Integers, Floats] | None:
 def check_editable(query: Any) -> None:
     """FixedWeightsError where the influences of a mesh cannot be written."""
     prim = query.GetPrim()
-    why = why_instanced(prim) or why_locked(prim, (ORDER, INDICES, WEIGHTS))
+    why = why_locked(prim, (ORDER, INDICES, WEIGHTS))
     if why:
         raise FixedWeightsError(f"{why}. {_OTHERWISE}.")
     for primvar in (query.GetJointIndicesPrimvar(), query.GetJointWeightsPrimvar()):

@@ -41,7 +41,7 @@ def remove_joints(edit: UsdEdit) -> None:
 
 def _remove_rows(edit: UsdEdit) -> None:
     source, rig = edit.source, edit.rig
-    skins, edits = list(rig.skins), []
+    skins, edits = list(rig.skins), list[Edit]()
     for number, old in enumerate(source.rig.skins):
         new = rig.skins[number]
         keep = np.isin(old.joints, new.joints)
@@ -60,7 +60,11 @@ def _remove_rows(edit: UsdEdit) -> None:
         check_joints_editable(source.stage, skeleton, "removed")
         gone = [token for token, stays in zip(skeleton.tokens, keep.tolist(), strict=True) if not stays]
         check_moves_nothing(source.stage, skeleton.path, skeleton.tokens, gone)
-        edits += list(_without_rows(source, skeleton, keep)) if keep.any() else [remove_prim(skeleton.path)]
+        if keep.any():
+            edits += _without_rows(source, skeleton, keep)
+            continue
+        refuse(why_instanced(source.stage.GetPrimAtPath(skeleton.path)), "A skeleton cannot be removed")
+        edits.append(remove_prim(skeleton.path))
     if edits:
         edit.rig = replace(rig, skins=tuple(skins))
         edit.removals += edits
@@ -84,11 +88,10 @@ def _drop_columns(edit: UsdEdit) -> None:
     for node, (skeleton, token) in source.joints.items():
         if skeleton not in source.animations:
             (gone if node in rig.pending.removed else stay).add(token)
-    for path, animation in source.animations.items():
+    for animation in source.animations.values():
         keep = np.array([token in stay or token not in gone for token in animation.tokens], dtype=bool)
         if keep.all():
             continue
-        refuse(why_instanced(source.stage.GetPrimAtPath(path)), "Keys cannot be removed")
         edit.removals += _kept_columns(animation, keep)
     clips = [
         new

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stage import refuse, why_instanced
+from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.variants import split_by, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
@@ -20,6 +20,7 @@ from rigtri.formats.usd.reading.joint_tokens import renamed_token
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.rig import Rig
+from rigtri.text import listed
 
 # By the path of a skeleton what becomes of its tokens.
 Renaming = Mapping[str, Callable[[str], str]]
@@ -61,8 +62,6 @@ def _names(source: Source, rig: Rig) -> dict[str, dict[str, str]]:
 def _check(source: Source, path: str) -> None:
     """FileError where the skeleton or what drives and binds it cannot be edited."""
     skeleton = source.skeletons[path]
-    for prim in [source.stage.GetPrimAtPath(p) for p in (path, *skeleton.animations)]:
-        refuse(why_instanced(prim))
     refuse(skeleton.locked)
     if path not in source.animations:
         for variants in variants_of(source.stage, path, skeleton.animations):
@@ -95,9 +94,10 @@ def _animation_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
             mine = [skeleton.path for skeleton in users if token in skeleton.tokens]
             new = {renaming[user](token) if user in renaming else token for user in mine}
             if len(new) > 1:
+                shared = listed([f"<{user}>" for user in mine])
                 raise FileError(
-                    f"Animation <{path}> drives several skeletons, for which '{token}' would have to have "
-                    "several names in it. Give each skeleton an animation of its own"
+                    f"Animation <{path}> drives {shared}, for which '{token}' would have to have several "
+                    "names in it. Rename the joint in all of them alike, or give each an animation of its own"
                 )
             tokens += new or {token}
         if tokens != list(animation.tokens):

@@ -15,7 +15,7 @@ import numpy as np
 
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds
-from rigtri.formats.usd.composition.stage import refuse, why_instanced
+from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.variants import split_by, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
@@ -124,9 +124,6 @@ def _refusal(splits: Mapping[str, Split]) -> str:
 def _check(source: Source, splits: Mapping[str, Split], path: str, instead: str) -> None:
     """FileError where the skeleton or what drives and binds it cannot be edited; instead: another way."""
     skeleton, holders = splits[path].skeleton, splits[path].holders
-    prims = [source.stage.GetPrimAtPath(p) for p in (path, *skeleton.animations)]
-    for prim in prims:
-        refuse(why_instanced(prim))
     refuse(skeleton.locked)
     if skeleton.path not in source.animations:  # not an animation that stands in for its skeleton
         for variants in variants_of(source.stage, path, skeleton.animations):
