@@ -358,3 +358,16 @@ def test_a_shared_animation_names_its_skeletons_where_one_would_need_other_names
     assert "Animation </World/Walk> drives </World/One/Skel>, </World/Two/Skel>, for which" in printed
     alike = [word for name in ("One", "Two", "Three") for word in ("--name", f"/World/{name}/Skel:a/b=elbow")]
     cli("rename-joints", source, "-o", tmp_path / "out.usda", *alike, code=0)
+
+
+def test_controls_that_an_internal_reference_shows_again_go_with_its_source(tmp_path: Path) -> None:
+    save(tmp_path, ACTOR, "hero.usda")
+    text = (
+        shot('def "A" (references = </Lib>)\n{\n}') + 'def "Lib" (references = @./hero.usda@</Root>)\n{\n}\n'
+    )
+    source, rigged, bare = save(tmp_path, text), tmp_path / "rigged.usda", tmp_path / "bare.usda"
+    cli("add-controls", source, "-o", rigged, "--below", "/Lib/Skel:a", code=0)
+    cli("strip", rigged, "-o", bare, code=0)
+    stages = [Usd.Stage.Open(str(path)) for path in (source, bare)]
+    before, after = ([str(prim.GetPath()) for prim in stage.TraverseAll()] for stage in stages)
+    assert before == after

@@ -161,8 +161,15 @@ def _removals(source: Source, rig: Rig) -> list[Edit]:
                 f"<{rig.labels[node]}> is written in {stack[0].layer.identifier} and in "
                 f"{spec.layer.identifier}, so it cannot be taken out of one of them."
             )
-    _refuse_others_below(rig, {rig.labels[node] for node in gone})
-    return [_erase(rig.labels[node]) for node in tops]
+    paths = {rig.labels[node] for node in gone}
+    _refuse_others_below(rig, paths)
+    return [_erase(rig.labels[node]) for node in tops if not _goes_along(source, rig.labels[node], paths)]
+
+
+def _goes_along(source: Source, path: str, gone: Collection[str]) -> bool:
+    """Whether a prim goes with another one of the same layer, from which it is composed (`</Lib>`)."""
+    (spec, *_) = source.stage.GetPrimAtPath(path).GetPrimStack()
+    return bool(spec.layer == source.layer and str(spec.path) != path and str(spec.path) in gone)
 
 
 def _refuse_others_below(rig: Rig, gone: Collection[str]) -> None:
