@@ -371,3 +371,26 @@ def test_controls_that_an_internal_reference_shows_again_go_with_its_source(tmp_
     stages = [Usd.Stage.Open(str(path)) for path in (source, bare)]
     before, after = ([str(prim.GetPath()) for prim in stage.TraverseAll()] for stage in stages)
     assert before == after
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["rename-joints", "--name", "/Lib/Skel:a/b=elbow"],
+        ["add-root", "--above", "/Lib/Skel:a"],
+        ["add-twist", "--joint", "/Lib/Skel:a/b", "--to", "/Lib/Skel:a/b/c"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_joints_of_a_prim_that_another_is_composed_from_are_those_of_both(
+    command: list[str], tmp_path: Path
+) -> None:
+    save(tmp_path, ACTOR, "hero.usda")
+    text = (
+        shot('def "A" (references = </Lib>)\n{\n}') + 'def "Lib" (references = @./hero.usda@</Root>)\n{\n}\n'
+    )
+    source, out = save(tmp_path, text), tmp_path / "out.usda"
+    error = cli(command[0], source, "-o", out, *command[1:], code=3).stderr
+    assert "</World/A/Skel> is composed from a skeleton that gets other joints here" in error
+    if command[0] == "rename-joints":
+        cli(*command[:1], source, "-o", out, *command[1:], "--name", "/World/A/Skel:a/b=elbow", code=0)

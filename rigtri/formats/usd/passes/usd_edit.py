@@ -7,7 +7,7 @@ from dataclasses import field, replace
 
 import numpy as np
 
-from rigtri.errors import UsageError
+from rigtri.errors import FileError, UsageError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.variants import SkeletonVariants
@@ -72,12 +72,23 @@ class UsdEdit:
         return [*self.prepared, *self.opinions, *self.removals]
 
     def prepare(self, edits: Sequence[Edit]) -> None:
-        """Read the source again with edits over it; FileError where that breaks UsdSkel's rules."""
+        """Read the source again with edits over it.
+
+        FileError where that breaks UsdSkel's rules, or gives other joints to a skeleton that is not edited.
+        """
+        before, edited = self.source.skeletons, {str(edit.prim) for edit in edits}
         preview = layers.empty()
         layers.copy_clock(self.source.layer, preview)
         apply_edits(self.source.stage, edits, preview)
         self.source = read_source(self.source.path, self.options, layers.over(preview, self.source.layer))
         self.prepared += edits
+        for path, skeleton in before.items():
+            after = self.source.skeletons.get(path)
+            if path not in edited and (after is None or after.tokens != skeleton.tokens):
+                raise FileError(
+                    f"<{path}> is composed from a skeleton that gets other joints here, and would get them, "
+                    "too. Choose the joints of both, or give each a file of its own."
+                )
 
     def values_in(self, source: Source, rig: Rig) -> UsdEdit:
         """An edit of another state of the stage, with its values alone."""
