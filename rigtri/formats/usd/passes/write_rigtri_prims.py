@@ -212,9 +212,10 @@ class _Additions:
         joints = {joint for skin in skins for joint in skin.joints.tolist()}
         for node in range(len(self.source.rig), len(self.rig)):
             if self.rig.attachment[node] >= 0:
+                path = self.rig.labels[int(self.rig.attachment[node])]
                 raise FileError(
-                    f"'{self.rig.title(node)}': a USD prim cannot hand its shape to another prim, "
-                    "so its axes are those of its shape."
+                    f"<{path}> has joints below it and a shape of its own, which no other prim can take, "
+                    "so its axes and its scale cannot change. Put the joints below another prim."
                 )
             if self._is_group(node) or node in joints:
                 continue
