@@ -11,7 +11,7 @@ import sysconfig
 from pathlib import Path
 
 import pytest
-from places import BUILDERS, SAMPLES, ci, slow
+from places import BUILDERS, ROOT, SAMPLES, ci, slow
 
 from rigtri.cli.catalogue import COMMANDS
 from rigtri.files import import_path
@@ -112,6 +112,8 @@ FIRST, SOME = "batch", ("inspect", "orient-joints", "build")
 
 def test_every_command_has_words() -> None:
     assert set(WORDS) == set(COMMANDS), "add words to WORDS above, with which the command does its work"
+    row = f"| modules planted in the working folder, commands | {len(COMMANDS)} | {len(COMMANDS)} | 0 |"
+    assert row in (ROOT / "docs" / "reliability.md").read_text("utf-8").splitlines()
 
 
 @pytest.mark.parametrize(
