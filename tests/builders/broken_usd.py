@@ -191,6 +191,10 @@ USD: dict[str, list[Make]] = {
     "usd.package.backslash": [packed(lambda whole: whole, "tex\\notes.txt")],
     "usd.layer.missing": [stage(clean().replace("(\n", "(\n    subLayers = [@./gone.usda@]\n", 1))],
     "usd.layer.unreadable": [beside(clean().replace("(\n", "(\n    subLayers = [@./bad.usda@]\n", 1))],
+    "usd.layer.uncomposed": [
+        stage(clean() + 'def "A" (references = </A>) {}\n'),
+        stage(clean().replace("(\n", "(\n    subLayers = [@./in.usda@]\n", 1)),
+    ],
     "usd.no-skeleton": [stage(scene('def Xform "A" {}'))],
     "usd.skel.no-joints": [
         stage(scene(skeleton(), animation(), MESH, skeleton("B", joints="", bind="", rest="", **NONE)))

@@ -22,6 +22,9 @@ from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.usd import animations, bindings, skeletons
 from rigtri.verification.checks.usd.scene import Scene
 
+# What the reader noticed, by its code.
+_LAYERS = {"unread-layer": "usd.layer.unreadable", "uncomposed": "usd.layer.uncomposed"}
+
 
 def check_usd(
     path: Path, findings: Findings, *, external: bool = False, allow_external: bool = False
@@ -34,8 +37,7 @@ def check_usd(
         _check_package(path, findings)
     stage, _, notices = open_file(path, allow_external=allow_external, allow_missing=True)
     for notice in notices:
-        unread = notice.code == "unread-layer"
-        findings.add("usd.layer.unreadable" if unread else "usd.layer.missing", "stage", "", notice.text)
+        findings.add(_LAYERS.get(notice.code, "usd.layer.missing"), "stage", "", notice.text)
     scene = Scene(stage, findings)
     with quiet(f"{path}: USD cannot read it"):
         scene.find()
