@@ -93,7 +93,8 @@ def keys(first: str) -> Make:
 
 
 def _variant() -> str:
-    inner = f'variantSet "who" = {{\n"a" {{\n{skeleton()}\n}}\n"b" {{\n}}\n}}'
+    other = skeleton().replace("(0, 2, 0, 1)", "(0, 3, 0, 1)")
+    inner = f'variantSet "who" = {{\n"a" {{\n{skeleton()}\n}}\n"b" {{\n{other}\n}}\n}}'
     head = (
         '#usda 1.0\ndef SkelRoot "Root" (\nvariants = { string who = "a" }\nprepend variantSets = "who"\n)\n'
     )
