@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scaled_limbs
-from gltf_files import glb_json
+from gltf_files import glb_bytes, glb_json, glb_parts
 from places import SAMPLES, real_files
 from program import cli
 from pxr import Sdf, Usd
@@ -315,3 +316,28 @@ def test_radii_of_colliders_stay_and_the_warning_has_the_factor() -> None:
     (kept,) = (warning.text for warning in report.warnings if warning.code == "radius-kept")
     assert "Colliders at head keep their radii" in kept
     assert kept.endswith("multiply them by 0.5")
+
+
+@pytest.mark.parametrize(
+    "own", [{}, {"translation": [3, 4, 5], "rotation": [0, 0.6, 0, 0.8], "scale": [2, 2, 2]}]
+)
+def test_a_node_with_a_skinned_mesh_and_a_camera_is_frozen(own: dict[str, Any], tmp_path: Path) -> None:
+    """The mesh follows its joints, and the camera its node: below one armature, which loses its scale."""
+    path, out, again = (tmp_path / f"{name}.glb" for name in ("in", "out", "again"))
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    body = next(node for node in gltf["nodes"] if "skin" in node)
+    gltf["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1, "zfar": 100.0}}]
+    for key in ("translation", "rotation", "scale", "matrix"):
+        body.pop(key, None)
+    body |= {"camera": len(gltf["cameras"]) - 1, **own}
+    armature = {"name": "Armature", "scale": [0.01] * 3, "rotation": [-(0.5**0.5), 0, 0, 0.5**0.5]}
+    gltf["nodes"].append({**armature, "children": gltf["scenes"][0]["nodes"]})
+    gltf["scenes"][0]["nodes"] = [len(gltf["nodes"]) - 1]
+    path.write_bytes(glb_bytes(json.dumps(gltf).encode(), binary))
+    cli("freeze", path, "-o", out, code=0)
+    cli("freeze", out, "-o", again, code=0)
+    assert again.read_bytes() == out.read_bytes()
+    before, after = rigtri.read(path), rigtri.read(out)
+    node = next(n for n in range(len(before)) if before.names[n] == body["name"])
+    assert np.abs(after.world[node, 3, :3] - before.world[node, 3, :3]).max() < 1e-5
+    assert np.abs(np.linalg.norm(after.world[after.is_joint, :3, :3], axis=-1) - 1.0).max() < 1e-6
