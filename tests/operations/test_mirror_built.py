@@ -287,6 +287,15 @@ def test_a_rivet_sits_at_the_mirrored_place(built: Rig) -> None:
     assert_allclose(here * REFLECT, there, atol=1e-5)
 
 
+def test_a_stored_number_of_twist_joints_that_are_not_there_costs_nothing(built: Rig) -> None:
+    most = 10**18
+    metadata = {
+        node: {**kept, "count": most} if kept["type"] == "twist" else kept
+        for node, kept in built.metadata.items()
+    }
+    assert len(mirror(replace(built, metadata=metadata))) == len(built)
+
+
 def test_what_is_changed_on_one_side_is_brought_up_to_date_on_the_other(built: Rig) -> None:
     changed = add_twist(
         built, options=AddTwistOptions(joint=("forearm_L",), to=("hand_L",), count=2, weights=(0.25, 0.5))

@@ -42,7 +42,7 @@ def _twists(rig: Rig, nodes: list[int], options: MirrorOptions, report: Report) 
     records = {number: rig.records(TwistRecord)[node] for number, node in sorted(by_number.items())}
     first = next(iter(records.values()))
     joint, to = twin_address(rig, first.joint), twin_address(rig, first.to)
-    whole = [*records] == list(range(1, first.count + 1))
+    whole = len(records) == first.count and [*records] == list(range(1, first.count + 1))
     upper, axis = first.driver == first.joint, first.axis
     if axis is not None:
         axis = direction(rig, rig.find(first.joint), rig.find(joint), axis, options)
