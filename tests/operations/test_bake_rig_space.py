@@ -130,3 +130,16 @@ def test_what_shears_a_node_is_no_noise_above_it() -> None:
     rig = rig_of(["place", "hips", "arm", "hand"], [-1, 0, 1, 2], np.zeros((4, 3)))
     scale = np.array([(1, 1.00002, 1), (1, 1, 1), (1, 2, 1), (1, 9, 1)])
     assert shearing_node(replace(rig, scale=scale), 3) == 2  # its own is along its axes
+
+
+def test_what_a_constraint_moves_below_an_uneven_scale_is_reported_as_below_an_even_one(
+    samples: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "hero.usda").write_bytes((samples / "biped.usda").read_bytes())
+    above = shot(tmp_path, "hero.usda")
+    rigged, ruled, out = (tmp_path / f"{name}.usda" for name in ("rigged", "ruled", "out"))
+    cli("add-controls", above, "-o", rigged, "--joints", "*", "-q", code=0)
+    cli("constrain", rigged, "-o", ruled, "--type", "orient", "--child", "head", "--driver", "chest", code=0)
+    told = cli("bake", ruled, "--to", "controls", "-o", out, code=0).stderr
+    assert "The controls give 'head_end' back" in told
+    assert "what also moves it is not its controls' to hold" in told

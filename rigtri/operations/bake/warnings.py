@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -142,8 +142,13 @@ def fidelity(
     text = f"The controls give '{name}' back {off}; {_advice(rig, reference, joint)}"
     if held >= 0:
         text = f"'{name}' is {off}: it has no controls, and the constraint of '{rig.title(held)}' moves it"
-    for node in (node for node in uneven_above(rig) if rig.is_below(joint, node)):
-        raise GeometryError(f"The controls give '{name}' back {off}; {_outside(rig, node)}")
+    ruled = _ruled(rig)
+    if joint in ruled:  # what rules move is off with any scale; the others tell what this one does
+        joint, time, far = _farthest(rig, blocks, times, without=ruled)
+        off = f"{far / size:.2g} of the size off, at {clip}@{time:g}"
+    uneven = [node for node in uneven_above(rig) if joint >= 0 and rig.is_below(joint, node)]
+    if uneven and far > max(tolerance, NOTHING) * size:
+        raise GeometryError(f"The controls give '{rig.title(joint)}' back {off}; {_outside(rig, uneven[0])}")
     return record, [Notice("controls-off", text, name, geometry=True)]
 
 
@@ -161,13 +166,20 @@ def _outside(rig: Rig, node: int) -> str:
     )
 
 
-def _farthest(rig: Rig, blocks: Sequence[Block], times: Floats) -> tuple[int, float, float]:
+def _ruled(rig: Rig) -> frozenset[int]:
+    """The nodes that constraints move, and all below them."""
+    return frozenset(node for rule in constraints_of(rig).values() for node in rig.below(rule.child))
+
+
+def _farthest(
+    rig: Rig, blocks: Sequence[Block], times: Floats, without: Collection[int] = ()
+) -> tuple[int, float, float]:
     """The joint that is off most, when, and by how much in file units; −1 where none is."""
     worst, start = (-1, 0.0, 0.0), 0
     for source, found in blocks:
         joints = np.flatnonzero(rig.is_joint).tolist() or sorted(source.parts)
         count = 1
-        for joint in joints:
+        for joint in (joint for joint in joints if joint not in without):
             a, b = found.posed.world(joint), source.world(joint)
             apart = np.nan_to_num(length(a[:, 3, :3] - b[:, 3, :3]))
             row, count = int(np.argmax(apart)), max(count, len(apart))
