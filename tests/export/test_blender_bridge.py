@@ -836,6 +836,29 @@ def test_a_usd_character_that_rests_otherwise_than_it_is_bound_comes_home_by_bak
             assert off <= SEEN * skeleton_size(was), (suffix, was.names[joint], off)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_limbs_without_a_root_control_stand_in_blender_where_the_file_has_them(
+    suffix: str, tmp_path: Path
+) -> None:
+    """Poles at the top of the rig have keys, and hips without a control show a frame while it is set up."""
+    rigged, animate, seen = (
+        str(tmp_path / f"{n}{s}") for n, s in (("r", suffix), ("a", suffix), ("s", ".npz"))
+    )
+    cli("add-controls", SAMPLES / f"biped{suffix}", "-o", rigged, "--limbs", "auto", "-q", code=0)
+    cli("bake", rigged, "-o", animate, "--to", "controls", "-q", code=0)
+    cli("export-blender", animate, "-o", tmp_path / "setup.py", "-q", code=0)
+    job = {"script": str(tmp_path / "setup.py"), "target": str(tmp_path / "edited.glb"), "seen": seen}
+    blender_trip(job | {"clip": "walk", "keys": {}}, folder=tmp_path)
+    was = read(SAMPLES / f"biped{suffix}").rig
+    times = np.arange(1.0, 26.0) / (24.0 if suffix == ".glb" else 1.0)
+    before = PoseCache(was, sample_parts(was, was.clip("walk"), times))
+    for joint, places in arrays(seen).items():
+        if joint in was.names:
+            off = np.abs(before.world(was.find(joint))[:-1, 3, :3] - places[:-1]).max()
+            assert off <= BAKED * skeleton_size(was), (joint, off)
+
+
 REAL = ["kaykit_Barbarian.glb", "gdquest_mannequiny-0.3.0.glb", "khronos_CesiumMan_Binary.glb"]
 REAL += ["raylib_robot.glb", "addon_Example_vrm1.vrm", "mayausd_HIK_Export.usda", "gt_sparse_player.glb"]
 

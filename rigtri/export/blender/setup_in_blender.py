@@ -401,9 +401,13 @@ def build_bones(armature: Any, bones: list[tuple[str, int, Matrix, float]]) -> l
 
 
 def in_parent(bone: Any) -> Matrix:
-    """Where a bone rests, seen from its parent."""
+    """Where a bone rests, seen from its parent; of one at the top, in the axes of the file's group."""
     own = bone.bone.matrix_local
-    return bone.parent.bone.matrix_local.inverted() @ own if bone.parent else own
+    if bone.parent:
+        return bone.parent.bone.matrix_local.inverted() @ own
+    group = stand(RIG["nodes"][int(RIG["group"][1:])], True) if RIG["group"] else from_file()
+    place, turn, _ = (bone.id_data.matrix_world.inverted() @ group).decompose()
+    return Matrix.LocRotScale(place, turn, None).inverted() @ own
 
 
 def unit_of(bone: Any) -> float:
@@ -810,6 +814,7 @@ class Setup:
         for bone in bones:
             bone.matrix_basis.identity()
         self.switch(switches, [1.0] * len(values))
+        joints = self.rest_joints()
         aims = [self.target(about["bones"][3])[1] for about in RIG["triangles"]]
         bends = [self.solver.pose.bones[aim].constraints["Pole"] for aim in aims]
         poles = [(bend.target, bend.subtarget) for bend in bends]
@@ -830,8 +835,23 @@ class Setup:
             bend.target, bend.subtarget = thing, bone
             bpy.data.objects.remove(point)
         self.switch(switches, values)
-        for bone, pose in zip(bones, poses, strict=True):
+        for bone, pose in [*zip(bones, poses, strict=True), *joints]:
             bone.matrix_basis = pose
+
+    def rest_joints(self) -> list[tuple[Any, Matrix]]:
+        """Put joints that nothing drives, which show a frame, where they rest; each with what it had."""
+        own = {int(about["node"][1:]) for about in RIG["controls"]}
+        found = [
+            (thing.pose.bones[bone], stand(about, True))
+            for number, (about, (thing, bone)) in enumerate(zip(RIG["nodes"], self.nodes, strict=True))
+            if bone and number not in own and not thing.pose.bones[bone].constraints
+        ]
+        found.sort(key=lambda pair: len(pair[0].parent_recursive))
+        before = [(bone, bone.matrix_basis.copy()) for bone, _ in found]
+        for bone, place in found:
+            bpy.context.view_layer.update()
+            bone.matrix = bone.id_data.matrix_world.inverted() @ place
+        return before
 
     def switch(self, switches: list[tuple[Any, str]], values: list[float]) -> None:
         for (thing, name), value in zip(switches, values, strict=True):
