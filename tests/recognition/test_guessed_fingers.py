@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from posed_bodies import FINGERS, Pose, posed_body
+from rigs import rig_of
 
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_triples import thumb_of
 from rigtri.recognition.recognise import recognise
 
 
@@ -112,3 +116,17 @@ def test_numbered_fingers_begin_at_the_index_where_the_thumb_has_a_word(
     expected = {f"left {one}": f"left {one} finger" for one in FINGERS[: pose.fingers]}
     assert {part: name for part, (name, _) in found.items()} == {**expected, "left thumb": "left thumb"}
     assert min(sure for _, sure in found.values()) >= 0.75
+
+
+@pytest.mark.parametrize(("joints", "thumb"), [(2, 0), (3, -1)])
+def test_of_two_fingers_that_begin_alike_the_one_of_fewer_joints_is_the_thumb(
+    joints: int, thumb: int
+) -> None:
+    """A finger of three joints ahead, and one of two or three aside."""
+    aside = [[0.0, 0.1 + 0.03 * k, 0.0] for k in range(joints)]
+    ahead = [[0.1 + 0.03 * k, 0.0, 0.0] for k in range(3)]
+    places = np.array([[0.0, 0.0, 0.0], *aside, *ahead])
+    names = [f"bone {k}" for k in range(len(places))]
+    rig = rig_of(names, [-1, *[0] * (len(places) - 1)], places)
+    chains = [range(1, joints + 1), range(joints + 1, len(places))]
+    assert thumb_of(Tree(rig, range(len(places)), places), 0, chains) == thumb
