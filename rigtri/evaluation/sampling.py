@@ -303,16 +303,11 @@ def _turned(segments: Sequence[tuple[Floats, Integers, Floats]]) -> list[Floats]
     if not segments:
         return []
     values, left, inside = segments[0] if len(segments) == 1 else _in_a_row(segments)
-    between = np.flatnonzero((inside != 0) & (inside != 1))
-    if 2 * len(between) < len(inside) and bool((np.abs(values).max(axis=-1, initial=0.0) > 0).all()):
-        # Most times are those of keys, whose values they have as they are.
-        blended = _taken(values, left + (inside == 1))
-        if len(between):
-            arcs = np.stack([left[between], left[between] + 1], axis=1).ravel()
-            rows = 2 * np.arange(len(between))
-            blended[between] = _blended(_taken(values, arcs), rows, inside[between])
-    else:
-        blended = _blended(values, left, inside)
+    size, share = norm(values)[..., np.newaxis], inside[:, np.newaxis, np.newaxis]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turns = values / size
+        blended = slerp_rows(turns[:-1], turns[1:], left, inside)
+        blended = blended * ((1.0 - share) * size[left] + share * size[left + 1])
     if len(segments) == 1:
         return [blended]
     ends = np.cumsum([len(some) * each.shape[1] for each, some, _ in segments])[:-1]
@@ -321,15 +316,6 @@ def _turned(segments: Sequence[tuple[Floats, Integers, Floats]]) -> list[Floats]
         part.reshape(4, each.shape[1], len(some)).transpose()
         for part, (each, some, _) in zip(parts, segments, strict=True)
     ]
-
-
-def _blended(values: Floats, left: Integers, inside: Floats) -> Floats:
-    """The same of one track or several with the same keys, (f, t, 4); NaN beside a key without a length."""
-    size, share = norm(values)[..., np.newaxis], inside[:, np.newaxis, np.newaxis]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        turns = values / size
-        blended = slerp_rows(turns[:-1], turns[1:], left, inside)
-        return np.asarray(blended * ((1.0 - share) * size[left] + share * size[left + 1]))
 
 
 def _in_a_row(segments: Sequence[tuple[Floats, Integers, Floats]]) -> tuple[Floats, Integers, Floats]:

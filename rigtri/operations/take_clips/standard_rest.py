@@ -24,7 +24,7 @@ from rigtri.maths.matrices import (
     transform_directions,
 )
 from rigtri.maths.similarity_fit import AXIS_TURNS, SAME_TURN, upright_turn
-from rigtri.maths.trigonometry import Floats
+from rigtri.maths.trigonometry import Floats, sin_cos
 from rigtri.maths.vectors import angle, length
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
@@ -128,12 +128,13 @@ def _most_common(turns: Floats) -> Floats:
     """The rotation, (3, 3), that most of matrices, (k, 4, 4), are near to; one of the 24 where it is one."""
     if not len(turns):
         return np.eye(3)
-    limits = [2.0 * np.sin(np.radians(degrees) / 2.0) for degrees in (MOST_DEGREES, SAME_AXES)]
+    # Ends of unit vectors that are this far apart, as an angle.
+    limits = [2.0 * float(sin_cos(0.5 * np.radians(degrees))[0]) for degrees in (MOST_DEGREES, SAME_AXES)]
 
     def score(turn: Floats) -> int:
         # That of many to rounding counts more than one amid some that are a little off.
         apart = length(turns[:, :3, :3] - turn).max(axis=-1)
-        return sum(int((apart <= limit).sum()) for limit in limits)
+        return sum(int(np.count_nonzero(apart <= limit)) for limit in limits)
 
     best = max(turns[:, :3, :3], key=score)
     axes = AXIS_TURNS[int(np.abs(AXIS_TURNS - best).max(axis=(1, 2)).argmin())]
