@@ -71,6 +71,29 @@ def test_a_man_who_leans_stands_on_his_legs_whatever_the_file_has_for_up(named: 
 
 
 @pytest.mark.parametrize("named", [True, False])
+def test_a_man_who_bows_and_reaches_ahead_stands_on_his_legs(named: bool) -> None:
+    """Legs square to a level trunk were those of one who sits, up 90° off and elbows in front."""
+    reach = {"forearm.L": 0.25, "forearm.R": 0.25, "hand.L": 0.5, "hand.R": 0.5}
+    joints = [
+        (name, above, (x - np.sign(x) * 0.9 * reach.get(name, 0.0), y + reach.get(name, 0.0), z))
+        for name, above, (x, y, z) in MAN
+    ]
+    (man,) = recognise(rig_with(leaning(joints, 88), named=named)).characters
+    assert man.form == "biped"
+    assert man.up == pytest.approx((0, 1, 0), abs=0.1)
+    assert man.facing == pytest.approx((0, 0, 1), abs=0.1)
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_man_who_bows_in_a_file_with_another_up_stands_on_his_legs(named: bool) -> None:
+    """His trunk goes down the file's up, as that of nobody who sits."""
+    (man,) = recognise(lying(leaning(MAN, 88), named=named)).characters
+    assert man.form == "biped"
+    assert man.up == pytest.approx((0, 0, 1), abs=0.1)
+    assert man.facing == pytest.approx((0, -1, 0), abs=0.1)
+
+
+@pytest.mark.parametrize("named", [True, False])
 def test_a_man_who_sits_upright_has_up_along_his_trunk(named: bool) -> None:
     """His legs end as far ahead as below, and so go down by the file's axis, too."""
     (man,) = recognise(lying(SITTING, named=named)).characters
