@@ -211,7 +211,8 @@ def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
 
 def _is_of_limb(draft: Draft, node: int) -> bool:
     """Whether a name says arm or leg: one arm in the middle of a machine is no neck."""
-    return draft.words.get(node, NO_WORDS).kind != ""
+    words = draft.words.get(node, NO_WORDS)
+    return words.kind != "" and not words.trunk
 
 
 def _up_to_head(draft: Draft, first: int) -> list[int]:

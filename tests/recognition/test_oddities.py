@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import pytest
 from posed_bodies import Pose, posed_body
@@ -63,6 +64,15 @@ def test_a_claw_arm_is_no_neck() -> None:
         layout, _ = found(case, named=True)
         heads = [joint for chain in layout.chains if chain.kind in ("neck", "head") for joint in chain.joints]
         assert not [name for k in heads if "claw" in (name := case.rig.names[k].lower())]
+
+
+def test_a_neck_is_one_whatever_word_all_names_share() -> None:
+    """A file's own word, as tools append it to each name, made limbs of neck and head."""
+    rig = posed_body(Pose("unreal", arms=90.0)).rig
+    rig = replace(rig, names=tuple(f"{name}_arm" for name in rig.names))
+    (character,) = recognise(rig).characters
+    found = [rig.names[k] for c in character.chains if c.kind in ("neck", "head") for k in c.joints]
+    assert found == ["neck_01_arm", "head_arm"]
 
 
 def test_who_sits_with_legs_stretched_ahead_has_up_along_the_trunk() -> None:
