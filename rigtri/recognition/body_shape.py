@@ -38,9 +38,8 @@ _MIDMOST = 0.1
 # upright is the trunk of a body that sits.
 _ALONG_AXIS = 0.966
 # Legs that are stretched ahead are square to the trunk up to this (a sine), and bend by less than 25°.
-# Arms smaller than this part of legs are those of a dinosaur. Arms that reach go so far on along the trunk,
-# as a part of their length.
-_LEVEL, _STRETCHED, _SMALL, _REACH = 0.35, 0.906, 0.3, 0.1
+# Arms smaller than this part of legs are those of a dinosaur.
+_LEVEL, _STRETCHED, _SMALL = 0.35, 0.906, 0.3
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
 # What legs lose that go the way of the spine.
@@ -145,11 +144,12 @@ def _sits_upright(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
     """Whether a trunk goes along an axis of the file and straight legs go square to it, as arms do not.
 
     So sits who stretches their legs ahead. What stands with a trunk that lies has a tail, bent legs, or front
-    legs. Who bows has the same shape: the trunk goes down in the file, or is level and arms reach on from it.
+    legs. Who bows has the same shape, with a trunk that goes down in the file, or is level: then only arms
+    that hang along it say that the body sits, in a file with another up.
     """
     down, out = (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
-    rise, reach = on.dot(Vector(*tree.rig.rules.up)), (arms.ends - arms.starts).dot(on)
-    if rise < -_STANDS or (rise < _STANDS and reach > _REACH * arms.size):
+    rise, hangs = on.dot(Vector(*tree.rig.rules.up)), out.dot(on) < -_ASIDE
+    if rise < -_STANDS or (rise < _STANDS and not hangs):
         return False
     if _axis(on).dot(on) < _ALONG_AXIS or abs(down.dot(on)) > _LEVEL or out.dot(down) > _ASIDE:
         return False

@@ -71,9 +71,14 @@ def test_a_man_who_leans_stands_on_his_legs_whatever_the_file_has_for_up(named: 
 
 
 @pytest.mark.parametrize("named", [True, False])
-def test_a_man_who_bows_and_reaches_ahead_stands_on_his_legs(named: bool) -> None:
-    """Legs square to a level trunk were those of one who sits, up 90° off and elbows in front."""
+@pytest.mark.parametrize("ahead", [0.0, 1.0])
+def test_a_man_who_bows_stands_on_his_legs(named: bool, ahead: float) -> None:
+    """Legs square to a level trunk were those of one who sits, up 90° off and elbows in front.
+
+    His arms reach ahead or aside.
+    """
     reach = {"forearm.L": 0.25, "forearm.R": 0.25, "hand.L": 0.5, "hand.R": 0.5}
+    reach = {name: ahead * by for name, by in reach.items()}
     joints = [
         (name, above, (x - np.sign(x) * 0.9 * reach.get(name, 0.0), y + reach.get(name, 0.0), z))
         for name, above, (x, y, z) in MAN

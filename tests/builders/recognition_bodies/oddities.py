@@ -156,10 +156,14 @@ def stretched(seed: int) -> Case:
 
 
 def _may_stretch(body: Skeleton) -> bool:
-    """Whether a body stands on feet with toes, its arms not ahead: with these it would be an animal."""
-    hands = (body.at(f"Hand.{side}") - body.at(f"UpperArm.{side}") for side in "LR")
+    """Whether a body stands on feet with toes and has arms that hang.
+
+    With arms ahead it would be an animal, with arms aside one who bows, in a file whose up is its own.
+    """
+    hands = [body.at(f"Hand.{side}") - body.at(f"UpperArm.{side}") for side in "LR"]
     stands = body.at("UpperLeg.L")[1] - body.at("LowerLeg.L")[1] > 0.2
-    return "Toes.L" in body.joints and bool(stands) and all(way[2] < 0.3 * -way[1] for way in hands)
+    hang = all(way[2] < 0.3 * -way[1] and -way[1] > 0.6 * np.linalg.norm(way) for way in hands)
+    return "Toes.L" in body.joints and bool(stands) and hang
 
 
 def symmetric(seed: int) -> Case:
