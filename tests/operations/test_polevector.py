@@ -197,7 +197,7 @@ def test_names_of_locators_are_free() -> None:
 def test_wrong_arguments_are_reported() -> None:
     with pytest.raises(UsageError, match="--limb"):
         placed(arm(), limb=())
-    with pytest.raises(GeometryError, match="no arms or legs were recognised"):
+    with pytest.raises(GeometryError, match="no arms or legs are recognised"):
         placed(arm(), limb=(), limbs="auto")
     with pytest.raises(NameNotFoundError, match="'knee'"):
         placed(arm(), bend={"knee": (0.0, 0.0, 1.0)})
