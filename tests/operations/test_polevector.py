@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from places import SAMPLES
 from rigs import chain, rig_of
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.formats import read
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
@@ -211,3 +213,14 @@ def test_a_limb_with_its_root_and_end_at_one_place_is_to_be_left_out() -> None:
         options = AddPolevectorOptions(limb=(("a", "b", "c"),), bend=bend)
         with pytest.raises(GeometryError, match=r"root and end at one place.*Leave it out"):
             add_polevector(rig, options=options)
+
+
+@pytest.mark.parametrize(("other", "warned"), [("toe_R", True), ("staff", False)])
+def test_joints_of_the_name_of_a_limb_s_middle_are_warned_of(other: str, warned: bool) -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    names = ["forearm_L" if name == other else name for name in rig.names]
+    report = Report()
+    placed(replace(rig, names=tuple(names)), report, limb=(), limbs="auto")
+    found = [notice.text for notice in report.warnings if "names other joints too" in notice.text]
+    assert bool(found) == warned
+    assert all("'forearm_L'" in text for text in found)
