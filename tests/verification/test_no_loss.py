@@ -169,7 +169,7 @@ def test_a_result_just_over_the_tolerance_reports_what_rounding_does(samples: Pa
     source, out = samples / "biped.glb", tmp_path / "out.glb"
     outcome = edit(source, out, orient)
     assert outcome.verification is not None
-    with pytest.raises(DeviationError, match=r"float32.*tolerance="):
-        edit(source, tmp_path / "two.glb", orient, tolerance=outcome.verification.deviation / 2)
-    with pytest.raises(DeviationError, match=r"Nothing was written\.$"):
-        edit(source, tmp_path / "two.glb", orient, tolerance=outcome.verification.deviation / 20)
+    # Rounding reaches farther than this result deviates, however little is allowed.
+    for share in (2, 20):
+        with pytest.raises(DeviationError, match=r"float32.*tolerance="):
+            edit(source, tmp_path / "two.glb", orient, tolerance=outcome.verification.deviation / share)
