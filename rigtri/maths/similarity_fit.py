@@ -63,6 +63,13 @@ def nearest_axis_turn(turns: Floats) -> Floats:
     return np.asarray(AXIS_TURNS[best if off[best] < _CLEARLY * off[0] else 0])
 
 
+def snapped_turn(turn: Floats) -> Floats:
+    """The one of the 24 rotations that a rotation, (3, 3), is but for rounding; else that itself."""
+    apart = np.abs(AXIS_TURNS - turn).max(axis=(1, 2))
+    nearest = int(apart.argmin())
+    return np.asarray(AXIS_TURNS[nearest] if apart[nearest] <= SAME_TURN else turn)
+
+
 def upright_turn(theirs: ArrayLike, ours: ArrayLike) -> Floats:
     """The smallest of the 24 rotations, (3, 3), that takes one up axis, (3,), to another; else the identity.
 

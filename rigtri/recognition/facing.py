@@ -16,7 +16,7 @@ from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_triples import offset, thumb_of
+from rigtri.recognition.limb_triples import IN_LINE, SET_OFF, offset, thumb_of
 from rigtri.recognition.many_legs import ends_of_trunk
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses, finite
@@ -40,9 +40,8 @@ _SOLE = 0.1
 _ASIDE, _RAISED = 0.3, 0.5
 # A trunk that leans so far from its up (a sine) leans ahead, and from the second on it lies.
 _LEANS, _LIES = 0.35, 0.7
-# A straight leg bends by less than this, and a foot is set off from it by more (cosines, 15° and 25°). So far
-# ahead feet point (a cosine).
-_STRAIGHT, _SET, _AHEAD = 0.966, 0.906, 0.5
+# So far ahead feet point (a cosine).
+_AHEAD = 0.5
 # A face stands so far ahead of the trunk or skull, as a part of a limb, to count in full.
 _FACE = 0.15
 _ENDS = ("face", "skull", "tail")
@@ -145,19 +144,17 @@ def long_feet(tree: Tree, legs: Limbs, up: Vector, ahead: Vector) -> float:
 
     Then legs stand upright and straight down to these, with a joint between, and all below is one line.
     """
-    if len(legs.at) < 3:
+    if len(legs.at) < 3 or legs.at[1] < 2:
         return 0.0
     total, (_, middle, end) = 0.0, legs.at
     for path in legs.pair.paths:
-        if middle < 2:
-            return 0.0
         hip, knee, ankle, toe = (tree.at[path[k]] for k in (0, middle - 1, middle, end))
         leg, foot = (ankle - hip).unit, (toe - ankle).unit
         tip = tree.at[tree.paths[path[end]][-1]]
-        if any(tip - toe) and (tip - toe).unit.dot(foot) < _STRAIGHT:
+        if any(tip - toe) and (tip - toe).unit.dot(foot) < IN_LINE:
             return 0.0
-        upright = leg.dot(up) < -_STRAIGHT and (knee - hip).unit.dot((ankle - knee).unit) > _STRAIGHT
-        if not upright or leg.dot(foot) > _SET:
+        upright = leg.dot(up) < -IN_LINE and (knee - hip).unit.dot((ankle - knee).unit) > IN_LINE
+        if not upright or leg.dot(foot) > SET_OFF:
             return 0.0
         total += 0.5 * foot.dot(ahead)
     return total if abs(total) > _AHEAD else 0.0

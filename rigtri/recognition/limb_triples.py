@@ -39,7 +39,7 @@ CLAVICLES, _ASIDE, _WHOLE = 0.35, 0.7, 0.65
 # What a middle costs that is bent as an ankle is at rest, and how far that is, as a cosine (70°).
 _FOLD, _FOLDED = 0.1, 0.34
 # Bones in line bend by less than 15°, and a foot is set off from its shin by more than 25° (cosines).
-_IN_LINE, _SET = 0.966, 0.906
+IN_LINE, SET_OFF = 0.966, 0.906
 # What a joint that clips bend gains as the middle, and how sharp that has to be, as a cosine (15°).
 _MOVES, _SHARP = 0.1, 0.966
 # What it costs to end elsewhere than where fingers begin, and so many of them.
@@ -296,7 +296,7 @@ def _quality(
     before = fsum(bones[first + 1 : start + 1]) / a
     led = min(1.0, max(0.0, (before - _SHORT) / 0.6))
     # Where a long bone goes straight on into the upper one, a bend is that of an ankle, before a long foot.
-    led *= 2.0 if now[start] > _IN_LINE and now[middle] < _SET else 1.0
+    led *= 2.0 if now[start] > IN_LINE and now[middle] < SET_OFF else 1.0
     cost += _LED * led
     cost += _FOLD if now[middle] < _FOLDED else 0.0
     gain = _MOVES if moves and ever[middle] < _SHARP else 0.0

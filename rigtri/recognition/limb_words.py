@@ -6,7 +6,6 @@ A naming scheme says which bone of a human a whole name means. Here each word co
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache, lru_cache
@@ -16,6 +15,7 @@ from typing import Any, Literal
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import spread, words
 from rigtri.recognition.layout import LimbKind
+from rigtri.recognition.word_tables import our_table
 from rigtri.text import is_number
 
 Level = Literal["before", "upper", "lower", "end", "after"]
@@ -195,19 +195,3 @@ def _table() -> _Table:
     plain = {level: line for level, line in text.items() if isinstance(line, str)}
     kinds, places, marks = (turned(text[table]) for table in ("kinds", "places", "marks"))
     return _Table(by_word(plain), by_word(text["vague"]), kinds, places, marks)
-
-
-def our_table(path: Path) -> dict[str, Any]:
-    """A table of words of ours, as `tomllib` would read it, in a fifth of the time, its import included.
-
-    Each of its lines is empty, a comment, the name of a table, or a key with a text or a list of texts.
-    """
-    found: dict[str, Any] = {}
-    table = found
-    for line in path.read_text("utf-8").splitlines():
-        if line.startswith("["):
-            table = found[line.strip("[]")] = {}
-        elif line and not line.startswith("#"):
-            key, _, value = line.partition(" = ")
-            table[key] = json.loads(value)
-    return found

@@ -22,7 +22,8 @@ from rigtri.errors import FileError, did_you_mean
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import SIDES, Side, side, spread, words
 from rigtri.recognition.layout import BENDS, FINGERS, MIDDLE, SIDED, LimbKind
-from rigtri.recognition.limb_words import limb_words, our_table
+from rigtri.recognition.limb_words import limb_words
+from rigtri.recognition.word_tables import our_table, role_words
 from rigtri.text import is_number
 
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
@@ -294,13 +295,6 @@ def is_segment(name: str, above: str) -> bool:
     more = over.key != over.plain and name.startswith(f"{above}.") and name[len(above) + 1 :].isdigit()
     part = parsed.side == over.side and parsed.plain in (over.plain + word for word in _PARTS if over.plain)
     return again or more or part or "twist" in roles_in_name(name)
-
-
-@cache
-def role_words() -> Mapping[str, frozenset[str]]:
-    """The words of names that say what a joint is for, by role."""
-    table = our_table(Path(__file__).with_name("roles.toml"))
-    return {role: frozenset(text.split()) for role, text in table.items()}
 
 
 @lru_cache(_NAMES)

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.naming_schemes import parse_name, role_words
+from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.word_tables import our_table, role_words
 
 
 @cache
 def _things() -> frozenset[str]:
     """The words of things.toml, and those of parts of machines that hang in pairs."""
-    table = tomllib.loads(Path(__file__).with_name("things.toml").read_text("utf-8"))
+    table = our_table(Path(__file__).with_name("things.toml"))
     return frozenset(word for line in table.values() for word in line.split()) | role_words()["machine"]
 
 

@@ -40,10 +40,10 @@ from rigtri.model.skin import Skin
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.recognition import layout_output
 from rigtri.recognition.layout import CONFIDENT, Layout
-from rigtri.recognition.limb_words import our_table
 from rigtri.recognition.limbs import recognise as limbs
 from rigtri.recognition.naming_schemes import own_scheme, parse_name, schemes
 from rigtri.recognition.recognise import recognise, sure_limbs
+from rigtri.recognition.word_tables import our_table
 from rigtri.report import Report
 
 FOUR = {

@@ -33,6 +33,7 @@ from rigtri.maths.similarity_fit import (
     SAME_TURN,
     fit_similarity,
     nearest_axis_turn,
+    snapped_turn,
     upright_turn,
 )
 from rigtri.maths.trigonometry import Floats
@@ -375,11 +376,7 @@ class Counterparts:
         result = matrix.copy()
         if alike and float(determinant(matrix)) > 0:
             size = 1.0 if abs(size - 1.0) <= SAME_SIZE else float((sizes[0] + sizes[1] + sizes[2]) / 3.0)
-            axes = nearest_rotation(matrix)
-            apart = np.abs(AXIS_TURNS - axes).max(axis=(1, 2))
-            nearest = int(apart.argmin())
-            axes = AXIS_TURNS[nearest] if apart[nearest] <= SAME_TURN else axes
-            result[:3, :3] = axes * size
+            result[:3, :3] = snapped_turn(nearest_rotation(matrix)) * size
         # A place of the other file's space, before it is scaled, or of ours.
         if np.abs(result[3, :3]).max() <= SAME_PLACE * self.size * min(1.0, size):
             result[3, :3] = 0.0

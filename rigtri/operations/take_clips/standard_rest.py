@@ -23,7 +23,7 @@ from rigtri.maths.matrices import (
     nearest_rotation,
     transform_directions,
 )
-from rigtri.maths.similarity_fit import AXIS_TURNS, SAME_TURN, upright_turn
+from rigtri.maths.similarity_fit import snapped_turn, upright_turn
 from rigtri.maths.trigonometry import Floats, sin_cos
 from rigtri.maths.vectors import angle, length
 from rigtri.model.dataclass import dataclass
@@ -136,9 +136,7 @@ def _most_common(turns: Floats) -> Floats:
         apart = length(turns[:, :3, :3] - turn).max(axis=-1)
         return sum(int(np.count_nonzero(apart <= limit)) for limit in limits)
 
-    best = max(turns[:, :3, :3], key=score)
-    axes = AXIS_TURNS[int(np.abs(AXIS_TURNS - best).max(axis=(1, 2)).argmin())]
-    return np.asarray(axes if np.abs(axes - best).max() <= SAME_TURN else best)
+    return snapped_turn(max(turns[:, :3, :3], key=score))
 
 
 def _posed_bones(both: Counterparts, joints: set[int]) -> Iterator[tuple[int, Floats, Floats]]:

@@ -6,7 +6,7 @@ The rules about single values, bytes and bounds are the readers' own (`Value`,
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -21,14 +21,14 @@ from rigtri.formats.gltf.structure import LISTS
 from rigtri.formats.gltf.uris import file_of, is_data
 from rigtri.formats.json_values import Value, short_repr
 from rigtri.formats.rules import Violation
-from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.checks.findings import Findings
+from rigtri.verification.checks.gltf.accessor_bounds import fitting, is_far
 
 # Rows of an accessor decoded at once where they are not kept.
 _BLOCK = 1 << 16
-# Accessors of up to so many rows are read together. Whole numbers below the other are floats without loss.
-_SMALL, _EXACT = 1 << 12, 1 << 53
+# Accessors of up to so many rows are read together.
+_SMALL = 1 << 12
 # Accessors of these types are only for meshes and materials of others; rigtri does not read them.
 FOREIGN = ("MAT2", "MAT3")
 
@@ -221,19 +221,10 @@ class View:
             with suppress(FileError), np.errstate(invalid="ignore"):
                 numbers = self.accessors.read_alike(group).reshape(len(group), rows, width)
                 lows, highs = numbers.min(axis=1), numbers.max(axis=1)
-                fits = self._states(group, "min", lows) & self._states(group, "max", highs)
+                stated = [self.lists["accessors"][index] for index in group]
+                fits = fitting([raw.get("min") for raw in stated], lows)
+                fits &= fitting([raw.get("max") for raw in stated], highs)
                 self._numbers |= {group[k]: numbers[k] for k in np.flatnonzero(fits).tolist()}
-
-    def _states(self, group: Sequence[int], key: str, found: Floats) -> Booleans:
-        """Which accessors state what was found, (a, width), or nothing; not what are no plain numbers."""
-        width = found.shape[1]
-        stated = [self.lists["accessors"][index].get(key) for index in group]
-        plain = [values is None or _plain_numbers(values, width) for values in stated]
-        said = np.array([ok and values is not None for ok, values in zip(plain, stated, strict=True)])
-        given = np.array([values if ok else [0.0] * width for ok, values in zip(said, stated, strict=True)])
-        far = np.abs(given - found) > 1e-5 * np.maximum(1.0, np.maximum(np.abs(given), np.abs(found)))
-        fits = np.isfinite(given).all(axis=1) & ~far.any(axis=1)
-        return np.asarray(np.where(said, fits, np.array(plain)))
 
     def judge(self, index: int) -> None:
         """Judge the min and max of an accessor that nothing else reads; its numbers are not kept."""
@@ -310,10 +301,8 @@ class View:
                 continue
             place, pointer = f"accessor #{index}", f"/accessors/{index}/{key}"
             given = self.numbers(stated, width, place, pointer)
-            # A value that is no number has no place in any order; its own check reports it.
-            far = [] if given is None else [k for k in range(len(given)) if _far(given[k], float(found[k]))]
-            if given is not None and far:
-                k = far[0]
+            if given is not None and (far := is_far(given, found)).any():
+                k = int(far.argmax())
                 text = f"{key}[{k}] is {given[k]:g}, and the values have {found[k]:g}"
                 self.add("gltf.accessor.bounds", place, pointer, text)
 
@@ -385,15 +374,6 @@ def titled(kind: str, raw: Any, number: int) -> str:
     return f"{kind} '{name}' (#{number})" if isinstance(name, str) and name else f"{kind} #{number}"
 
 
-def _plain_numbers(values: Any, width: int) -> bool:
-    """Whether these are so many floats and small whole numbers."""
-    return (
-        isinstance(values, list)
-        and len(values) == width
-        and all(type(value) is float or (type(value) is int and abs(value) < _EXACT) for value in values)
-    )
-
-
 def _exists(path: Path) -> bool:
     try:
         return path.exists()
@@ -404,8 +384,3 @@ def _exists(path: Path) -> bool:
 def _words(error: FileError, place: str) -> str:
     """The text of an error, without the place that the finding names already."""
     return str(error).removeprefix(place.removesuffix(":")).removeprefix(":").strip()
-
-
-def _far(stated: float, found: float) -> bool:
-    # Bounds are stored as decimal text of 32-bit numbers.
-    return abs(stated - found) > 1e-5 * max(1.0, abs(stated), abs(found))
