@@ -310,6 +310,75 @@ def test_what_waited_for_a_worker_that_died_is_done_again_and_what_killed_it_is_
     assert client.submitted == ["a", "b", "b"]
 
 
+class Working:
+    """A client of a cluster, whose files end at once with these records; others are begun, or wait."""
+
+    def __init__(self, engine: dask.Cluster, records: dict[str, Record], begun: tuple[str, ...] = ()) -> None:
+        self._engine, self._records, self._begun = engine, records, begun
+        self.futures, self.cancelled = dict[str, Future](), list[str]()
+
+    def submit(self, _: object, packed: bytes, **__: object) -> Future:
+        number, assignment, _settings = pickle.loads(packed)
+        name = assignment.entry.source
+        future = self.futures[name] = Future(name)
+        if name in self._begun:
+            asyncio.run(self._engine._received((0.0, pickle.dumps(Event(number)))))
+        if name in self._records:
+            future.end(self._records[name])
+        return future
+
+    def cancel(self, futures: list[Future]) -> None:
+        self.cancelled += [future.name for future in futures]
+
+
+class Future(Ended):
+    """One that ends when it is told to."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self.name, self._done = name, list[Callable[[object], None]]()
+
+    def add_done_callback(self, done: Callable[[object], None]) -> None:
+        self._done.append(done)
+        if self._record is not None:
+            done(self)
+
+    def end(self, record: Record) -> None:
+        self._record = record
+        for done in self._done:
+            done(self)
+
+
+ERROR, FINE = Record("error", "geometry", "no way up", 5), Record("ok")
+
+
+@pytest.mark.parametrize(
+    ("most", "done"), [(None, "abcde"), (0, "a"), (1, "abc"), (2, "abcd"), (3, "abcde"), (4, "abcde")]
+)
+def test_no_file_is_submitted_once_more_have_failed_than_allowed(
+    tmp_path: Path, most: int | None, done: str
+) -> None:
+    engine = dask.Cluster("", str(tmp_path), jobs=1, max_errors=most)
+    records = {"a": ERROR, "b": FINE, "c": ERROR, "d": ERROR, "e": FINE}
+    engine._client = client = Working(engine, records)
+    assignments = [Assignment(Entry(name, f"out/{name}"), Turn()) for name in records]
+    found = [(a.entry.source, record) for a, record in engine.run(assignments, lambda *_: None)]
+    assert found == [(name, records[name]) for name in done]
+    assert list(client.futures) == list(done)
+
+
+def test_once_too_many_have_failed_what_waits_is_cancelled_and_what_is_begun_ends(tmp_path: Path) -> None:
+    engine = dask.Cluster("", str(tmp_path), jobs=3, max_errors=0)
+    engine._client = client = Working(engine, {"refused": ERROR}, begun=("refused", "begun"))
+    assignments = [Assignment(Entry(k, f"out/{k}"), Turn()) for k in ("refused", "begun", "waits", "never")]
+    run = engine.run(assignments, lambda *_: None)
+    assert next(run)[1] == ERROR
+    client.futures["begun"].end(FINE)
+    assert [(a.entry.source, record) for a, record in run] == [("begun", FINE)]
+    assert list(client.futures) == ["refused", "begun", "waits"]
+    assert client.cancelled == ["waits"]
+
+
 class Asked:
     """A client of two workers, the second of which says something else about one question."""
 

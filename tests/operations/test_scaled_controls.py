@@ -1,0 +1,98 @@
+"""A joint whose control scales it otherwise along each axis keeps that scale when it gets new axes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from rigs import chain
+
+from rigtri.errors import GeometryError
+from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
+from rigtri.operations.orient_joints.scaled_controls import scales_by_controls
+
+B, C = 1, 2
+
+
+def with_controls(scale: Any = (2.0, 1.0, 0.5), *, bone: float | None = None, flat: bool = False) -> Rig:
+    """A chain a, b, c, d with controls of b and, below that, of c; the one of b is scaled.
+
+    bone: the controls have the axes of the bones, whose bend is about z, and not of the joints; the bone of
+    b is turned about z by so many degrees. flat: c is no descendant of b, although its control is one of b's.
+    """
+    x, y = np.cos(np.radians(bone or 0.0)), np.sin(np.radians(bone or 0.0))
+    bare = chain((0, 0, 0), (1, 0, 0), (1 + x, y, 0), (3, 2, 0))
+    frame = "joint" if bone is None else "bone"
+    rig = add_controls(bare, options=AddControlsOptions(joints=("b", "c"), frame=frame))
+    rig.scale[rig.find("b_ctl")] = scale
+    if flat:
+        rig.parents[C] = 0
+    return rig
+
+
+def scales_of(rig: Rig, node: int) -> tuple[Any, dict[int, int]]:
+    table, controls = scales_by_controls(rig, ScaleTable.of(rig))
+    return table.of_node(node).tolist(), controls
+
+
+@pytest.mark.parametrize(
+    ("bone", "along_the_joint"),
+    [
+        (None, [2.0, 1.0, 0.5]),
+        (0.0, [2.0, 0.5, 1.0]),  # up, which is y of the control, is what the bones bend about
+        (90.0, [0.5, 2.0, 1.0]),
+        (30.0, [1.0, 2.0, 3.0]),  # of other axes nothing but the joint's own may stay
+    ],
+)
+def test_a_control_s_scale_is_one_of_its_joint_along_the_joint_s_axes(
+    bone: float | None, along_the_joint: list[float]
+) -> None:
+    rig = with_controls(bone=bone)
+    scales, controls = scales_of(rig, B)
+    assert_allclose(scales, [[1.0, 1.0, 1.0], along_the_joint], atol=1e-12)
+    assert controls == {B: rig.find("b_ctl")}
+
+
+def test_a_uniform_scale_of_a_control_is_none() -> None:
+    assert scales_of(with_controls((2.0, 2.0, 2.0)), B) == ([[1.0, 1.0, 1.0]], {})
+
+
+def test_a_mirrored_control_scales_by_the_amounts_alone() -> None:
+    assert scales_of(with_controls((-2.0, 1.0, 0.5)), B)[0][1] == [2.0, 1.0, 0.5]
+
+
+def test_a_joint_with_a_scale_of_its_own_keeps_both_and_is_named_for_its_own() -> None:
+    rig = with_controls()
+    rig.scale[B] = (1.0, 3.0, 2.0)
+    assert scales_of(rig, B) == ([[1.0, 3.0, 2.0], [2.0, 1.0, 0.5]], {})
+
+
+def test_the_scale_of_a_control_above_is_a_joint_s_where_no_joint_above_has_it() -> None:
+    """A joint below b takes b's scale from b itself; one that is not takes it from b's control."""
+    assert scales_of(with_controls(), C) == ([[1.0, 1.0, 1.0]], {B: with_controls().find("b_ctl")})
+    rig = with_controls(flat=True)
+    scales, controls = scales_of(rig, C)
+    assert_allclose(scales, [[1.0, 1.0, 1.0], [2.0, 1.0, 0.5]])
+    assert controls == {B: rig.find("b_ctl"), C: rig.find("b_ctl")}
+
+
+def test_the_scales_of_two_controls_are_both_a_joint_s() -> None:
+    rig = with_controls(flat=True)
+    rig.scale[rig.find("c_ctl")] = (1.0, 1.0, 4.0)
+    scales, controls = scales_of(rig, C)
+    assert_allclose(scales, [[1.0, 1.0, 1.0], [1.0, 1.0, 4.0], [2.0, 1.0, 0.5]])
+    assert controls[C] == rig.find("c_ctl")
+
+
+@pytest.mark.parametrize(("own", "told"), [(1.0, "'b' ('b_ctl' 2 1 0.5)"), (3.0, "'b' (1 3 1)")])
+def test_the_error_of_axes_that_such_a_scale_refuses_says_whose_it_is(own: float, told: str) -> None:
+    rig = with_controls(bone=30.0)
+    rig.scale[B, 1] = own
+    with pytest.raises(GeometryError) as error:
+        orient_joints(rig, options=OrientJointsOptions(on_nonuniform_scale="error"))
+    assert told in str(error.value)
