@@ -1,4 +1,4 @@
-"""Measure batches: files a second, two processes beside one, the manifest, memory, a million rows.
+"""Measure batches: files a second, two processes beside one, Dask, the manifest, memory, a million rows.
 
 See benchmarks/README.md.
 """
@@ -6,16 +6,20 @@ See benchmarks/README.md.
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import random
 import shutil
 import sqlite3
 import subprocess
-import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from cold import PROGRAM
 
 from rigtri.pipeline.batch.axis_summary import Axes
 from rigtri.pipeline.batch.file_task import Record
@@ -24,7 +28,6 @@ from rigtri.pipeline.batch.manifest_writer import Manifest
 from rigtri.pipeline.batch.report import summarise
 
 ROOT = Path(__file__).resolve().parent.parent
-PROGRAM = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]
 SPEC = "steps: [{do: orient-joints, aim: x, up: y}]\n"
 
 
@@ -53,37 +56,57 @@ def stages(folder: Path) -> dict[str, float]:
     return {name: 1000 * sum(line[name] for line in warm) / len(warm) for name in warm[0]}
 
 
-def throughput(source: Path, count: int, folder: Path, jobs: int) -> None:
+@contextmanager
+def scheduler(workers: int) -> Iterator[str | None]:
+    """The address of a Dask scheduler with so many worker processes; None where Dask is not installed."""
+    if not importlib.util.find_spec("distributed"):
+        yield None
+        return
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster:
+        yield cluster.scheduler_address
+
+
+def throughput(source: Path, count: int, folder: Path, jobs: int) -> list[str]:
     """Files a second; what the start takes is measured with two files and taken off."""
     copies(source, count, folder)
     few = folder / "few"
     copies(source, 2, few)
-    print(f"\n{count} files of {source.stat().st_size / 1e6:.2f} MB ({source.name})\n")
-    print("| run | files/s | seconds | start |\n|---|---|---|---|")
+    lines = [f"{count} files of {source.stat().st_size / 1e6:.2f} MB ({source.name}).", ""]
+    lines += ["| run | files/s | seconds | start |", "|---|---|---|---|"]
     rates: dict[str, float] = {}
-    for name, words in (
-        ("one process, verified", ["-j", "1"]),
-        (f"{jobs} processes, verified", ["-j", str(jobs)]),
-        ("one process, not verified", ["-j", "1", "--no-verify"]),
-    ):
-        start = run(few, source.suffix, *words)
-        (folder / "log.jsonl").unlink(missing_ok=True)
-        seconds = run(folder, source.suffix, *words, "--log", "log.jsonl")
-        rates[name] = (count - 2) / max(seconds - start, 1e-9)
-        print(f"| {name} | {rates[name]:.1f} | {seconds:.2f} | {start:.2f} |")
-        text = ", ".join(f"{stage} {value:.1f}" for stage, value in stages(folder).items())
-        print(f"| in the worker, ms a file | {text} | | |")
-    start, again = (
-        run(place, source.suffix, "-j", "1", "--no-verify", fresh=False) for place in (few, folder)
+    one, two, bare, cluster = (
+        "one process, verified",
+        f"{jobs} processes, verified",
+        "one process, not verified",
+        f"{jobs} workers of Dask, verified",
     )
-    print(
-        f"| nothing left to do | {(count - 2) / max(again - start, 1e-9):.0f} | {again:.2f} | {start:.2f} |"
-    )
-    one, two = list(rates.values())[:2]
-    print(f"\n{jobs} processes do {two / one:.2f} times what one does.")
+    with scheduler(jobs) as address:
+        runs = {one: ["-j", "1"], two: ["-j", str(jobs)], bare: ["-j", "1", "--no-verify"]}
+        if address:
+            runs[cluster] = ["--dask", address]
+        for name, words in runs.items():
+            start = min(run(few, source.suffix, *words) for _ in range(2))
+            (folder / "log.jsonl").unlink(missing_ok=True)
+            seconds = run(folder, source.suffix, *words, "--log", "log.jsonl")
+            rates[name] = (count - 2) / max(seconds - start, 1e-9)
+            lines.append(f"| {name} | {rates[name]:.1f} | {seconds:.2f} | {start:.2f} |")
+            text = ", ".join(f"{stage} {value:.1f}" for stage, value in stages(folder).items())
+            lines.append(f"| in the worker, ms a file | {text} | | |")
+    words = ["-j", "1"]
+    for place in (few, folder):
+        run(place, source.suffix, *words)
+    start, again = (run(place, source.suffix, *words, fresh=False) for place in (few, folder))
+    rate = (count - 2) / max(again - start, 1e-9)
+    lines.append(f"| nothing left to do | {rate:.0f} | {again:.2f} | {start:.2f} |")
+    lines += ["", f"{jobs} processes do {rates[two] / rates[one]:.2f} times what one does."]
+    if cluster in rates:
+        lines[-1] += f" Dask's workers do {rates[cluster] / rates[two]:.2f} of what {jobs} processes do."
+    return [*lines, ""]
 
 
-def overhead(count: int, folder: Path) -> None:
+def overhead(count: int, folder: Path) -> list[str]:
     """What the manifest takes for a file: to be put down before and after it appears, and to be looked up."""
     folder.mkdir()
     turns = bytes(range(240))
@@ -103,12 +126,11 @@ def overhead(count: int, folder: Path) -> None:
             manifest.ready(entry, "0" * 64, record)
             manifest.done(entry, "0" * 64, record)
         wall, cpu = time.perf_counter() - begin, time.process_time() - cpu
-    print(
-        f"\nThe manifest takes {1000 * wall / count:.3f} ms a file ({1000 * cpu / count:.3f} ms of a core)."
-    )
+    each, of_core = 1000 * wall / count, 1000 * cpu / count
+    return [f"The manifest takes {each:.3f} ms a file ({of_core:.3f} ms of a core).", ""]
 
 
-def memory(count: int, source: Path, folder: Path) -> None:
+def memory(count: int, source: Path, folder: Path) -> list[str]:
     """How much the processes of a batch take after a tenth of its files, and at its end."""
     copies(source, count, folder)
     given = ["batch", f"in/*{source.suffix}", "--spec", "rig.yaml", "-O", "out", "-j", "2", "--json"]
@@ -121,7 +143,7 @@ def memory(count: int, source: Path, folder: Path) -> None:
             if number == count - 10:
                 late = _resident(process.pid)
     text = f"{early / 1e6:.0f} MB in all processes after a tenth, {late / 1e6:.0f} MB at the end"
-    print(f"\n{count} files: {text}.")
+    return [f"{count} files: {text}.", ""]
 
 
 def _resident(process: int) -> int:
@@ -137,7 +159,7 @@ def _resident(process: int) -> int:
     return total
 
 
-def million(count: int, folder: Path) -> None:
+def million(count: int, folder: Path) -> list[str]:
     """How long the summary of a large manifest takes."""
     folder.mkdir()
     path = folder / "rigtri-batch.sqlite"
@@ -169,7 +191,7 @@ def million(count: int, folder: Path) -> None:
     found = summarise([path])
     seconds = time.perf_counter() - begin
     assert found["files"] == count
-    print(f"\n{count} rows, {path.stat().st_size / 1e6:.0f} MB, are summarised in {seconds:.2f} s.")
+    return [f"{count} rows, {path.stat().st_size / 1e6:.0f} MB, are summarised in {seconds:.2f} s.", ""]
 
 
 def _row(number: int, chance: random.Random, status: str) -> tuple[object, ...]:
@@ -178,6 +200,21 @@ def _row(number: int, chance: random.Random, status: str) -> tuple[object, ...]:
     kind, reason = ("geometry", f"reason {number % 5}") if failed else (None, None)
     deviation, axes = (None, None) if failed else (chance.random() * 1e-6, number % 200)
     return number, f"out/{name}", name, status, kind, reason, deviation, chance.random(), axes, "0" * 64
+
+
+def batches(
+    file: Path, folder: Path, *, count: int = 300, long: int = 2000, rows: int = 1_000_000, jobs: int = 2
+) -> list[str]:
+    """All tables and sentences."""
+    # Links need the file on the same disk.
+    source = Path(shutil.copy(file, folder))
+    return [
+        *("## Batches", ""),
+        *throughput(source, count, folder / "many", jobs),
+        *overhead(10_000, folder / "manifest"),
+        *memory(long, source, folder / "long"),
+        *million(rows, folder / "million"),
+    ]
 
 
 def main() -> None:
@@ -191,13 +228,8 @@ def main() -> None:
     arguments.add_argument("--scratch", type=Path, help="a folder on the disk that is to be measured")
     given = arguments.parse_args()
     with tempfile.TemporaryDirectory(dir=given.scratch) as name:
-        folder = Path(name)
-        # Links need the file on the same disk.
-        source = Path(shutil.copy(given.file, folder))
-        throughput(source, given.count, folder / "many", given.jobs)
-        overhead(10_000, folder / "manifest")
-        memory(given.long, source, folder / "long")
-        million(given.rows, folder / "million")
+        many = {key: vars(given)[key] for key in ("count", "long", "rows", "jobs")}
+        print("\n".join(batches(given.file, Path(name), **many)))
 
 
 if __name__ == "__main__":

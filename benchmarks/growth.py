@@ -8,8 +8,9 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from cold import PROGRAM
 from large import Character, write_glb
-from size import RIGTRI, Cost, cost
+from size import Cost, cost
 
 MORE = 4
 # A run as new process takes a tenth of a second whatever it does; less than this beside it is no figure.
@@ -30,7 +31,7 @@ KINDS: dict[str, tuple[int, Callable[[int], Character]]] = {
 
 
 def run(*words: str | Path, code: int = 0) -> Cost:
-    found = cost(*RIGTRI, *words, code=code)
+    found = cost(*PROGRAM, *words, code=code)
     assert found is not None
     return found
 

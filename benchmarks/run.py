@@ -21,12 +21,15 @@ from datetime import date
 from pathlib import Path
 
 from bake import tables
+from batch import batches
 from cold import PROGRAM, cold_starts
 from growth import commands
 from size import differences, growth, large_files
+from usdcat import beside_export
 from warm import BLENDER, measured, side_by_side, version
 
 ROOT = Path(__file__).resolve().parent.parent
+BIPED = ROOT / "samples" / "biped.glb"
 SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc", ".usdz")
 # Bytes of the files that are measured beside glTF-Transform.
 LEAST_CHARACTER = 100_000
@@ -129,9 +132,10 @@ def peer_rows(source: Path, folder: Path, runs: int) -> list[Row]:
 def imports(source: Path, folder: Path) -> set[str]:
     """The top-level modules and rigtri formats that a run imports."""
     script = (
-        "import sys; from rigtri.cli.main import program\n"
-        f"try: program(['orient-joints', {str(source)!r}, '-o', {str(folder / ('i' + source.suffix))!r}, "
-        "'-q', '--overwrite'])\n"
+        "import sys; from rigtri.__main__ import program\n"
+        f"sys.argv = ['rigtri', 'orient-joints', {str(source)!r}, "
+        f"'-o', {str(folder / ('i' + source.suffix))!r}, '-q', '--overwrite']\n"
+        "try: program()\n"
         "except SystemExit: pass\n"
         "print(*sys.modules)"
     )
@@ -190,7 +194,7 @@ def character(source: Path, folder: Path, runs: int) -> list[str]:
 
 def small(folder: Path, assets: Path | None, runs: int) -> list[str]:
     """Ordinary characters, beside the peers, and what a run imports."""
-    lines = [*cold_starts(folder, runs), *character(ROOT / "samples" / "biped.glb", folder, runs)]
+    lines = [*cold_starts(folder, runs), *character(BIPED, folder, runs)]
     usd = [ROOT / "samples" / "biped.usdz"]
     if assets:
         man = next(assets.rglob("*CesiumMan*.glb"))
@@ -198,14 +202,18 @@ def small(folder: Path, assets: Path | None, runs: int) -> list[str]:
         usd += list(assets.rglob("*CesiumMan*.usdz"))
         ours = {place.stat().st_size: place for place in assets.rglob("*.glb")}
         characters = [place for size, place in sorted(ours.items()) if size > LEAST_CHARACTER]
-        lines += side_by_side([ROOT / "samples" / "biped.glb", *characters], folder, 3)
+        lines += side_by_side([BIPED, *characters], folder, 3)
     lines += ["## USD", "", "| file | seconds, new process, verified |", "|---|---|"]
     lines += [f"| {path.name} | {median_of(runs, cold(path, folder)):.3f} |" for path in usd]
-    loaded = imports(ROOT / "samples" / "biped.glb", folder)
+    loaded = imports(BIPED, folder)
     lines += ["", f"A glTF run imports pxr: {'pxr' in loaded}. "]
     loaded = imports(ROOT / "samples" / "biped.usda", folder)
     lines[-1] += f"A USD run imports the glTF format: {'rigtri.formats.gltf.document' in loaded}."
-    return [*lines, ""]
+    layers = folder / "layers"
+    layers.mkdir()
+    lines += ["", *beside_export(layers)]
+    shutil.rmtree(layers)
+    return lines
 
 
 def main() -> None:
@@ -213,7 +221,7 @@ def main() -> None:
     parser.add_argument("--assets", type=Path, help="a folder with real files")
     parser.add_argument("--runs", type=int, default=7)
     parser.add_argument("--write", type=Path, help="write the table to this file too")
-    parser.add_argument("--only", choices=["small", "large", "bake"], help="leave the rest out")
+    parser.add_argument("--only", choices=["small", "large", "bake", "batch"], help="leave the rest out")
     parser.add_argument("--scratch", type=Path, help="a folder with 10 GB to spare, for the large files")
     options = parser.parse_args()
     # An installed program has its modules compiled.
@@ -227,6 +235,9 @@ def main() -> None:
             lines += small(folder, options.assets, options.runs)
         if options.only in (None, "bake"):
             lines += ["## Evaluation", "", *tables(10_000), ""]
+        if options.only in (None, "batch"):
+            man = next(options.assets.rglob("*CesiumMan*.glb")) if options.assets else BIPED
+            lines += batches(man, folder)
         if options.only in (None, "large"):
             lines += [*large_files(folder, options.runs), *growth(folder)]
             lines += [*commands(folder), *differences(folder)]

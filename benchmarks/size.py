@@ -11,9 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from cold import PROGRAM
 from large import Character, write_glb, write_gltf, write_usd
 
-RIGTRI = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]
 PYGLTFLIB = "import pygltflib, sys; pygltflib.GLTF2().load(sys.argv[1]).save(sys.argv[2])"
 # A peer that takes longer is stopped and listed as such.
 LONGEST = 60.0
@@ -52,7 +52,7 @@ def cost(*command: str | Path, longest: float | None = None, code: int = 0) -> C
 
 def orient(source: Path, target: Path) -> Cost:
     """`rigtri orient-joints` as a new process, verified."""
-    found = cost(*RIGTRI, "orient-joints", source, "-o", target, "--overwrite", "-q")
+    found = cost(*PROGRAM, "orient-joints", source, "-o", target, "--overwrite", "-q")
     assert found is not None
     return found
 
@@ -187,7 +187,7 @@ def differences(folder: Path) -> list[str]:
         orient(path, target)
         seconds = []
         for more in ((), ("--no-verify",)):
-            some = [cost(*RIGTRI, "diff", path, target, *more, code=1) for _ in range(2)]
+            some = [cost(*PROGRAM, "diff", path, target, *more, code=1) for _ in range(2)]
             seconds.append(min((one for one in some if one), key=lambda one: one.seconds))
         whole, plain = seconds
         lines.append(f"| {joints} | {whole.seconds:.1f} | {plain.seconds:.1f} | {whole.memory:.0f} |")

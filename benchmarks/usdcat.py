@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from cold import PROGRAM
 from pxr import Usd, UsdGeom, UsdSkel, Vt
 
 RUNS = 3
@@ -129,13 +130,16 @@ def cost(*words: str) -> tuple[float, float]:
     return min(seconds for seconds, _ in found), max(memory for _, memory in found)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("folder", type=Path, help="where the layers are, or are made")
-    folder = parser.parse_args().folder
-    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # as installed: modules are compiled once
-    print("| layer | MB | export, s | floor, s | rigtri, s | ratio | export, MB | rigtri, MB | ratio |")
-    print("|---|---|---|---|---|---|---|---|---|")
+def beside_export(folder: Path) -> list[str]:
+    """The table; layers that are not in the folder are made there."""
+    lines = [
+        "## USD edits beside OpenUSD's export of the same layer",
+        "",
+        f"Processor time, the least of {RUNS} runs.",
+        "",
+    ]
+    lines += ["| layer | MB | export, s | floor, s | rigtri, s | ratio | export, MB | rigtri, MB | ratio |"]
+    lines += [f"|{'---|' * 9}"]
     for what in LAYERS:
         path = folder / what.name
         if not path.exists():
@@ -144,16 +148,24 @@ def main() -> None:
             out = str(Path(place, what.name))
             one = cost(sys.executable, "-c", EXPORT, str(path), out)
             floor = cost(sys.executable, "-c", FLOOR, str(path), out)
-            rigtri = (str(Path(sys.executable).with_name("rigtri")), "orient-joints", str(path), "-o", out)
-            two = cost(*rigtri, "--overwrite", "-q", "--aim", "x", "--up", "y")
+            given = ("orient-joints", str(path), "-o", out, "--overwrite", "-q", "--aim", "x", "--up", "y")
+            two = cost(*PROGRAM, *given)
         size = path.stat().st_size / 1e6
         ratios = two[0] / one[0], two[1] / one[1]
-        print(
+        lines.append(
             f"| {what.name} | {size:.1f} | {one[0]:.2f} | {floor[0]:.2f} | {two[0]:.2f} | {ratios[0]:.1f} "
-            f"| {one[1]:.0f} | {two[1]:.0f} | {ratios[1]:.1f} |",
-            flush=True,
+            f"| {one[1]:.0f} | {two[1]:.0f} | {ratios[1]:.1f} |"
         )
-    print(f"\nimports alone (numpy, click, pxr): {cost(sys.executable, '-c', IMPORTS)[0]:.2f} s")
+    alone = cost(sys.executable, "-c", IMPORTS)[0]
+    return [*lines, "", f"Imports alone (numpy, click, pxr): {alone:.2f} s.", ""]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("folder", type=Path, help="where the layers are, or are made")
+    folder = parser.parse_args().folder
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # as installed: modules are compiled once
+    print("\n".join(beside_export(folder)))
 
 
 if __name__ == "__main__":
