@@ -114,19 +114,32 @@ def _namesakes(rig: Rig, joints: Sequence[int], like: Rig, others: Sequence[int]
 def _common_rotation(
     ref: ReferencePose, theirs: ReferencePose, pairs: Mapping[int, int]
 ) -> tuple[Floats, float]:
-    """The rotation, (4,), that takes their joint positions nearest to ours, sizes apart.
+    """The rotation, (4,), that takes their joint positions onto ours, sizes apart.
 
-    And how far the positions are from each other then, as a share of the skeleton.
+    And how far the positions are from each other then, as a share of the skeleton. Joints that stand elsewhere, such
+    as IK bones that followed feet and hands to another rest pose, have no vote where most others agree exactly.
     """
-    mine = list(pairs)
-    ours, other = ref.world[mine, 3, :3], theirs.world[list(pairs.values()), 3, :3]
+    ours, other = ref.world[list(pairs), 3, :3], theirs.world[list(pairs.values()), 3, :3]
+    q, off = _fitted(ours, other)
+    everywhere, apart, agree = q, float(off.max()), np.arange(len(ours))
+    while float(off.max()) > SAME_REST:
+        farthest_last = np.argsort(off, kind="stable")
+        agree = agree[np.sort(farthest_last[: -1 - len(agree) // 8])]
+        if 2 * len(agree) <= len(ours):
+            return everywhere, apart
+        q, off = _fitted(ours[agree], other[agree])
+    return q, apart
+
+
+def _fitted(ours: Floats, other: Floats) -> tuple[Floats, Floats]:
+    """The rotation, (4,), that takes points nearest to others, (k, 3), and how far each is off as a share of their size."""
     ours, other = ours - ours.cumsum(0)[-1] / len(ours), other - other.cumsum(0)[-1] / len(other)
     sizes = float(length(ours).max()), float(length(other).max())
     if not min(sizes) > 0:
-        return IDENTITY, 0.0 if max(sizes) == 0 else 1.0
+        return IDENTITY, np.full(len(ours), 0.0 if max(sizes) == 0 else 1.0)
     ours, other = ours / sizes[0], other / sizes[1]
     q = _nearest_rotation(other, ours)
-    return q, float(length(rotate(q, other) - ours).max())
+    return q, length(rotate(q, other) - ours)
 
 
 def _nearest_rotation(start: Floats, end: Floats) -> Floats:
