@@ -116,8 +116,9 @@ def _common_rotation(
 ) -> tuple[Floats, float]:
     """The rotation, (4,), that takes their joint positions onto ours, sizes apart.
 
-    And how far the positions are from each other then, as a share of the skeleton. Joints that stand elsewhere, such
-    as IK bones that followed feet and hands to another rest pose, have no vote where most others agree exactly.
+    And how far the positions are from each other then, as a share of the skeleton. Joints that stand
+    elsewhere, such as IK bones that followed feet and hands to another rest pose, have no vote where
+    most others agree exactly.
     """
     ours, other = ref.world[list(pairs), 3, :3], theirs.world[list(pairs.values()), 3, :3]
     q, off = _fitted(ours, other)
@@ -132,7 +133,10 @@ def _common_rotation(
 
 
 def _fitted(ours: Floats, other: Floats) -> tuple[Floats, Floats]:
-    """The rotation, (4,), that takes points nearest to others, (k, 3), and how far each is off as a share of their size."""
+    """The rotation, (4,), that takes points nearest to others, (k, 3), and how far each is off then.
+
+    As a share of their size.
+    """
     ours, other = ours - ours.cumsum(0)[-1] / len(ours), other - other.cumsum(0)[-1] / len(other)
     sizes = float(length(ours).max()), float(length(other).max())
     if not min(sizes) > 0:
