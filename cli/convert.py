@@ -24,7 +24,7 @@ from rigtri.operations.options.convert import ConvertOptions
 from rigtri.report import Report
 
 from .edit_command import declared_options
-from .editing import run
+from .editing import edit_request, run
 from .help_format import Command
 from .options import (
     dry_run_option,
@@ -36,7 +36,7 @@ from .options import (
     shared,
     source_argument,
 )
-from .parameters import destination, given, given_options, read_options
+from .parameters import given, given_options
 from .terminal_text import counted
 
 
@@ -55,12 +55,10 @@ from .terminal_text import counted
 @click.pass_context
 def command(ctx: click.Context, /, **values: Any) -> None:
     from rigtri.pipeline.convert import convert_file
-    from rigtri.pipeline.edit import EditRequest
 
     options = made(ConvertOptions, values, given(ctx))
-    same = {name: values[name] for name in ("overwrite", "verify", "tolerance", "dry_run", "strict")}
-    request = EditRequest(values["source"], destination(values), read_options(values), **same)
     values["sidecar"] = False
+    request = edit_request(values)
 
     def done(report: Report) -> Any:
         return convert_file(request, options, report)

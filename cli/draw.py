@@ -70,6 +70,7 @@ def command(ctx: click.Context, /, source: str, output: str, **values: Any) -> N
     with ExitStack() as stack:
         reading = read_options({**values, "empty": True})
         documents = [read(stack.enter_context(opened(name)), reading) for name in sources]
+        output_file.check_needed(output, documents)
         rigs = [document.rig for document in documents]
         titles = [title(name) for name in sources]
         marked = [f"{when}: {title}" for when, title in zip(("after", "before"), titles, strict=False)]

@@ -135,6 +135,8 @@ def _of_file(words: tuple[str, ...], values: dict[str, Any], report: Report) -> 
     if bool(named) == (values["limb"] is not None) or len(named) not in (0, 3):
         raise UsageError("name the limb of the file: --limb JOINT, or its joints ROOT MIDDLE END")
     with opened(words[0]) as path:
-        rig = read(path, read_options({**values, "empty": True})).rig
+        document = read(path, read_options({**values, "empty": True}))
+        output_file.check_needed(values["output"], [document])
+        rig = document.rig
         joints = tuple(map(rig.find, named)) if named else limb_with(rig, values["limb"])
         return explain_limb(rig, joints, values["at"] or "rest", report)

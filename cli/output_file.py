@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,6 +15,9 @@ from rigtri.report import Report
 from .parameters import check_streams
 from .printing import print_warnings
 from .terminal_text import plain
+
+if TYPE_CHECKING:
+    from rigtri.formats import Document
 
 
 def check_output(output: str, sources: Sequence[str], values: dict[str, Any]) -> None:
@@ -45,6 +48,15 @@ def check_picture(output: str, sources: Sequence[str], values: dict[str, Any]) -
         from rigtri.export.drawing.png import check_installed
 
         check_installed()
+
+
+def check_needed(output: str | None, documents: Iterable[Document]) -> None:
+    """UsageError where OUT is a file that what was read refers to, such as an image of the same name."""
+    from rigtri.files.staged_output import check_not_an_input
+
+    if output not in (None, "-"):
+        for document in documents:
+            check_not_an_input(Path(output), list(document.needed()))
 
 
 def write_output(content: bytes, output: str) -> None:
