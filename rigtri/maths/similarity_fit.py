@@ -77,7 +77,7 @@ def upright_turn(theirs: ArrayLike, ours: ArrayLike) -> Floats:
     array([0., 1., 0.])
     """
     up = transform_directions(np.asarray(theirs), from_frame(AXIS_TURNS, np.zeros((len(AXIS_TURNS), 3))))
-    traces = AXIS_TURNS[:, 0, 0] + AXIS_TURNS[:, 1, 1] + AXIS_TURNS[:, 2, 2]
+    traces = np.trace(AXIS_TURNS, axis1=1, axis2=2)
     return np.asarray(AXIS_TURNS[np.where((up == np.asarray(ours)).all(axis=1), traces, -4.0).argmax()])
 
 

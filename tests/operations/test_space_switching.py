@@ -78,6 +78,17 @@ def test_matched_switches_do_not_jump_and_follow_from_there() -> None:
     assert_allclose(world(baked, "sword", 2.0)[0, 3, :3], [x, 5 + y, 0], atol=1e-5)
 
 
+def test_a_matched_switch_to_where_the_child_is_anyway_needs_no_driver_of_its_own() -> None:
+    """A hand that stands still has the sword where it holds it at rest; one that has moved has not."""
+    first, still = hands(), np.eye(3)[[0, 0]]
+    track = replace(first.clips[0].tracks[0], values=still)
+    for clip, more in ((Clip("swing", (track,)), ()), (first.clips[0], ("left", "world", "left"))):
+        rig = replace(first, clips=(clip,))
+        out = switched(rig, "swing@0.5=left", "swing@1=world", "swing@2=left", match=True)
+        world, *drivers = (out.names[node] for node in constraints_of(out).popitem()[1].drivers)
+        assert drivers == ["left", "right", *(world if name == "world" else name for name in more)]
+
+
 def test_weights_may_move_between_keys() -> None:
     keys = {"swing": {"times": [0, 2], "left": [1, 0], "right": [0, 1], "interpolation": "LINEAR"}}
     rig = rigtri.constrain(hands(), type="point", child="sword", driver=("left", "right=0"), weight_keys=keys)

@@ -144,7 +144,7 @@ def stored_axis(kind: str, axis: Sequence[float]) -> tuple[str, str]:
 def stored(kind: str, source: int, axis: Sequence[float]) -> dict[str, object]:
     """The extension of a node that follows ``source``, a file index, in full."""
     data: dict[str, object] = {"source": source, "weight": 1.0}
-    if _AXES[kind][1]:
+    if kind != "rotation":  # which has no axis
         key, word = stored_axis(kind, axis)
         data = {key: word, **data}
     return {"specVersion": "1.0", "constraint": {kind: data}}
