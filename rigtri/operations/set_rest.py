@@ -30,6 +30,8 @@ from rigtri.operations.options.set_rest import SetRestOptions as SetRestOptions
 from rigtri.operations.orient_joints.frame_sources import no_namesakes
 from rigtri.operations.pose import at_rest, pose_of
 from rigtri.operations.prune_joints import weighted_joints
+from rigtri.recognition.layout import CONFIDENT, Character
+from rigtri.recognition.limbs import limb_title
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import listed
@@ -98,6 +100,7 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
             raise GeometryError(f"No character is recognised here: {'; '.join(layout.remarks)}")
         pose = cast(StandardPose, options.pose)
         for body in layout.characters:
+            _warn_unsure(rig, body, report)
             fingers = options.straight_fingers
             turned = posed(rig, worlds, body, pose, options.facing, straight_fingers=fingers)
             for node, rotation in turned.items():
@@ -108,6 +111,18 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
         return found
     cache = pose_of(rig, PoseOptions(at=options.pose), report)
     return {node: cache.part(node) for node in sorted(cache.parts) if node in set(joints)}
+
+
+def _warn_unsure(rig: Rig, body: Character, report: Report) -> None:
+    """Warn of limbs that are not sure: they stay as they are, so the pose is not what was asked for."""
+    if left := [limb_title(rig, chain) for chain in body.limbs if not chain.is_sure]:
+        report.warn(
+            "unsure-limb",
+            f"{listed(left, 4)}: not surely recognised (sure from {CONFIDENT}), so joints there stay as "
+            "they are bound. Names of a known scheme make them sure (rigtri rename-joints --name); see why: "
+            "rigtri recognise FILE",
+            geometry=True,
+        )
 
 
 def _unevenness(rig: Rig) -> Floats:

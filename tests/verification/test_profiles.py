@@ -13,6 +13,7 @@ from places import SAMPLES
 from program import cli
 
 import rigtri
+from rigtri.report import Report
 from rigtri.verification.checks import check
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.profile_check import PROFILE_RULES, PROFILES, check_profile
@@ -51,6 +52,21 @@ def test_what_is_no_body_makes_no_humanoid(tmp_path: Path) -> None:
     path = small(4).glb(tmp_path / "in.glb")
     assert found(path, "unity") == {"profile.character"}
     assert found(path, "three") <= {"profile.names-altered"}
+
+
+def test_limbs_that_are_not_sure_are_told() -> None:
+    """Before, "nothing wrong" of arms at 45° that nothing was known of."""
+    rig = rigtri.set_rest(rigtri.read(SAMPLES / "biped.glb"), pose="apose")
+    arms = {"upper_arm": "a", "forearm": "b", "hand": "c"}
+    names = tuple(arms[k[:-2]] + k[-1] if k[:-2] in arms else k for k in rig.names)
+    unknown = replace(rig, names=names, source=None)
+    assert (
+        of_rig(unknown, "unity") == of_rig(unknown, "vrm") == of_rig(unknown, "godot") == {"profile.unsure"}
+    )
+    assert "profile.unsure" not in of_rig(unknown, "webgl")
+    report = Report()
+    rigtri.set_rest(unknown, pose="tpose", report=report)
+    assert [warning.code for warning in report.warnings] == ["unsure-limb"]
 
 
 def test_scales_names_influences_and_bones_are_found() -> None:

@@ -22,6 +22,7 @@ from rigtri.model.rig import Rig
 from rigtri.recognition.humanoid_order import misplaced
 from rigtri.recognition.layout import CONFIDENT, REQUIRED, Character
 from rigtri.recognition.layout_output import direction_text
+from rigtri.recognition.limbs import limb_title
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Severity
 from rigtri.verification import Profile
@@ -71,6 +72,7 @@ class _Engine:
                 "names-altered": self.odd_names,
                 "facing": self.body,
                 "hierarchy": self.body,
+                "unsure": self.humanoid or self.t_pose,
             }.get(rule)
             or getattr(self, rule, False)
         )
@@ -102,6 +104,13 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "A bone that the engine's humanoid must have is not there.",
         "Unity, HumanTrait.RequiredBone; VRMC_vrm 1.0, humanoid.md",
         "See what is found with rigtri recognise --joints; name joints with rigtri rename-joints --name.",
+    ),
+    (
+        "unsure",
+        "info",
+        "A limb is not surely recognised, so neither its bones nor its pose are looked at.",
+        "rigtri's own choice",
+        "See why with rigtri recognise; name its joints with rigtri rename-joints --name.",
     ),
     (
         "scale",
@@ -200,6 +209,8 @@ def _found(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
     for body in bodies:
         if engine.humanoid:
             yield from _bones(body, engine)
+        if engine.asks("unsure"):
+            yield from _unsure(rig, body, engine)
         if engine.t_pose:
             yield from _pose(rig, body, engine)
         if engine.root:
@@ -215,6 +226,17 @@ def _bones(body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:
     missing = [bone for bone in REQUIRED if bone not in body.bones]
     if missing:
         yield "bones", body.root, f"{engine.title} needs {', '.join(missing)}"
+
+
+def _unsure(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:
+    for chain in body.limbs:
+        if not chain.is_sure:
+            text = "is not surely recognised, so what"
+            yield (
+                "unsure",
+                chain.joints[0],
+                f"the {limb_title(rig, chain)} {text} {engine.title} asks of it is not looked at",
+            )
 
 
 def _pose(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:
