@@ -198,6 +198,10 @@ GLTF: dict[str, tuple[Callable[[Any], Any], list[str]]] = {
         ['json: - /nodes/2/extras/a  [1, {"b": null}]'],
     ),
     "an unknown member": (lambda b: b.gltf.update(odd=True), ["json: + /odd  true"]),
+    "an unknown member with a slash": (
+        lambda b: b.gltf.update({"odd/~": True}),
+        ["json: + /odd~1~0  true"],
+    ),
     "a bool for a number": (
         lambda b: b.gltf["asset"].update(extras=True),
         ["json: ~ /asset/extras  5 → true"],

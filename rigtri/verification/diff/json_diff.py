@@ -72,14 +72,14 @@ class _Walk:
 
     def _objects(self, before: dict[str, Any], after: dict[str, Any], pointer: str) -> None:
         for key, value in before.items():
-            below = f"{pointer}/{key.replace('~', '~0').replace('/', '~1')}"
+            below = _pointer_to(pointer, key)
             if key not in after:
                 self._add("removed", below, spelled(value))
             else:
                 self.compare(value, after[key], below)
         for key, value in after.items():
             if key not in before:
-                self._add("added", f"{pointer}/{key}", spelled(value))
+                self._add("added", _pointer_to(pointer, key), spelled(value))
         if text := order_of(list(before), list(after)):
             self._add("moved", pointer, f"order of keys: {text}")
 
@@ -130,6 +130,11 @@ class _Walk:
             self._add(kind, pointer, f"accessor {before} → {after}, {text or 'equal content'}")
         else:
             self._add("changed", pointer, f"{before} → {after}")
+
+
+def _pointer_to(pointer: str, key: str) -> str:
+    """The JSON pointer of a member. Source: RFC 6901 §3."""
+    return f"{pointer}/{key.replace('~', '~0').replace('/', '~1')}"
 
 
 def _index(token: Token) -> int:
