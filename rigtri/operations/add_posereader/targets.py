@@ -11,7 +11,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.pose_readers import relative
-from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.maths.matrices import unsheared_axes
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
@@ -23,6 +23,7 @@ from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.options.add_posereader import AddPosereaderOptions, Goal
+from rigtri.operations.pose import warn_outside_clip
 from rigtri.report import Report
 from rigtri.text import is_number
 
@@ -104,14 +105,7 @@ class ReaderFrame:
         timeline, time = timeline_and_time(self.rig, text)
         if timeline is None:
             return self.resting
-        keys = key_times(timeline.clip)
-        if len(keys) and not keys[0] <= time <= keys[-1]:
-            end = keys[0] if time < keys[0] else keys[-1]
-            self.report.warn(
-                "pose-clamped",
-                f"'{text}' lies outside its clip, which runs from {keys[0]:g} to {keys[-1]:g}: its pose is "
-                f"that at {end:g}",
-            )
+        time = warn_outside_clip(timeline, time, self.report)
         return self._rotation(worlds(self.rig, locals_at(self.rig, timeline.clip, [time])))
 
 
