@@ -26,7 +26,7 @@ from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJo
 from rigtri.operations.prune_joints import named_nodes
 from rigtri.operations.without_nodes import staying, warn_lost_clips, without_nodes
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more, listed
 
 # A joint that moves its points by no more against the one above, as a share of the size, is still.
 STILL = 1e-6
@@ -82,16 +82,23 @@ class _Merging:
         self._above: list[int] = rig.parents.tolist()
         self._next = self._above.copy()
         self._skins = [frozenset(skin.joints.tolist()) for skin in rig.skins]
-        kept = named_nodes(rig) | set(np.flatnonzero(rig.attachment >= 0).tolist())
-        kept |= {node for glob in exclude for node in rig.match(glob)}
+        # Why nodes stay, for those that do not stay for the sake of others below them.
+        self._reasons = dict.fromkeys(named_nodes(rig), "is named by the file or rigtri's metadata")
+        drawn = np.flatnonzero(rig.attachment >= 0).tolist()
+        self._reasons |= dict.fromkeys(drawn, "has a mesh, camera or light")
+        excluded = {node for glob in exclude for node in rig.match(glob)}
+        self._reasons |= dict.fromkeys(excluded, "is kept by --exclude")
         self.kept = set[int]()
-        for node in kept:
+        for node in self._reasons:
             while node >= 0 and node not in self.kept:
                 self.kept.add(node)
                 node = self._above[node]
         # What nothing above could take over stays: joints, and the top nodes of a plain hierarchy.
-        self.kept |= {node for node in self._joints if self.heir(node) < 0}
-        self.kept |= set(np.flatnonzero(rig.parents < 0).tolist())
+        alone = [node for node in self._joints if self.heir(node) < 0]
+        self._reasons |= dict.fromkeys(alone, "has no joint above it that is in all its skins")
+        tops = np.flatnonzero(rig.parents < 0).tolist()
+        self._reasons |= dict.fromkeys(tops, "has no parent")
+        self.kept.update(alone, tops)
         # How many children each node has at or below which a joint stays.
         self._staying = [0] * len(rig)
         holds = [node in self._joints for node in range(len(rig))]
@@ -126,12 +133,10 @@ class _Merging:
         below = [] if node in self.gone else [node]
         for each in below:  # it grows as it is walked
             below += [child for child in self.rig.children[each] if child not in self.gone]
-        if needed := sorted(self.kept.intersection(below)):
-            names = listed([self.rig.title(each) for each in needed], 4)
+        if needed := sorted(self._reasons.keys() & set(below)):
+            reasons = [f"'{self.rig.title(each)}' {self._reasons[each]}" for each in needed]
             raise GeometryError(
-                f"'{self.rig.title(node)}' cannot be merged: {names} or a joint below has a mesh, or the "
-                "file or rigtri's metadata name it, or nothing is above it, or no joint above is in its "
-                "skin. Leave it out"
+                f"'{self.rig.title(node)}' cannot be merged: {and_more(reasons, 3)}. Leave it out"
             )
         self.gone.update(below)
         held = node in self._joints or self._staying[node]

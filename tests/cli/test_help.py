@@ -127,7 +127,8 @@ def test_a_value_that_is_none_gets_a_suggestion(line: str, told: str) -> None:
 
 def test_a_rule_of_branch_that_is_none_is_not_called_a_joint(samples: Path, tmp_path: Path) -> None:
     line = ("orient-joints", samples / "biped.glb", "-o", tmp_path / "out.glb", "--branch", "frist")
-    assert "No rule of --branch, nor joint, is named 'frist'" in cli(*line, code=4).stderr
+    told = "No rule of --branch, nor joint, is named 'frist'. Did you mean 'first'?"
+    assert told in cli(*line, code=4).stderr
 
 
 def test_an_option_without_its_value_names_the_page_of_its_command() -> None:

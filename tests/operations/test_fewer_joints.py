@@ -52,7 +52,7 @@ def test_the_top_nodes_of_a_plain_hierarchy_stay(tmp_path: Path) -> None:
     nodes = [{"name": "a", "children": [1]}, {"name": "b", "translation": [0, 1, 0]}]
     source.write_text(json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": nodes}))
     ran = cli("merge-joints", source, "-o", out, "--joints", "*", code=5)
-    assert "'a' cannot be merged" in ran.stderr
+    assert "'a' cannot be merged: 'a' has no parent. Leave it out" in ran.stderr
     assert not out.exists()
     ran = cli("merge-joints", source, "-o", out, "--joints", "b", code=0)
     assert "1 node merged: b\n" in ran.stderr
@@ -216,8 +216,15 @@ def test_still_joints_that_hold_something_are_named() -> None:
 
 def test_a_joint_with_a_mesh_below_is_not_merged() -> None:
     rig = rigtri.add_polevector(rigtri.read(SAMPLES / "biped.glb"), limbs="auto")
-    with pytest.raises(GeometryError, match="cannot be merged"):
-        rigtri.merge_joints(rig, joints=("forearm_L",))
+    for joint, why in (
+        ("forearm_L", "'forearm_L' is named by the file or rigtri's metadata, 'hand_L' is named"),
+        ("hand_R", "'staff' has a mesh, camera or light"),
+        ("hips", "'hips' has no joint above it that is in all its skins"),
+    ):
+        with pytest.raises(GeometryError, match=f"'{joint}' cannot be merged: .*{why}"):
+            rigtri.merge_joints(rig, joints=(joint,))
+    with pytest.raises(GeometryError, match="'head' cannot be merged: 'head' is kept by exclude="):
+        rigtri.merge_joints(rig, joints=("head",), exclude=["head"])
 
 
 @pytest.mark.parametrize(
@@ -249,7 +256,7 @@ def test_weights_go_to_the_nearest_joint_above_that_all_skins_have(
 def test_a_joint_goes_only_where_a_joint_above_is_in_all_its_skins() -> None:
     rig = chain(*((float(k), 0.0, 0.0) for k in range(3)))
     alone = Skin("second", np.array([2]), inverse(rig.world[2:]))
-    with pytest.raises(GeometryError, match="no joint above is in its skin"):
+    with pytest.raises(GeometryError, match="no joint above it that is in all its skins"):
         rigtri.merge_joints(replace(rig, skins=(*rig.skins, alone)), joints=["c"])
 
 

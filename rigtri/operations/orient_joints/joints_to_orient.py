@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.arrays import Booleans
@@ -29,7 +29,7 @@ from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.body_pose import FACE, sure_bones
 from rigtri.operations.joint_selection import select
 from rigtri.operations.option_kinds import Selection
-from rigtri.operations.options.orient_joints import OrientJointsOptions
+from rigtri.operations.options.orient_joints import BRANCHES, OrientJointsOptions
 from rigtri.recognition import body_hinges
 from rigtri.recognition.layout import Chain, Character
 from rigtri.recognition.limbs import Limb, along, named_limbs, with_recognised
@@ -137,7 +137,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         known = trunk_children(tree, characters) | chain_children(tree, ref, characters) | known
     rules = Rules(
         options.branch_rule,
-        tuple(rig.find(name, "rule of --branch, nor joint,") for name in options.branch_to),
+        tuple(_branch_child(rig, name) for name in options.branch_to),
         options.end,
         aim_at,
         known,
@@ -167,6 +167,13 @@ def _styles(tree: Skeleton, options: OrientJointsOptions) -> dict[int, AxisStyle
     for start, end, style in options.chain_styles:
         styles |= dict.fromkeys(along(rig, rig.find(start), rig.find(end)), style)
     return styles
+
+
+def _branch_child(rig: Rig, name: str) -> int:
+    """The joint that ``--branch`` names. NameNotFoundError for what is no rule either."""
+    if not rig.has(name):
+        raise NameNotFoundError("rule of --branch, nor joint,", name, [*BRANCHES, *rig.names])
+    return rig.find(name)
 
 
 def _fingers_of_one_joint(tree: Skeleton, fingers: Iterable[Chain], joints: Collection[int]) -> Iterator[int]:
