@@ -61,7 +61,7 @@ def _lines(found: dict[str, Any]) -> Iterator[str]:
     if found["unfinished"]:
         yield f"{counted(found['unfinished'], 'file')} under way, or left by a run that was killed"
     yield from _table(
-        "worst deviations (of the diagonal)",
+        "largest vertex movements (of the model's size)",
         [(f"{row['deviation']:.2e}", row["file"]) for row in found["worst"]],
     )
     yield from _table(

@@ -91,7 +91,7 @@ def frame(aim: ArrayLike, up: ArrayLike, *, aim_axis: str = "x", up_axis: str = 
 def hinge(start: ArrayLike, middle: ArrayLike, end: ArrayLike) -> Floats:
     """The unit normal n = AB × BC of limbs, (..., 3): a positive turn about it flexes.
 
-    NaN where the points lie on one line (`sine` below `DEGENERATE_SINE`).
+    NaN where the points lie on one line (`bend_sine` below 1e-6).
 
     Source: "Using Vector Math to Rig an Arm", shdYAxis; glossary in docs/conventions.md.
 

@@ -3,7 +3,7 @@
 A hinge n is the direction about which a positive rotation flexes: n = AB × BC of a bent limb. Knees bend
 forward and elbows back, fingers close towards the palm, and a trunk bends about the lateral axis.
 
-Source: design notes, "One body, one sense"; measured on real characters.
+Source: docs/presets.md, "One body, one sense"; measured on real characters.
 """
 
 from __future__ import annotations

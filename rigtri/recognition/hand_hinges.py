@@ -1,6 +1,6 @@
 """About which axis a hand closes: one for its fingers and the wrist, and the thumb's own.
 
-Source: design notes, "One body, one sense"; measured on real characters.
+Source: docs/presets.md, "One body, one sense"; measured on real characters.
 """
 
 from __future__ import annotations

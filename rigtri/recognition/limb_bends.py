@@ -65,7 +65,7 @@ class LimbBends:
         knees and elbows do where the body faces, but from 30° on only where it is no noise: where the limb
         of the other side mirrors it. Else they bend as knees and elbows do, with a warning.
 
-        Source: design notes, ladder of the up direction, steps 2 to 5.
+        Source: docs/presets.md, "Limbs".
         """
         if given is not None:
             return towards(limb, self.world, given, "given", 1.0)

@@ -196,7 +196,7 @@ def _products(made: _Maker) -> list[Step]:
         ),
         of_cross("AB × AC", "cross(AB, AC)", normal, "the normal of the plane, at right angles to both"),
         of_cross("‖AB × AC‖ / 2", "length(cross(AB, AC)) / 2", 0.5 * length(normal), "area of the triangle"),
-        made.step("Ours", "", "bend_angle(A, B, C)", bend, "degrees: 0 straight, 180 folded"),
+        made.step("rigtri", "", "bend_angle(A, B, C)", bend, "degrees: 0 straight, 180 folded"),
     ]
 
 

@@ -201,7 +201,7 @@ class ClipReader:
         path = target.get("path") if isinstance(target, dict) else None
         if path in (*WIDTH, "weights") or (path == "pointer" and pointer_of(channel["target"]) is not None):
             return
-        text = f"{place}: nobody knows what the path {path!r} drives; the channel is kept as it is"
+        text = f"{place}: the path {path!r} is unknown to glTF; the channel is kept as it is"
         self._notices.append(Notice("channel-unknown", text))
 
     def _channel(

@@ -34,6 +34,7 @@ _TEXT = {
     "other pose": "the other pose of the file",
     "carried from the joint above": "the parent joint (parallel transport)",
     "its present axis": "the joint's current axis",
+    "arm, for hands hanging at the sides": "the arm, as if it hung at the side",
 }
 
 

@@ -4,7 +4,7 @@ Nothing is broken by them, but animators and solvers meet them in each file of a
 found, not presumed: the one along the bones of a chain. Where the joints have the axes of the world (VRM 0,
 the preset ``vrm``) no axis is meant to follow a bone, and nothing is said.
 
-Source: design notes, "One body, one sense".
+Source: docs/presets.md, "One body, one sense".
 """
 
 from __future__ import annotations
