@@ -259,6 +259,8 @@ def _with_old_rest(clip: Clip, rig: Rig, taken: Rig, moved: list[int]) -> Clip:
     times = next((track.times[:1] for track in clip.tracks if len(track.times)), None)
     # Of a stage only samples of joints: what it holds without time is its rest pose, and prims are no joints.
     other = isinstance(clip.key, tuple) and clip.key[0] != "samples"
+    if times is None and home is None and not isinstance(clip.key, tuple):
+        times = np.zeros(1)  # a glTF animation of other things, such as a colour: its joints rest
     if times is None or clip.idle or other:
         return clip
     # An animation of a stage is none of joints of skeletons that others are bound to.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -181,6 +182,43 @@ def test_joints_that_rest_within_a_clip_are_refused(tmp_path: Path) -> None:
     source = save(tmp_path, scene(skeleton(rest=rest), animation(rotations=blocked), MESH))
     ran = cli("set-rest", source, "-o", tmp_path / "out.usda", "--pose", "bind", code=5)
     assert "</Root/Anim>.rotations is blocked at 5" in " ".join(ran.stderr.split())
+
+
+@pytest.mark.parametrize("rotations", ["quatf[] rotations = []", ""])
+def test_joints_of_an_animation_that_is_not_played_are_refused(rotations: str, tmp_path: Path) -> None:
+    """UsdSkel shows their rest pose all along. Before, the result was refused as one that looks different."""
+    rest = SKELETON["rest"].replace(at(0, 2, 0), at(1, 2, 0))
+    source = save(tmp_path, scene(skeleton(rest=rest), animation(rotations=rotations), MESH))
+    ran = cli("set-rest", source, "-o", tmp_path / "out.usda", "--pose", "bind", code=5)
+    assert "does not play </Root/Anim>, which has no rotations" in " ".join(ran.stderr.split())
+
+
+def test_a_clip_of_colours_alone_shows_the_old_rest_pose(tmp_path: Path) -> None:
+    """Before, it got no keys, and the result was refused as one that looks different."""
+    document = json.loads((SAMPLES / "biped.gltf").read_text("utf-8"))
+    sampler = document["animations"][0]["samplers"][0]
+    target = {"pointer": "/materials/0/pbrMetallicRoughness/baseColorFactor"}
+    document["animations"].append(
+        {
+            "name": "blush",
+            "samplers": [sampler],
+            "channels": [
+                {
+                    "sampler": 0,
+                    "target": {"path": "pointer", "extensions": {"KHR_animation_pointer": target}},
+                }
+            ],
+        }
+    )
+    document["extensionsUsed"] = ["KHR_animation_pointer"]
+    source, out = tmp_path / "hero.gltf", tmp_path / "out.gltf"
+    source.write_text(json.dumps(document), "utf-8")
+    shutil.copy(SAMPLES / "biped.bin", tmp_path)
+    cli("set-rest", source, "-o", out, "--pose", "tpose", code=0)
+    before, after = rigtri.read(source), rigtri.read(out)
+    assert not np.allclose(before.world, after.world, atol=1e-3)
+    assert [clip.name for clip in after.clips] == [clip.name for clip in before.clips]
+    assert np.allclose(places(after, -1)[0], before.world[:, 3, :3], atol=1e-5)
 
 
 def test_plain_prims_get_no_other_rest_pose_and_the_error_says_why(tmp_path: Path) -> None:

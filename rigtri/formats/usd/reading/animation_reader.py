@@ -61,13 +61,18 @@ class Property:
 
 @dataclass(frozen=True, eq=False)
 class Animation:
-    """One SkelAnimation prim. tokens: its own joints, in its own order. idle: UsdSkel does not play them."""
+    """One SkelAnimation prim.
+
+    tokens: its own joints, in its own order. idle: UsdSkel does not play them. lacks: the arrays that it
+    misses for that.
+    """
 
     path: str
     name: str
     tokens: tuple[str, ...]
     properties: Mapping[str, Property]
     idle: bool = False
+    lacks: tuple[str, ...] = ()
 
 
 def interpolation_of(stage: Any) -> Interpolation:
@@ -127,7 +132,8 @@ def _read(prim: Any, warnings: list[Notice]) -> Animation | None:
         text = f"Animation <{path}> is not active, so it is not a clip. It is re-oriented anyway."
         warnings.append(Notice("animation-inactive", text))
     warnings += _off_unit(path, tokens, present)
-    return Animation(path, prim.GetName(), tokens, present, bool(missing) or not prim.IsActive())
+    idle = bool(missing) or not prim.IsActive()
+    return Animation(path, prim.GetName(), tokens, present, idle, tuple(missing))
 
 
 def _check_tokens(path: str, tokens: Sequence[str]) -> None:

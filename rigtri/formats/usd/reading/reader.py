@@ -242,8 +242,12 @@ class _Reader:
         """What animations have no value for at times, when UsdSkel shows rest poses and no blend shapes."""
         found: dict[int, Resting] = {}
         for path, animation in self.animations.items():
-            users = [s.path for s in self.skeletons.values() if path in s.animations and not animation.idle]
+            users = [s.path for s in self.skeletons.values() if path in s.animations]
             joints = [node for user in users for node in self.nodes.joint_nodes[user].values()]
+            if animation.idle:
+                why = f"UsdSkel does not play <{path}>, which has no {' and no '.join(animation.lacks)}"
+                found = dict.fromkeys(joints if animation.lacks else (), Resting(why, {})) | found
+                joints = []
             tracks = [track for clip in clips if clip.key == ("samples", path) for track in clip.tracks]
             meshes = [track.node for track in tracks if track.path == "weights"]
             blocked = blocked_times(self.stage, animation)
