@@ -136,12 +136,13 @@ def crooked(scene: Scene) -> str:
     if not missed:
         return ""
     if off:
-        return f"bones off every axis of their joint: {len(off)} of {len(missed)}, by up to {max(off):.1f}°"
-    return f"bones along an axis of their joint: all {len(missed)}"
+        count = f"{len(off)} of {len(missed)} bones"
+        return f"{count} are not along an axis of their joint, by up to {max(off):.1f}°"
+    return f"all {len(missed)} bones are along an axis of their joint"
 
 
 def _panel(side: _Side, window: Window, options: DrawOptions, place: int) -> Iterator[str]:
-    """The elements of one side: outline, marks and names, clipped to their room, and the words over them."""
+    """The elements of one side: outline, marks and names, clipped to its window, and the words over them."""
     loops = _outlines(side.patches, window)
     count = sum(mark.form == "dot" and bool(mark.name) for mark in side.marks)
     font = next(size for most, size in _FONTS if count <= most) if options.names else 0.0
@@ -152,7 +153,7 @@ def _panel(side: _Side, window: Window, options: DrawOptions, place: int) -> Ite
     yield f'<g clip-path="url(#{clip})">'
     yield from elements
     yield "</g>"
-    words = [*side.words, *([f"{unnamed} names without room"] if unnamed else [])]
+    words = [*side.words, *([f"{unnamed} names hidden"] if unnamed else [])]
     lines = [("title", side.title)] if side.title else []
     lines.append(("words", " · ".join(words)))
     if side.crooked:
