@@ -11,7 +11,7 @@ SUFFIX = ".rig.json"
 
 
 def description(rig: Rig) -> dict[str, Any]:
-    """Every node with a note of ours, parents first: its name, its parent's, its rest pose and the note.
+    """Every node with metadata of ours, parents first: its name, its parent's, rest pose and metadata.
 
     ``schemas/rig.schema.json`` describes it. Translations are in file units, rotations xyzw, all
     seen from the parent; a node whose rest pose is a matrix has 16 numbers, row by row, of a

@@ -79,7 +79,7 @@ def describe(rig: Rig, *, width: int | None = None) -> str:
         ),
         ("skins", columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
         ("clips", columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
-        ("notes", columns([_note_words(seen, node) for node in sorted(rig.metadata)])),
+        ("metadata", columns([_metadata_words(seen, node) for node in sorted(rig.metadata)])),
     ]
     blocks = []
     for title, lines in sections:
@@ -91,7 +91,7 @@ def describe(rig: Rig, *, width: int | None = None) -> str:
 
 
 def as_json(rig: Rig) -> dict[str, Any]:
-    """The same for machines: every node with its place and frame at rest, skins, clips, notes."""
+    """The same for machines: every node with its place and frame at rest, skins, clips, metadata."""
     seen = _Seen(rig)
     return {
         "up": _numbers(np.array(rig.rules.up)),
@@ -105,7 +105,7 @@ def as_json(rig: Rig) -> dict[str, Any]:
             | ({"axis": _direction(c.axis)} if c.axis.any() else {})
             for c in rig.node_constraints
         ],
-        "notes": {rig.labels[node]: dict(note) for node, note in sorted(rig.metadata.items())},
+        "notes": {rig.labels[node]: dict(stored) for node, stored in sorted(rig.metadata.items())},
     }
 
 
@@ -293,16 +293,16 @@ def _clip_words(clip: Clip, number: int) -> list[str]:
     ]
 
 
-def _note_words(seen: _Seen, node: int) -> list[str]:
+def _metadata_words(seen: _Seen, node: int) -> list[str]:
     """``forearm_pole  under -  at 1 12.4142 0  poleVector  chain upper_arm forearm hand``."""
-    rig, note = seen.rig, seen.rig.metadata[node]
+    rig, stored = seen.rig, seen.rig.metadata[node]
     parent = int(rig.parents[node])
-    rest = [f"{key} {_value(note[key])}" for key in sorted(note) if key not in ("v", "type")]
+    rest = [f"{key} {_value(stored[key])}" for key in sorted(stored) if key not in ("v", "type")]
     words = [
         display_name(rig.names[node]) or rig.labels[node],
         f"under {display_name(rig.title(parent)) if parent >= 0 else '-'}",
         f"at {_row(seen.position[node])}",
-        str(note.get("type", "")),
+        str(stored.get("type", "")),
         *rest,
     ]
     return [plain(word, one_line=True) for word in words]

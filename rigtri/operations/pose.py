@@ -34,14 +34,14 @@ from rigtri.operations.options.pose import PoseOptions as PoseOptions
 from rigtri.operations.solver_warnings import solver_warnings
 from rigtri.report import Report
 
-# Notes of nodes that a written pose leaves where they are.
+# Types of nodes of ours that a written pose leaves where they are.
 _KEPT = ("control", "offset", "poleVector", "group", "constraintWeight")
 
 
 def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> PoseCache:
     """The pose, one row for each requested node. What cannot be as requested is a warning of the report.
 
-    Raises UsageError, NameNotFoundError (a clip), GeometryError (a circle).
+    Raises UsageError, NameNotFoundError (a clip), GeometryError (a cycle).
     """
     timeline, time = timeline_and_time(rig, options.at)
     if report is not None and timeline is not None:

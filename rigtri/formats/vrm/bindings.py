@@ -100,7 +100,7 @@ def read_constraint(extension: Value, node: int, above: Sequence[int], found: Bi
 
 
 def report_cycles(above: Sequence[int], found: Bindings) -> None:
-    """Say which constraints wait for each other, or for such: viewers refuse or ignore them."""
+    """Say which constraints form a cycle, or depend on one: viewers refuse or ignore them."""
     if all(c.kind == "tail" for c in found.constraints):
         return
     # A node stands where it stands once its parent does and what drives it.
@@ -116,10 +116,10 @@ def report_cycles(above: Sequence[int], found: Bindings) -> None:
             waits[node] -= 1
             if not waits[node]:
                 free.append(node)
-    circle = sorted({c.node for c in found.constraints if waits[c.node]})
-    if circle:
-        names = ", ".join(f"#{node}" for node in circle[:6])
-        text = f"The constraints of nodes {names} wait for each other, so viewers do not evaluate them"
+    cycle = sorted({c.node for c in found.constraints if waits[c.node]})
+    if cycle:
+        names = ", ".join(f"#{node}" for node in cycle[:6])
+        text = f"The constraints of nodes {names} depend on each other in a cycle, so viewers do not evaluate them"
         found.notices.append(Notice("constraint-circle", text))
 
 

@@ -33,7 +33,7 @@ from rigtri.text import and_more
 class Bond:
     """Nodes that can only take one delta (−1 is the world), or one that an axis holds.
 
-    tops: those that nothing leads; they come first, and are none where constraints go in a circle.
+    tops: those that nothing leads; they come first, and are none where constraints form a cycle.
     """
 
     nodes: list[int] = field(default_factory=list)

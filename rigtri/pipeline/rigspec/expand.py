@@ -65,8 +65,8 @@ def _extended(path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], lost
     """A spec over its bases. trees: gets each by itself. lost: gets those that cannot be read."""
     real = path.resolve()
     if real in chain:
-        circle = " → ".join(str(file) for file in (*chain[chain.index(real) :], real))
-        raise FileError(f"specs extend each other in a cycle: {circle}")
+        cycle = " → ".join(str(file) for file in (*chain[chain.index(real) :], real))
+        raise FileError(f"specs extend each other in a cycle: {cycle}")
     if len(chain) >= MOST_EXTENDED:
         raise FileError(f"{path}: more than {MOST_EXTENDED} specs extend each other")
     tree = parse(path)

@@ -1,4 +1,4 @@
-"""Controls and constraints that wait for each other: `bake`, `pose` and `snap` refuse such a rig."""
+"""Controls and constraints that form a cycle: `bake`, `pose` and `snap` refuse such a rig."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from rigtri.evaluation.solver import refuse_cycles
 from rigtri.model.rig import Rig
 from rigtri.verification.checks.findings import Findings
 
-# Notes of nodes that are waited for, or wait.
+# Types of metadata of nodes that are waited for, or wait.
 WAITING = ("control", "poleVector", "constraint", "twist")
 
 
 def check_cycles(rig: Rig, rule: str, findings: Findings) -> None:
-    """Note the cycle that a rig with notes of type `WAITING` has, whichever of its controls are active.
+    """Note the cycle that a rig with metadata of type `WAITING` has, whichever of its controls are active.
 
-    Broken notes have findings of other rules.
+    Broken metadata has findings of other rules.
     """
     try:
         refuse_cycles(rig)

@@ -44,32 +44,32 @@ def _schema() -> dict[str, Any]:
     return found
 
 
-def unknown(note: Any) -> str:
-    """Why a note is of a kind that this version does not know; "" where it knows it."""
-    if not isinstance(note, dict):
+def unknown(stored: Any) -> str:
+    """Why metadata is of a kind that this version does not know; "" where it knows it."""
+    if not isinstance(stored, dict):
         return ""
     properties = _schema()["properties"]
-    if "v" in note and note["v"] != properties["v"]["const"]:
-        return f"its version v is {note['v']!r}, not {properties['v']['const']}"
-    if isinstance(note.get("type"), str) and note["type"] not in properties["type"]["enum"]:
-        return f"its type is {note['type']!r}, none of {', '.join(properties['type']['enum'])}"
+    if "v" in stored and stored["v"] != properties["v"]["const"]:
+        return f"its version v is {stored['v']!r}, not {properties['v']['const']}"
+    if isinstance(stored.get("type"), str) and stored["type"] not in properties["type"]["enum"]:
+        return f"its type is {stored['type']!r}, none of {', '.join(properties['type']['enum'])}"
     return ""
 
 
-def broken(note: Any, is_node: Callable[[str], bool]) -> str:
-    """Why a note cannot be read, or which node or joint of it is not there; "" where all is well."""
-    if not isinstance(note, dict):
+def broken(stored: Any, is_node: Callable[[str], bool]) -> str:
+    """Why metadata cannot be read, or which node or joint of it is not there; "" where all is well."""
+    if not isinstance(stored, dict):
         return "what rigtri stored here is not an object"
-    if unknown(note):
+    if unknown(stored):
         return ""
     for key, kind in (("v", "number"), ("type", "string")):
-        if not _KINDS[kind](note.get(key)):
+        if not _KINDS[kind](stored.get(key)):
             return f"it has no {key}"
-    form = _schema()["$defs"][note["type"]]
-    wrong = next(violations(note, form, "its"), "")
+    form = _schema()["$defs"][stored["type"]]
+    wrong = next(violations(stored, form, "its"), "")
     if wrong:
         return wrong
-    missing = [name for name in addresses(note, form) if not is_node(name)]
+    missing = [name for name in addresses(stored, form) if not is_node(name)]
     return f"there is no node or joint '{missing[0]}'" if missing else ""
 
 
@@ -107,7 +107,7 @@ def _key_violations(value: dict[str, Any], form: Any, name: str) -> Iterator[str
 
 
 def addresses(value: Any, form: Any) -> Iterator[str]:
-    """The nodes and joints that a note names."""
+    """The nodes and joints that metadata names."""
     if isinstance(form, dict) and form.get("$ref") == _ADDRESS:
         yield value
         return

@@ -1,4 +1,4 @@
-"""Make the kept files of the version of notes that rigtri writes now: run once for each version.
+"""Make the kept files of the version of the metadata that rigtri writes now: run once for each version.
 
 python tests/goldens/versions/make.py, with the samples and tests in reach. Files of a version that is
 out are never made again: that they are old is what they are for.

@@ -135,7 +135,7 @@ def _joint_paths(skeleton: str, tokens: Iterable[str]) -> Iterable[str]:
 
 
 def _with_unsplit(scene: Scene, path: str) -> set[str]:
-    """The tokens of a skeleton, also as they were before joints of it were split: notes may be older."""
+    """The tokens of a skeleton, also as they were before joints of it were split: metadata may be older."""
     own = scene.tokens[path]
     stored = read_joints(scene.stage.GetPrimAtPath(path))
     holders = {token for token, note in stored.items() if note.get("type") == "frame"}
@@ -145,7 +145,7 @@ def _with_unsplit(scene: Scene, path: str) -> set[str]:
 def _check_joint_notes(scene: Scene, prim: Any, is_joint: Any) -> None:
     tokens, texts = (scene.words(prim, name) for name in JOINT_NOTES)
     if len(tokens) != len(texts):
-        text = f"{len(tokens)} joints have {len(texts)} notes"
+        text = f"{len(tokens)} joints have {len(texts)} entries of metadata"
         scene.add("usd.note.broken", prim, JOINT_NOTES[0], text)
     own = scene.tokens.get(str(prim.GetPath()), ())
     for token, text in zip(tokens, texts, strict=False):
