@@ -119,7 +119,7 @@ def report_cycles(above: Sequence[int], found: Bindings) -> None:
     cycle = sorted({c.node for c in found.constraints if waits[c.node]})
     if cycle:
         names = ", ".join(f"#{node}" for node in cycle[:6])
-        text = f"The constraints of nodes {names} depend on each other in a cycle, so viewers do not evaluate them"
+        text = f"The constraints of nodes {names} form a cycle, so viewers do not evaluate them"
         found.notices.append(Notice("constraint-circle", text))
 
 
