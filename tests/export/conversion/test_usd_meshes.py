@@ -180,7 +180,7 @@ def test_morph_targets_hold_the_points_that_they_move_and_their_names(stage: Any
     normals[3] = (0, 0, 1)
     one = surface("triangles", [0, 1, 2], **{"NORMAL of morph target 0": normals})
     prim = defined(stage, scene, one)
-    mesh = Mesh("m", 0, POINTS, morphs=offsets, morph_names=("Smile!", "wide", ""))
+    mesh = Mesh("m", 0, POINTS, morphs=offsets, morph_names=("Smile!", "wide"))
     blend_shapes(stage, prim, mesh, one, ["Smile_", "wide", "morph2"])
     binding = UsdSkel.BindingAPI(prim.GetPrim())
     assert list(binding.GetBlendShapesAttr().Get()) == ["Smile_", "wide", "morph2"]

@@ -310,6 +310,31 @@ def test_what_waited_for_a_worker_that_died_is_done_again_and_what_killed_it_is_
     assert client.submitted == ["a", "b", "b"]
 
 
+@pytest.mark.parametrize(
+    ("target", "dry_run", "begun", "recovered"),
+    [
+        ("out/a.glb", False, 2, ["out/a.glb"]),
+        ("out/a.glb", False, 1, []),
+        ("out/a.glb", True, 2, []),
+        ("memory://out/a.glb", False, 2, []),
+    ],
+)
+def test_what_a_dead_worker_has_left_is_removed_where_another_has_done_the_file(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    target: str,
+    dry_run: bool,
+    begun: int,
+    recovered: list[str],
+) -> None:
+    found: list[str] = []
+    monkeypatch.setattr(dask, "recover", lambda path, *, alone: found.append(path.as_posix()) or alone)
+    engine = dask.Cluster("", str(tmp_path), jobs=1, dry_run=dry_run)
+    engine._client = Working(engine, {"a": Record("ok")}, begun=("a",) * begun)
+    list(engine.run([Assignment(Entry("a", target), Turn())], lambda *_: None))
+    assert found == recovered
+
+
 class Working:
     """A client of a cluster, whose files end at once with these records; others are begun, or wait."""
 
@@ -321,7 +346,7 @@ class Working:
         number, assignment, _settings = pickle.loads(packed)
         name = assignment.entry.source
         future = self.futures[name] = Future(name)
-        if name in self._begun:
+        for _ in range(self._begun.count(name)):
             asyncio.run(self._engine._received((0.0, pickle.dumps(Event(number)))))
         if name in self._records:
             future.end(self._records[name])
