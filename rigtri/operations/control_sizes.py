@@ -104,16 +104,17 @@ class SkinSections:
 
         The joint's own skin lies inside it, where the plane cuts that; else all of it, seen along the normal.
         The other leg, or the trunk below a clavicle, is not looked at; but where half of the ring would be
-        hidden in them it is up to `_WIDER` as wide. 0 without any skin. File units, in the world.
+        hidden in them it is up to `_WIDER` as wide. What a joint without skin holds counts up to `_WIDER` times
+        the skin of the joint above, or a weapon's ring would be as wide as the weapon is long. 0 without any
+        skin. File units, in the world.
         """
-        own = whole = 0.0
-        for skinned, vertices in self._near(joint):
-            flat, _ = _seen(skinned.points[vertices], place, normal)
-            whole = max(whole, float(length(flat).max(initial=0.0)))
-            lines = skinned.cut(skinned.triangles_of(vertices), place, normal)
-            own = max(own, float(length(lines).max(initial=0.0)))
+        near = self._near(joint)
+        own = _width(near, place, normal)
+        above = self.rig.path_to_root(joint)[1:] if self._holds(near) else []
+        if skin := next(filter(None, (list(self._skin_of([node])) for node in above)), []):
+            own = min(own, _WIDER * _width(skin, place, normal))
         cuts = [skinned.cut(skinned.triangles, place, normal) for skinned in self._body]
-        return max(own or whole, min(_half(cuts, normal), _WIDER * (own or whole)))
+        return max(own, min(_half(cuts, normal), _WIDER * own))
 
     def thickness(self, joints: list[int], place: Floats, normal: Floats) -> float:
         """How thick the skin of joints is in the plane: as `radius`, but half of the directions are enough.
@@ -133,6 +134,10 @@ class SkinSections:
         above = self.rig.path_to_root(joint)[1:]
         tries = ([joint], [*above[:1], *self.rig.children[joint]], *([node] for node in above[1:]))
         return next(filter(None, map(self._of, tries)), [])
+
+    def _holds(self, near: list[tuple[_Skinned, Integers]]) -> bool:
+        """Whether meshes are held or worn: they have no skin."""
+        return all(skinned.mesh.skin is None for skinned, _ in near)
 
     def _of(self, joints: list[int]) -> list[tuple[_Skinned, Integers]]:
         """The meshes that have skin of joints, and which vertices of each, (v,).
@@ -253,6 +258,17 @@ def _seen(points: Floats, place: Floats, normal: Floats) -> tuple[Floats, Floats
     away = points - place
     height = dot(away, normal)
     return away - height[..., np.newaxis] * normal, height
+
+
+def _width(near: list[tuple[_Skinned, Integers]], place: Floats, normal: Floats) -> float:
+    """How far vertices' skin reaches from a place where the plane cuts it; else all of it, seen along the normal."""
+    own = whole = 0.0
+    for skinned, vertices in near:
+        flat, _ = _seen(skinned.points[vertices], place, normal)
+        whole = max(whole, float(length(flat).max(initial=0.0)))
+        lines = skinned.cut(skinned.triangles_of(vertices), place, normal)
+        own = max(own, float(length(lines).max(initial=0.0)))
+    return own or whole
 
 
 def _half(cuts: list[Floats], normal: Floats) -> float:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from places import SAMPLES
-from rigs import rig_of
+from rigs import chain, rig_of
 
 import rigtri
 from rigtri.evaluation.skinning import deformed
@@ -58,12 +58,16 @@ def rings_inside(rig: Rig, faces: Floats, *kinds: str) -> list[str]:
     return found
 
 
-def test_rings_are_outside_rigid_parts_that_are_children_of_joints() -> None:
-    """Of a robot whose hand is a box: also the rings of its fingers, which move no mesh themselves."""
+def a_box(node: int, half: tuple[float, float, float]) -> Mesh:
     corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
     faces = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
     surface = Surface("Mesh", np.full(6, 4), faces.ravel(), np.zeros((0, 3)))
-    box = Mesh("box", 5, 0.6 * corners, surface=lambda: surface)
+    return Mesh("box", node, half * corners, surface=lambda: surface)
+
+
+def test_rings_are_outside_rigid_parts_that_are_children_of_joints() -> None:
+    """Of a robot whose hand is a box: also the rings of its fingers, which move no mesh themselves."""
+    box = a_box(5, (0.6, 0.6, 0.6))
     offsets = np.array([(x, 0.0, 0.0) for x in (0.0, 1.0, 0.4, 0.05, 0.05, 0.5)])
     rig = rig_of(["arm", "hand", "finger1", "finger2", "finger3", "box"], [-1, 0, 1, 2, 3, 1], offsets)
     attachment = rig.attachment.copy()
@@ -71,6 +75,20 @@ def test_rings_are_outside_rigid_parts_that_are_children_of_joints() -> None:
     rig = replace(rig, attachment=attachment, content=Content(read_meshes=lambda: [box]))
     built = rigtri.add_controls(rig, root="arm", joints=["hand", "finger1", "finger2"])
     assert not rings_inside(built, skin(rig), "fk")
+
+
+@pytest.mark.parametrize("half", [(0.01, 3.0, 0.01), (3.0, 0.01, 0.01), (0.01, 2.0, 2.0)])
+def test_the_ring_of_a_weapon_s_slot_is_not_as_wide_as_the_weapon(half: tuple[float, float, float]) -> None:
+    """Swords and shields are longer than the character is wide; what a slot turns is at the hand."""
+    arm, hand, slot = 0, 1, 2
+    rig = chain((0, 0, 0), (1, 0, 0), (1.3, 0, 0))
+    skinned = replace(a_box(arm, (0.2, 0.2, 0.2)), skin=0, weights=np.ones((8, 1)))
+    meshes = [replace(skinned, joints=np.full((8, 1), joint)) for joint in (arm, hand)]
+    meshes = [replace(mesh, points=mesh.points + (k, 0, 0)) for k, mesh in enumerate(meshes)]
+    rig = replace(rig, content=Content(read_meshes=lambda: [*meshes, a_box(slot, half)]))
+    rig = rigtri.add_controls(rig, joints=["b", "c"])
+    rings = {record.joint: record.size or 0.0 for record in rig.records(ControlRecord).values()}
+    assert 0 < rings["c"] < 2.5 * rings["b"]
 
 
 def sizes(name: str, kind: str) -> dict[str, float]:
