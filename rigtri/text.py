@@ -89,6 +89,15 @@ def and_more(names: Iterable[object], most: int = 6) -> str:
     return ", ".join(known[:most]) + (f" and {len(known) - most} more" if len(known) > most else "")
 
 
+def list_names(names: Iterable[str]) -> str:
+    """The first four of some names, each once and in quotes, and how many more there are.
+
+    >>> list_names(["hand_L", "head", "hand_L"]), list_names([])
+    ("'hand_L', 'head'", 'no names')
+    """
+    return and_more([f"'{name}'" for name in dict.fromkeys(names) if name], 4) or "no names"
+
+
 def straightness(degrees: float) -> str:
     """How straight a limb is that bends by so little, in words.
 

@@ -29,8 +29,8 @@ from rigtri.maths.vectors import length
 from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
+from rigtri.text import list_names
 
 _SLOT = 'json.loads("{}")'
 _WIDE = 96

@@ -23,8 +23,8 @@ from rigtri.model.animation import Track, key_values
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Notice, Report
+from rigtri.text import list_names
 
 # Two keys of a spline are on opposite sides where the cosine between their quaternions is below this:
 # less than 120° apart, and by way of components more than 240°.

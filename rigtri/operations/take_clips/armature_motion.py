@@ -15,8 +15,8 @@ import numpy as np
 from rigtri.maths.matrices import decompose, from_frame, inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
+from rigtri.text import list_names
 
 # Of the largest number of a matrix; less went through another program's float32.
 _SAME = 1e-4

@@ -21,9 +21,9 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.generated_names import MadeNames, span
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.node_matching import as_usd, composed
 from rigtri.report import Report
+from rigtri.text import list_names
 
 _NUMBER = re.compile(r"#[0-9]+$")
 

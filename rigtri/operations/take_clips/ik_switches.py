@@ -22,8 +22,8 @@ from rigtri.model.animation import Path, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import SWITCH, ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
+from rigtri.text import list_names
 
 _PATH: Path = "translation"
 # Scales between off and none, and between none and on.

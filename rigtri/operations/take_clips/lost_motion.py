@@ -17,9 +17,9 @@ from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.metadata import SWITCH
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.morph_targets import MorphPairs
 from rigtri.recognition.one_character import titles
+from rigtri.text import list_names
 
 # Of the size of the rig: a node that moves less far does not move; see docs/take-clips.md.
 _STILL = 1e-5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.node_matching import why_unmatched
 from rigtri.report import Report
-from rigtri.text import and_more
+from rigtri.text import list_names
 
 # Keys that differ by less are one value; only for notices.
 _MOVED = 1e-4
@@ -160,7 +160,3 @@ def _followers(rig: Rig) -> Iterator[tuple[int, set[int]]]:
 def _way(rig: Rig, name: str) -> set[int]:
     node = rig.known(name)
     return set() if node is None else set(rig.path_to_root(node))
-
-
-def list_names(names: Iterable[str]) -> str:
-    return and_more([f"'{name}'" for name in dict.fromkeys(names) if name], 4) or "no names"

@@ -26,11 +26,11 @@ from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.clip_comparison import Comparison
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.seen_joints import joint_above, seen_ours, seen_theirs
 from rigtri.operations.take_clips.track_comparison import MISSED, without_near_keys
 from rigtri.report import Report
+from rigtri.text import list_names
 
 # Degrees; beside what the comparison of tracks lets pass. Float32 and a DCC leave a thousandth of it, and
 # a rule that does not hold many times as much.

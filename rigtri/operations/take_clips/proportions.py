@@ -29,8 +29,8 @@ from rigtri.model.rig import Rig
 from rigtri.operations.ik_bones import IK_BONES
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, bind_poses, placed
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
+from rigtri.text import list_names
 
 # Of its size: keys that differ by more are not one value.
 _VARIES = 1e-2

@@ -20,11 +20,11 @@ from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.key_merging import merged
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.report import Report
+from rigtri.text import list_names
 
 # As that of take-clips: how far what nobody has edited may be off, as a share of the size.
 _TOLERANCE = 1e-5

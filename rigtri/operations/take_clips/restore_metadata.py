@@ -26,12 +26,12 @@ from rigtri.operations.take_clips.ik_switches import (
     ik_ends,
     switches,
 )
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.node_matching import Pairs, pairs
 from rigtri.operations.take_clips.restore_rest import with_rest_of
 from rigtri.operations.take_clips.unkeyed_poses import key_unkeyed_poses
 from rigtri.recognition.one_character import titles
 from rigtri.report import Report
+from rigtri.text import list_names
 
 # Matrices that differ by less, moves as a share of the largest, went through another program's float32.
 _SAME = 1e-4

@@ -18,8 +18,8 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.metadata import ADDED
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
+from rigtri.text import list_names
 
 # Where nothing stands otherwise than there but for rounding, there is nothing to report.
 _SAME_PLACE = 1e-5

@@ -22,7 +22,7 @@ from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT
 from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.infinite_motion import refuse_infinite_motion
-from rigtri.operations.take_clips.messages import list_names, warn_differences, warn_facing
+from rigtri.operations.take_clips.messages import warn_differences, warn_facing
 from rigtri.operations.take_clips.proportions import (
     Bone,
     Proportions,
@@ -34,6 +34,7 @@ from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.standard_rest import SAME_AXES, standard_rest
 from rigtri.operations.take_clips.standing import stood_up
 from rigtri.report import Report
+from rigtri.text import list_names
 
 # Of the size: so far bind poses may be apart beside turn, size and place, while bones still point alike.
 # Joints then move as in EDITED about RIG's own bind pose. Beyond half of the size no joint is near its own

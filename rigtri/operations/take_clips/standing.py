@@ -22,8 +22,8 @@ from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import world_turns
 from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.generated_names import span
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
+from rigtri.text import list_names
 
 # Degrees between the up of the body in both files: beyond half a right angle another axis is nearer.
 _LIES = 45.0

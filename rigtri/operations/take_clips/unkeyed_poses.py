@@ -19,8 +19,8 @@ from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Path, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
+from rigtri.text import list_names
 
 # What went through another program's float32; moves as a share of the size.
 _ROUNDED = 1e-5

@@ -22,10 +22,10 @@ from rigtri.maths.vectors import angle, cross, length, normalise
 from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, bind_poses, placed
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.seen_joints import joint_above, seen_ours, seen_theirs
 from rigtri.report import Report
+from rigtri.text import list_names
 
 # The sine of 30°: bones that are nearer to one line leave a rotation about it open.
 _ASIDE = 0.5

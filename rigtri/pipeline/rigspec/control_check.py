@@ -33,8 +33,8 @@ from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.messages import list_names
 from rigtri.recognition.one_character import bodies
+from rigtri.text import list_names
 
 # Radians by which controls are rotated, about no axis of their own; shares of the limb by which an IK
 # control is moved towards the root, or away from it by a limb too folded to follow, and a pole vector aside.
