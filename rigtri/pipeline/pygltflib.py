@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 def from_pygltflib(gltf: GLTF2, options: ReadOptions | None = None) -> Rig:
     """The rig in a pygltflib.GLTF2, which stays as it is; files are looked for where it was loaded from.
 
-    `to_pygltflib` makes a GLTF2 of the rig again, `rigtri.write` a .glb. Raises as `rigtri.read`.
+    options: how it is read. `to_pygltflib` makes a GLTF2 of the rig again, `rigtri.write` a .glb. Raises
+    as `rigtri.read`.
     """
     options = options or ReadOptions()
     blob = gltf.binary_blob()

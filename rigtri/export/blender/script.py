@@ -51,8 +51,8 @@ def export_blender(
 ) -> str:
     """The Python script that sets a file's controls up in Blender, as `rigtri export-blender` writes it.
 
-    What Blender cannot do is a warning of the report. Raises FileError, and GeometryError where there is
-    nothing to set up, and for cycles of controls and constraints.
+    path: the file; options: how it is read. What Blender cannot do is a warning of the report. Raises
+    FileError, and GeometryError where there is nothing to set up, and for cycles of controls and constraints.
     """
     return setup_for(path, options or ReadOptions(), report if report is not None else Report()).script
 

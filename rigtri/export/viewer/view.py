@@ -77,9 +77,10 @@ def view(
 ) -> str:
     """The HTML page that shows a file, as `rigtri view` writes it; to be written as UTF-8.
 
-    against: what the file was before. clip: play it from the start; at: stand still at CLIP@TIME, in
-    seconds (USD: time codes). limit: megabytes that the files may have. What the page cannot show is a
-    warning of the report. Raises FileError, NameNotFoundError (a clip), UsageError (files too large).
+    path: the file; options: how it is read. against: what the file was before. clip: play it from the
+    start; at: stand still at CLIP@TIME, in seconds (USD: time codes). limit: megabytes that the files may
+    have. What the page cannot show is a warning of the report. Raises FileError,
+    NameNotFoundError (a clip), UsageError (files too large).
     """
     text, _ = shown_page(
         [path] if against is None else [path, against],

@@ -41,8 +41,8 @@ _SAME = 1e-4
 def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     """The rig with the metadata of ``described`` on nodes of the same names, at rest where they are there.
 
-    A warning names nodes that are not there, and joints that are bound otherwise, whose controls keep
-    their own rest. GeometryError where no node is there, or no control finds its joint.
+    A warning of the report names nodes that are not there, and joints that are bound otherwise, whose
+    controls keep their own rest. GeometryError where no node is there, or no control finds its joint.
     """
     stored = {node: described.metadata[node] for node in described.nodes_of(*ADDED)}
     if not stored:

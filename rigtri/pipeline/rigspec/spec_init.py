@@ -36,7 +36,7 @@ REACHING = ("arm", "leg", "limb")
 def spec_init(path: Path | str, *, options: ReadOptions | None = None) -> str:
     """A spec in YAML to start from, with steps for the joints of a file, as `rigtri spec-init` writes it.
 
-    Raises FileError for a file that cannot be read, or is without joints.
+    path: the file; options: how it is read. Raises FileError where that cannot be, or where no joints are.
     """
     options = options or ReadOptions()
     with opened(path) as file:

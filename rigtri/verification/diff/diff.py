@@ -92,6 +92,7 @@ def diff(
 ) -> Difference:
     """Say what of the second file is not what it was in the first.
 
+    before, after: paths of files. options: how they are read.
     only: in ``rig`` or ``file`` terms alone. tolerance: numbers that differ by no more are
     the same; 0 compares every bit and every spelling. verify: measure how far they look apart, too.
     Files of two formats are compared in rig terms. Where the rig of one cannot be read, the rest
