@@ -104,9 +104,9 @@ class SkinSections:
 
         The joint's own skin lies inside it, where the plane cuts that; else all of it, seen along the normal.
         The other leg, or the trunk below a clavicle, is not looked at; but where half of the ring would be
-        hidden in them it is up to `_WIDER` as wide. What a joint without skin holds counts up to `_WIDER` times
-        the skin of the joint above, or a weapon's ring would be as wide as the weapon is long. 0 without any
-        skin. File units, in the world.
+        hidden in them it is up to `_WIDER` as wide. What a joint without skin holds counts up to `_WIDER` as
+        wide as the skin of the joint above, or a weapon's ring would be as wide as the weapon is long.
+        0 without any skin. File units, in the world.
         """
         near = self._near(joint)
         own = _width(near, place, normal)
@@ -261,7 +261,7 @@ def _seen(points: Floats, place: Floats, normal: Floats) -> tuple[Floats, Floats
 
 
 def _width(near: list[tuple[_Skinned, Integers]], place: Floats, normal: Floats) -> float:
-    """How far vertices' skin reaches from a place where the plane cuts it; else all of it, seen along the normal."""
+    """How far skin reaches from a place where the plane cuts it; else all of it, seen along the normal."""
     own = whole = 0.0
     for skinned, vertices in near:
         flat, _ = _seen(skinned.points[vertices], place, normal)

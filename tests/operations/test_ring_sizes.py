@@ -84,7 +84,7 @@ def test_the_ring_of_a_weapon_s_slot_is_not_as_wide_as_the_weapon(half: tuple[fl
     rig = chain((0, 0, 0), (1, 0, 0), (1.3, 0, 0))
     skinned = replace(a_box(arm, (0.2, 0.2, 0.2)), skin=0, weights=np.ones((8, 1)))
     meshes = [replace(skinned, joints=np.full((8, 1), joint)) for joint in (arm, hand)]
-    meshes = [replace(mesh, points=mesh.points + (k, 0, 0)) for k, mesh in enumerate(meshes)]
+    meshes = [replace(mesh, points=mesh.points + np.array([k, 0, 0])) for k, mesh in enumerate(meshes)]
     rig = replace(rig, content=Content(read_meshes=lambda: [*meshes, a_box(slot, half)]))
     rig = rigtri.add_controls(rig, joints=["b", "c"])
     rings = {record.joint: record.size or 0.0 for record in rig.records(ControlRecord).values()}
