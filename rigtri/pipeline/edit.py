@@ -17,7 +17,7 @@ from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.input_stream import called, opened, path_of
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination, recover
 from rigtri.files.text_files import check_utf8_path
-from rigtri.formats import USD_SUFFIXES, Document, ReadOptions, output_suffixes, read
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadOptions, output_suffixes, read
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.metadata import EXPORT_WARNINGS
@@ -195,8 +195,17 @@ def _checked_target(path: Path, request: EditRequest) -> Path:
         what = "an override is a layer" if options.is_override else "the output has the format of the input"
         if path.suffix.lower() not in fits and not options.is_override:
             what = f"{path.name} is {fits[0]} inside, and {what}"
-        raise UsageError(f"{final.name}: {what}; give it the suffix {' or '.join(fits)}")
+        other = "" if options.is_override else _other_way(path, final)
+        raise UsageError(f"{final.name}: {what}; give it the suffix {' or '.join(fits)}{other}")
     return final
+
+
+def _other_way(path: Path, final: Path) -> str:
+    """Which command writes a file in the format that a user wants of an edit; "" where none does."""
+    source, suffix = path.suffix.lower(), final.suffix.lower()
+    to_usd = source in GLTF_SUFFIXES and suffix in USD_SUFFIXES
+    to_gltf = source in USD_SUFFIXES and suffix in (".glb", ".gltf")
+    return f". rigtri convert writes {source} files as {suffix}" if to_usd or to_gltf else ""
 
 
 def _deliver(

@@ -212,12 +212,12 @@ COMMANDS = {
     "add-controls": ["--whole-character"],
 }
 WRONG_SUFFIX = [
-    ("biped.usda", "out.glb", ".usda or .usd"),
+    ("biped.usda", "out.glb", ".usda or .usd. rigtri convert writes .usda files as .glb"),
     ("biped.usda", "out.txt", ".usda or .usd"),
     ("biped.usda", "out.usdc", ".usda or .usd"),
     ("biped.usdz", "out.usda", ".usdz"),
     ("biped.glb", "out.gltf", ".glb or .vrm or .vrma"),
-    ("biped.glb", "out.usda", ".glb or .vrm or .vrma"),
+    ("biped.glb", "out.usda", ".glb or .vrm or .vrma. rigtri convert writes .glb files as .usda"),
     ("biped.gltf", "out.glb", ".gltf"),
 ]
 
