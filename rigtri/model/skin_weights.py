@@ -15,29 +15,34 @@ NEGLIGIBLE_SHARE = 1e-3
 SAME = 1e-6
 
 
-def along(spread: WeightRedistribution, points: Floats) -> Floats:
+def along(redistribution: WeightRedistribution, points: Floats) -> Floats:
     """Where points, (v, 3), stand along the bone, (v,): 0 at its start, 1 at its end."""
-    line = spread.end - spread.start
-    return np.asarray(dot(points - spread.start, line) / dot(line, line))
+    line = redistribution.end - redistribution.start
+    return np.asarray(dot(points - redistribution.start, line) / dot(line, line))
 
 
 def shared(
-    spread: WeightRedistribution, points: Floats, joints: Integers, weights: Floats, *, units: bool = False
+    redistribution: WeightRedistribution,
+    points: Floats,
+    joints: Integers,
+    weights: Floats,
+    *,
+    units: bool = False,
 ) -> tuple[Integers, Floats]:
-    """Joints (v, k) and weights (v, k), k as before or one more, after a spread.
+    """Joints (v, k) and weights (v, k), k as before or one more, after a redistribution.
 
-    points: (v, 3), as ``Mesh.bind`` leaves them. What a point has of the spread's joints together
+    points: (v, 3), as ``Mesh.bind`` leaves them. What a point has of the redistribution's joints together
     goes to the two nearest along the bone, linear between them: the first of the two takes
     the place that the first of them had, by which `folded` finds it again. units: weights are whole
     numbers and stay so. What was so already keeps its bits and its place.
     """
-    mine = np.isin(joints, spread.joints) & (weights != 0)
+    mine = np.isin(joints, redistribution.joints) & (weights != 0)
     touched = mine.any(axis=1)
     total = _total(np.where(mine, weights, 0.0))
-    near, far, share = _neighbours(spread, along(spread, points))
+    near, far, share = _neighbours(redistribution, along(redistribution, points))
     others = np.count_nonzero((weights != 0) & ~mine, axis=1)
-    if spread.most:
-        share = np.where(others + 2 > spread.most, np.where(share < 0.5, 0.0, 1.0), share)
+    if redistribution.most:
+        share = np.where(others + 2 > redistribution.most, np.where(share < 0.5, 0.0, 1.0), share)
     # The larger part is rounded: the rest is then a float32 too, so that both add up to the total exactly.
     larger = total * np.maximum(share, 1.0 - share)
     rounded = np.rint(larger) if units else larger.astype(np.float32).astype(np.float64)
@@ -46,7 +51,7 @@ def shared(
     second = total - first
     out_joints = np.where(mine, 0, joints)
     out_weights = np.where(mine, 0.0, weights)
-    home = _first(spread, joints, mine)
+    home = _first(redistribution, joints, mine)
     for joint, weight in ((near, first), (far, second)):
         out_joints, out_weights = _put(out_joints, out_weights, joint, weight, touched & (weight != 0), home)
     return _kept(joints, weights, out_joints, out_weights, 0.5 if units else SAME)
@@ -58,8 +63,8 @@ def folded(
     """Joints (v, k) and weights (v, k) after a fold; what no joint that goes had a part in keeps its bits.
 
     rows, at: as in `JointMerge`. What a point has of a joint and of those that it inherits is added up in
-    the place of the first of them along the bone, which a spread has put there. Of columns at the end,
-    those that held something and do no longer go, and those behind them, but for the first ``width``.
+    the place of the first of them along the bone, which a redistribution has put there. Of columns at the
+    end, those that held something and do no longer go, and those behind them, but for the first ``width``.
     """
     inside = np.clip(joints, 0, len(rows) - 1)
     live = weights != 0
@@ -160,24 +165,24 @@ def _width(weights: Floats) -> int:
     return int(np.flatnonzero((weights != 0).any(axis=0)).max(initial=-1)) + 1
 
 
-def _neighbours(spread: WeightRedistribution, t: Floats) -> tuple[Integers, Integers, Floats]:
+def _neighbours(redistribution: WeightRedistribution, t: Floats) -> tuple[Integers, Integers, Floats]:
     """The joints before and after places along the bone, and the share of the one after, (v,) each."""
-    last = len(spread.at) - 1
-    after = np.searchsorted(spread.at, t, side="right")
+    last = len(redistribution.at) - 1
+    after = np.searchsorted(redistribution.at, t, side="right")
     near, far = np.clip(after - 1, 0, last), np.clip(after, 0, last)
-    span = spread.at[far] - spread.at[near]
-    share = np.where(span > 0, (t - spread.at[near]) / np.where(span > 0, span, 1.0), 0.0)
+    span = redistribution.at[far] - redistribution.at[near]
+    share = np.where(span > 0, (t - redistribution.at[near]) / np.where(span > 0, span, 1.0), 0.0)
     share = np.where(share < NEGLIGIBLE_SHARE, 0.0, np.where(share > 1.0 - NEGLIGIBLE_SHARE, 1.0, share))
-    return spread.joints[near], spread.joints[far], share
+    return redistribution.joints[near], redistribution.joints[far], share
 
 
-def _first(spread: WeightRedistribution, joints: Integers, mine: Booleans) -> Integers:
+def _first(redistribution: WeightRedistribution, joints: Integers, mine: Booleans) -> Integers:
     """The column, (v,), of those that are ``mine`` whose joint is first along the bone; 0 where none is."""
     if not joints.shape[1]:
         return np.zeros(len(joints), dtype=np.int64)
-    last = len(spread.joints)
+    last = len(redistribution.joints)
     place = np.full(joints.shape, last)
-    for number, joint in enumerate(spread.joints.tolist()):
+    for number, joint in enumerate(redistribution.joints.tolist()):
         place[mine & (joints == joint)] = number
     return np.asarray(place.argmin(axis=1))
 

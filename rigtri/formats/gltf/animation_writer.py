@@ -154,8 +154,8 @@ class ClipWriter:
         count = len(before.joints)
         self._draft.edit("skins", number, "joints").extend(self._nodes(skin.joints[count:]))
         self._lift_pivot(number, skin.joints[count:].tolist())
-        spreads = self._rig.pending.weight_redistributions
-        weighted = any(self._rig.skins[spread.skin] is skin for spread in spreads)
+        redistributions = self._rig.pending.weight_redistributions
+        weighted = any(self._rig.skins[redistribution.skin] is skin for redistribution in redistributions)
         if before.stored or weighted or not np.array_equal(skin.inverse_bind[:count], before.inverse_bind):
             like = self._draft.gltf["skins"][number].get("inverseBindMatrices")
             self._draft.edit("skins", number)["inverseBindMatrices"] = self._matrices(skin, like)

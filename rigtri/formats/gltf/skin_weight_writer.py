@@ -52,7 +52,7 @@ class _Influences:
 
 
 class WeightWriter:
-    """Carries the spreads of a rig into a draft. where: what to call the file."""
+    """Carries the redistributions of a rig into a draft. where: what to call the file."""
 
     def __init__(self, draft: CopyOnWrite, storage: Storage, accessors: Accessors, where: str) -> None:
         self._draft, self._storage, self._accessors, self._where = draft, storage, accessors, where
@@ -62,10 +62,10 @@ class WeightWriter:
         self._rescaled = 0
 
     def write(self, rig: Rig) -> None:
-        """Share weights in all meshes that are drawn with the skins of spreads."""
+        """Share weights in all meshes that are drawn with the skins of redistributions."""
         by_skin: dict[int, list[WeightRedistribution]] = {}
-        for spread in rig.pending.weight_redistributions:
-            by_skin.setdefault(int(str(rig.skins[spread.skin].key)), []).append(spread)
+        for redistribution in rig.pending.weight_redistributions:
+            by_skin.setdefault(int(str(rig.skins[redistribution.skin].key)), []).append(redistribution)
         folds = {int(str(rig.skins[fold.skin].key)): fold for fold in rig.pending.joint_merges}
         for skin in {**by_skin, **folds}:
             for mesh in self._meshes(skin):
@@ -160,7 +160,7 @@ class WeightWriter:
         number: int,
         primitive: Value,
         skin: int,
-        spreads: Sequence[WeightRedistribution],
+        redistributions: Sequence[WeightRedistribution],
         fold: JointMerge | None,
     ) -> None:
         sets, points = self._sets(primitive), primitive.need("attributes").get("POSITION")
@@ -176,7 +176,7 @@ class WeightWriter:
         if key not in self._known:
             before, title = self._read(primitive, sets), self._title(mesh)
             self._known[key] = (
-                self._shared(before, position, sets, spreads, title)
+                self._shared(before, position, sets, redistributions, title)
                 if fold is None
                 else self._folded(before, sets, fold)
             )
@@ -192,16 +192,16 @@ class WeightWriter:
         before: _Influences,
         position: int,
         sets: dict[str, int],
-        spreads: Sequence[WeightRedistribution],
+        redistributions: Sequence[WeightRedistribution],
         title: str,
     ) -> dict[str, int | None]:
-        """The accessors of a primitive's influences after the spreads; only of sets that change."""
+        """The accessors of a primitive's influences after the redistributions; only of sets that change."""
         points = self._accessors.read(position)
         if points.shape != (len(before.joints), 3):
             raise FileError(f"{self._where}: mesh '{title}' has not as many influences as points")
         joints, weights = before.joints, before.weights
-        for spread in spreads:
-            joints, weights = shared(spread, points, joints, weights, units=before.weight != FLOAT)
+        for redistribution in redistributions:
+            joints, weights = shared(redistribution, points, joints, weights, units=before.weight != FLOAT)
         weights = self._fitting(before, weights)
         room = -joints.shape[1] % 4
         joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))

@@ -37,19 +37,19 @@ def _rivets(rig: Rig, meshes: Collection[int]) -> list[int]:
 
 
 def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
-    """The same for meshes whose weights the rig's spreads share anew: as they will be in the file.
+    """The same for meshes whose weights the rig redistributes: with those that they will have in the file.
 
     Weights that are stored as whole numbers are rounded there, by half a unit at most.
     """
     meshes_of_rivets = {record.mesh for record in rig.records(RivetRecord).values()}
-    skins = {spread.skin for spread in rig.pending.weight_redistributions}
+    skins = {redistribution.skin for redistribution in rig.pending.weight_redistributions}
     if not meshes_of_rivets or not skins:
         return rig
     meshes = rig.meshes
     touched = {mesh.node for mesh in meshes if mesh.skin in skins}
     if not _rivets(rig, touched):
         return rig
-    anew = [_spread(mesh, rig) for mesh in meshes]
+    anew = [_with_new_weights(mesh, rig) for mesh in meshes]
     # As float32, which glTF keeps them in: so a second run, which reads those, finds the same places.
     skins_read = tuple(
         replace(skin, inverse_bind=skin.inverse_bind.astype(np.float32).astype(np.float64))
@@ -60,11 +60,11 @@ def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
     return replace(set_anew, content=rig.content, skins=rig.skins)
 
 
-def _spread(mesh: Mesh, rig: Rig) -> Mesh:
-    """A mesh with the weights that the spreads of its skin give it."""
+def _with_new_weights(mesh: Mesh, rig: Rig) -> Mesh:
+    """A mesh with the weights that the redistributions of its skin give it."""
     joints, weights = mesh.joints, mesh.weights
-    for spread in rig.pending.weight_redistributions if len(joints) else ():
-        if spread.skin == mesh.skin:
+    for redistribution in rig.pending.weight_redistributions if len(joints) else ():
+        if redistribution.skin == mesh.skin:
             points = transform_points(mesh.points, mesh.bind)
-            joints, weights = shared(spread, points, joints, weights)
+            joints, weights = shared(redistribution, points, joints, weights)
     return mesh if weights is mesh.weights else replace(mesh, joints=joints, weights=weights)

@@ -90,8 +90,12 @@ def twists_skin(rig: Rig, joint: int, to: int, *, upper: bool, count: int, most:
         places = {rows[0]: 1.0 if upper else 0.0}
         places |= {len(skin.joints) + k: (k + 1) / (count + 1) for k in range(count)}
         order = sorted(places, key=lambda row: places[row])
-        spread = _along(skin, mesh.skin or 0, order, [places[row] for row in order], rows[0], line, most)
-        joints, weights = shared(spread, transform_points(mesh.points, mesh.bind), mesh.joints, mesh.weights)
+        redistribution = _along(
+            skin, mesh.skin or 0, order, [places[row] for row in order], rows[0], line, most
+        )
+        joints, weights = shared(
+            redistribution, transform_points(mesh.points, mesh.bind), mesh.joints, mesh.weights
+        )
         got.update((joints[weights != 0] - len(skin.joints)).tolist())
     return got.issuperset(range(count))
 
@@ -161,7 +165,7 @@ def _build(rig: Rig, of: _Bone, options: AddTwistOptions, report: Report) -> Rig
         for node in made:  # they are about to get weight
             _refuse_moved(rig, node)
             rig = bind_joint(rig, node, rig.skins)
-        found = _spreads(rig, of, line, options, report)
+        found = _redistributions(rig, of, line, options, report)
         every = (*rig.pending.weight_redistributions, *found)
         pending = replace(rig.pending, weight_redistributions=every)
         rig = _with_influences(replace(rig, pending=pending), made[0], found)
@@ -184,7 +188,7 @@ def _refuse_moved(rig: Rig, node: int) -> None:
                 )
 
 
-def _with_influences(rig: Rig, node: int, spreads: Sequence[WeightRedistribution]) -> Rig:
+def _with_influences(rig: Rig, node: int, redistributions: Sequence[WeightRedistribution]) -> Rig:
     """Store with a bone's first twist joint how many joints points could have, unless that is known.
 
     Of meshes with room for more than any point has, which nothing else tells. glTF has sets of four.
@@ -192,7 +196,7 @@ def _with_influences(rig: Rig, node: int, spreads: Sequence[WeightRedistribution
     record = rig.records(TwistRecord)[node]
     if not rig.rules.raw_quaternions or record.influences:
         return rig
-    skins = {spread.skin for spread in spreads}
+    skins = {redistribution.skin for redistribution in redistributions}
     meshes = [mesh for mesh in rig.meshes if mesh.skin in skins and _has_free_influence(mesh)]
     widths = {mesh.node: mesh.joints.shape[1] for mesh in meshes}
     if not widths:
@@ -318,7 +322,7 @@ def _keys(
     return rig, [{"clip": clip, "off": float(off)} for clip, (off, _) in found.items()]
 
 
-def _spreads(
+def _redistributions(
     rig: Rig, of: _Bone, line: Floats, options: AddTwistOptions, report: Report
 ) -> list[WeightRedistribution]:
     """How each skin that holds the bone's joint shares its weight."""
@@ -328,7 +332,7 @@ def _spreads(
     for number, skin in enumerate(rig.skins):
         rows = {node: row for row, node in enumerate(skin.joints.tolist()) if node in places}
         if of.joint in rows and len(rows) > 1:
-            found.append(_spread(skin, number, rows, places, of, line, options.max_influences))
+            found.append(_redistribution(skin, number, rows, places, of, line, options.max_influences))
     if not found:
         report.warn(
             "nothing-to-split",
@@ -338,7 +342,7 @@ def _spreads(
     return found
 
 
-def _spread(
+def _redistribution(
     skin: Skin,
     number: int,
     rows: Mapping[int, int],

@@ -7,6 +7,7 @@ their elementSize, and `skel:joints`).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -31,10 +32,10 @@ def write_skin_weights(edit: UsdEdit) -> None:
     """
     source, rig = edit.source, edit.rig
     by_path: dict[str, list[WeightRedistribution]] = {}
-    for spread in rig.pending.weight_redistributions:
-        key = rig.skins[spread.skin].key
+    for redistribution in rig.pending.weight_redistributions:
+        key = rig.skins[redistribution.skin].key
         if kind(key) == "skeleton":
-            by_path.setdefault(parts(key)[1], []).append(spread)
+            by_path.setdefault(parts(key)[1], []).append(redistribution)
     merges = {
         parts(key)[1]: merge
         for merge in rig.pending.joint_merges
@@ -87,7 +88,7 @@ def _merged(query: Any, tokens: Sequence[str], merge: JointMerge, width: int) ->
 
 
 def _of_mesh(
-    query: Any, tokens: Sequence[str], spreads: Sequence[WeightRedistribution], warnings: list[Notice]
+    query: Any, tokens: Sequence[str], redistributions: Sequence[WeightRedistribution], warnings: list[Notice]
 ) -> list[Edit]:
     prim = query.GetPrim()
     points = seen_at_start(prim.GetAttribute("points"))
@@ -101,8 +102,8 @@ def _of_mesh(
     own = query.GetJointOrder()
     order = [str(token) for token in own] if own else list(tokens)
     joints, weights = before
-    for spread in spreads:
-        listed, order = _in_order(spread, tokens, order)
+    for redistribution in redistributions:
+        listed, order = _in_order(redistribution, tokens, order)
         joints, weights = shared(listed, placed, joints, weights)
     if np.array_equal(joints, before[0]) and np.array_equal(weights, before[1]):
         return []
@@ -118,10 +119,10 @@ def _of_mesh(
 
 
 def _in_order(
-    spread: WeightRedistribution, tokens: Sequence[str], order: list[str]
+    redistribution: WeightRedistribution, tokens: Sequence[str], order: list[str]
 ) -> tuple[WeightRedistribution, list[str]]:
-    """A spread by the places of its joints in a mesh's own order, which gets those that it lacks."""
-    mine = [tokens[row] for row in spread.joints.tolist()]
+    """A redistribution by the places of its joints in a mesh's own order, which gets those that it lacks."""
+    mine = [tokens[row] for row in redistribution.joints.tolist()]
     order = [*order, *(token for token in mine if token not in order)]
     rows = np.array([order.index(token) for token in mine], dtype=np.int64)
-    return WeightRedistribution(spread.skin, rows, spread.at, spread.start, spread.end, spread.most), order
+    return replace(redistribution, joints=rows), order
