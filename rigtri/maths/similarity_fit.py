@@ -77,7 +77,8 @@ def upright_turn(theirs: ArrayLike, ours: ArrayLike) -> Floats:
     array([0., 1., 0.])
     """
     up = transform_directions(np.asarray(theirs), from_frame(AXIS_TURNS, np.zeros((len(AXIS_TURNS), 3))))
-    traces = np.trace(AXIS_TURNS, axis1=1, axis2=2)
+    diagonals = AXIS_TURNS.reshape(len(AXIS_TURNS), 9)[:, ::4]
+    traces = diagonals.cumsum(axis=-1)[:, -1]
     return np.asarray(AXIS_TURNS[np.where((up == np.asarray(ours)).all(axis=1), traces, -4.0).argmax()])
 
 
