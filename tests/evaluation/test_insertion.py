@@ -88,3 +88,46 @@ def test_lines_and_steps_take_keys_too() -> None:
     alone = Track(0, "scale", "CUBICSPLINE", np.array([0.0]), np.ones((1, 3, 3)))
     assert insert_keys(alone, np.array([0.0]), np.array([[2.0] * 3])).interpolation == "STEP"
     assert insert_keys(alone, np.array([1.0]), np.array([[2.0] * 3])).interpolation == "LINEAR"
+
+
+def test_a_track_of_one_key_becomes_a_line_and_one_of_none_a_step() -> None:
+    for way in ("STEP", "CUBICSPLINE"):
+        values = np.array([[[9.0, 9, 9], [1, 2, 3], [9, 9, 9]]] if way == "CUBICSPLINE" else [[1.0, 2, 3]])
+        done = insert_keys(
+            Track(0, "translation", way, np.array([0.5]), values), np.array([2.0]), np.ones((1, 3))
+        )
+        assert done.interpolation == "LINEAR"
+        assert done.times.tolist() == [0.5, 2.0]
+        assert done.values.tolist() == [[1.0, 2.0, 3.0], [1.0, 1.0, 1.0]]
+        same = insert_keys(
+            Track(0, "translation", way, np.array([0.5]), values), np.array([0.5]), np.ones((1, 3))
+        )
+        assert (same.interpolation, same.values.tolist()) == ("STEP", [[1.0, 1.0, 1.0]])
+
+
+def test_a_key_of_a_spline_that_turns_keeps_its_tangents_in_the_turned_frame() -> None:
+    """A key twice as long as a unit one; the new value is given with the other sign."""
+    still = np.array([0.0, 0.0, 0.0, 1.0])
+    rows = np.zeros((2, 3, 4))
+    rows[1, 1] = still
+    rows[0, [0, 2]] = [[2.0, 0, 0, 0], [0, 6.0, 0, 0]]
+    rows[0, 1] = 2.0 * still
+    half = np.array([0.0, 0.0, 1.0, 0.0])  # half a turn about z
+    done = insert_keys(
+        Track(0, "rotation", "CUBICSPLINE", np.array([0.0, 1.0]), rows), np.zeros(1), half[np.newaxis]
+    )
+    # z times x is y, z times y is -x, of tangents half as long.
+    assert done.values[0].tolist() == [[0.0, 1.0, 0.0, 0.0], half.tolist(), [-3.0, 0.0, 0.0, 0.0]]
+    near = np.array([0.0, 0.0, -0.6, -0.8])
+    done = insert_keys(
+        Track(0, "rotation", "CUBICSPLINE", np.array([0.0, 1.0]), rows), np.zeros(1), near[np.newaxis]
+    )
+    assert done.values[0, 1].tolist() == [0.0, 0.0, 0.6, 0.8]
+
+
+def test_a_key_of_a_spline_that_is_no_rotation_takes_the_value_as_it_is() -> None:
+    rows = np.zeros((2, 3, 4))
+    rows[1, 1] = [0.0, 0.0, 0.0, 1.0]
+    turned = np.array([[0.0, 0.6, 0.0, 0.8]])
+    done = insert_keys(Track(0, "rotation", "CUBICSPLINE", np.array([0.0, 1.0]), rows), np.zeros(1), turned)
+    assert np.isfinite(done.values).all()

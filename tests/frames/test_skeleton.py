@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from rigs import chain
 
+from rigtri.errors import UsageError
 from rigtri.frames.skeleton import reference, skeleton
+from rigtri.model.animation import Clip, Track
+from rigtri.model.rig import Rig
 
 
 @pytest.mark.parametrize("pose", [None, "bind", "nodes"])
@@ -23,3 +28,36 @@ def test_the_other_pose_is_known_where_it_differs(pose: str | None) -> None:
     assert found.other is not None
     for one, other in zip((found.world, found.other), wanted, strict=True):
         assert_allclose(one[:, 3], other[:, 3], atol=1e-12)
+
+
+def waving() -> Rig:
+    rig = chain((0, 0, 0), (0, 1, 0), (0, 2, 0))
+    moves = Track(1, "translation", "LINEAR", np.array([1.0, 3.0]), np.array([[0.0, 1, 0], [4, 1, 0]]))
+    return replace(rig, clips=(Clip("wave", (moves,)), Clip("still", ())))
+
+
+@pytest.mark.parametrize(("time", "x"), [("1", 0.0), ("2.5", 3.0), ("3", 4.0)])
+def test_a_moment_of_a_clip_is_a_pose(time: str, x: float) -> None:
+    found = reference(skeleton(waving()), f"wave@{time}")
+    assert_allclose(found.world[:, 3, :3], [[0, 0, 0], [x, 1, 0], [x, 2, 0]])
+
+
+def test_any_moment_of_a_clip_without_keys_is_its_rest_pose() -> None:
+    rig = waving()
+    assert_allclose(reference(skeleton(rig), "still@7").world, rig.world)
+
+
+@pytest.mark.parametrize(
+    ("pose", "said"),
+    [
+        ("wave@0.5", "--pose wave@0.5: 'wave' runs from 1 to 3"),
+        ("wave@3.5", "--pose wave@3.5: 'wave' runs from 1 to 3"),
+        ("wave", "--pose wave: give bind, nodes or CLIP@TIME, e.g. Walk@0.5"),
+        ("wave@", "--pose wave@: give bind, nodes or CLIP@TIME"),
+        ("wave@inf", "--pose wave@inf: give bind, nodes or CLIP@TIME"),
+        ("1.5", "--pose 1.5: give bind, nodes or CLIP@TIME"),
+    ],
+)
+def test_what_is_no_moment_of_a_clip_is_refused(pose: str, said: str) -> None:
+    with pytest.raises(UsageError, match=f"^{re.escape(said)}"):
+        reference(skeleton(waving()), pose)
