@@ -355,7 +355,7 @@ class Ik:
             share = np.where(reach > 0, target_distance / np.where(reach > 0, reach, 1.0), 1.0)
             place = place + away * (share - 1.0)[:, np.newaxis]
         holder = from_frame(to_axes(turn), place - rotate(turn, self._seat))
-        for node in self.limb.hanging:
+        for node in self.limb.pivot_path:
             holder = multiply(inverse(built.local(node)), holder)
         return holder
 

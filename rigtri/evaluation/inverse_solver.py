@@ -141,7 +141,7 @@ def find_limb_ends(ik: Ik, ruled: Collection[int]) -> list[FindControl]:
                 limb.control,
                 (above, ik.above),
                 lambda built, source: _seen(built, above, ik.grasp(built, source)),
-                limb.hanging,
+                limb.pivot_path,
             )
         )
     if limb.pole >= 0 and limb.pole not in ruled:

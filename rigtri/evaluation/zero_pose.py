@@ -70,8 +70,8 @@ class IkLimb:
 
     detached: the end joint is no descendant of the mid joint, as the foot of a flat rig; it stands where
     its control does, and the lower bone aims at it. pivots: of the foot, below the control, which carry the
-    end joint; the last but one carries the toe, −1 for none. hanging: all nodes from the last one up to the
-    control, without that.
+    end joint; the last but one carries the toe, −1 for none. pivot_path: all nodes from the last one up to
+    the control, without that.
     """
 
     chain: tuple[int, int, int]
@@ -81,7 +81,7 @@ class IkLimb:
     stretch: bool = False
     detached: bool = False
     pivots: tuple[int, ...] = ()
-    hanging: tuple[int, ...] = ()
+    pivot_path: tuple[int, ...] = ()
     toe: int = -1
 
     @property
@@ -319,8 +319,8 @@ def _with_foot(rig: Rig, limb: IkLimb, controls: Sequence[tuple[int, ControlReco
     toe = rig.known(found["ball"][1].joint)
     follows = toe is not None and int(rig.parents[toe]) == limb.chain[2]
     path = rig.path_to_root(pivots[-1])
-    hanging = tuple(path[: path.index(limb.control)])
-    return replace(limb, pivots=pivots, hanging=hanging, toe=toe if toe is not None and follows else -1)
+    pivot_path = tuple(path[: path.index(limb.control)])
+    return replace(limb, pivots=pivots, pivot_path=pivot_path, toe=toe if toe is not None and follows else -1)
 
 
 def _chain(rig: Rig, names: Sequence[str]) -> tuple[int, int, int] | None:

@@ -386,7 +386,7 @@ class _Builder:
         return requested_drawing(self.options, self._side(joint), kind, size, normal, front)
 
     def _parent(self, joint: int, kind: ControlKind) -> int:
-        """The control of the nearest joint above that has one; IK ends hang under the root control."""
+        """The control of the nearest joint above that has one; IK ends are parented to the root control."""
         above = self.tree.above.get(joint, -1) if kind == "fk" else -1
         while above >= 0:
             found = self.controls.get(above)

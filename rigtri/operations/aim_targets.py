@@ -129,7 +129,7 @@ def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
     if joint in rules.heads:
         return _head(tree, ref, joint, rules)
     if (joint in rules.feet or joint in rules.hands) and rules.branch == "chain":
-        # What hangs there is no toe or finger: a heel, a weapon.
+        # What else is parented to them is no toe or finger: a heel, a weapon.
         return _ending(tree, ref, joint, rules)
     candidates = _candidates(tree, ref, joint)
     if len(candidates) > 1:
@@ -153,7 +153,7 @@ def _candidates(tree: Skeleton, ref: ReferencePose, joint: int) -> list[int]:
 
 
 def limb_path(tree: Skeleton, limb: Limb) -> list[int]:
-    """The joints of a limb from root to end; the end may hang elsewhere (flat IK rigs)."""
+    """The joints of a limb from root to end; the end may have another parent (flat IK rigs)."""
     path = [limb.end]
     for here, there in ((limb.middle, limb.end), (limb.start, limb.middle)):
         way = []

@@ -101,7 +101,7 @@ def new_skin(rig: Rig, name: str, joints: Sequence[int]) -> Rig:
 def move_joint(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
     """Put a joint of ours elsewhere, at rest and in the bind poses of its skins, as `add_joint` would.
 
-    What hangs on it goes along. Bits that only rounding would change stay. Formats that key all of a
+    Its children go along. Bits that only rounding would change stay. Formats that key all of a
     joint or nothing (UsdSkel) have its place in clips, too: what stood still there stands here now.
     """
     moved = stand(rig, node, position, axes)

@@ -196,7 +196,7 @@ class _Limb:
         limb = next(limb for limb in self.reference.limbs if limb.chain == self.chain)
         rolling = self._at_work(self.rig).intersection(limb.pivots)
         solver = Solver(self.rig, {limb.control, *rolling}, self.reference)
-        _ = solver.steps  # ControlCycleError where the end hangs on what it moves
+        _ = solver.steps  # ControlCycleError where the end depends on what it moves
         return next(ik for ik in solver.limbs if ik.limb.chain == self.chain)
 
     def _fks(self, ik: Ik) -> dict[int, Fk]:

@@ -336,7 +336,7 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
         return replace(each, confidence=sure, evidence=tuple(words))
     if same.joints != each.joints:
         path = next((path for path in same.pair.pair.paths if set(each.joints) <= set(path)), None)
-        if path is None:  # its foot, or its thigh, hangs elsewhere
+        if path is None:  # its foot, or its thigh, has another parent
             return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair)
         at = path.index(each.joints[0]), path.index(each.joints[1]), path.index(each.joints[2])
         own = agreement([draft.words.get(joint, NO_WORDS) for joint in path], at)

@@ -118,7 +118,7 @@ def body_of(bodies: Sequence[Body], node: int) -> Body | None:
 def sockets(rig: Rig, characters: Sequence[Character]) -> frozenset[int]:
     """The joints that only hold what is below them: in no chain of a character, no weight on or below them.
 
-    None where no skin has weights: there meshes that hang at joints are the body.
+    None where no skin has weights: there meshes that are children of joints are the body.
     """
     weighted = [skin.joints[skin.weighted] for skin in rig.skins]
     if not any(len(joints) for joints in weighted):
@@ -137,7 +137,7 @@ def sockets(rig: Rig, characters: Sequence[Character]) -> frozenset[int]:
 
 
 def twists_beside_bones(rig: Rig, characters: Sequence[Character]) -> frozenset[int]:
-    """The twist joints that hang from a bone of an arm or leg, beside its end; one may hang from another.
+    """The twist joints below a bone of an arm or leg, beside its end; one may be a child of another.
 
     Each is a part of its bone. Those of rigtri are among them.
     """

@@ -31,14 +31,15 @@ _LEVEL = 0.1
 _ALONG = cosine_below(15)
 # From here on (a cosine) a body stands on another axis than its format does.
 _UPRIGHT = cosine_below(45)
-# Chains that hang at the end of a limb, wherever that hangs.
+# Chains at the end of a limb, whatever that is parented to.
 _AT_ENDS = ("hand", "finger", "foot")
 
 
 def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
     """The limb of three named nodes; its kind and side are read from the names where they say.
 
-    Raises UsageError when they are no line down the hierarchy. Only in flat IK rigs the end hangs elsewhere.
+    Raises UsageError when they are no line down the hierarchy; only the end of a flat IK rig may have another
+    parent.
     """
     triple = (rig.find(start), rig.find(middle), rig.find(end))
     if len(set(triple)) < 3:
@@ -66,8 +67,8 @@ def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
 def _no_line(rig: Rig, triple: tuple[int, int, int], chains: list[Chain]) -> tuple[int, ...]:
     """The two joints of a limb of which the second ought to lie below the first; () where it is a line.
 
-    The end of a flat IK rig hangs above the limb, at the root or at a control: never at the limb's own root,
-    and never in the trunk or another limb.
+    The end of a flat IK rig is parented above the limb, to the root or to a control: never to the limb's own
+    root, and never in the trunk or another limb.
     """
     start, middle, end = triple
     if not rig.is_below(middle, start):

@@ -218,9 +218,9 @@ def parts_of(draft: Draft) -> tuple[Part, ...]:
     chains = {joint: chain for chain in draft.chains for joint in chain.joints}
     bones = {node: bone for bone, node in draft.bones.items()}
     nodes = {k for k in tree.nodes if rig.is_joint[k] or not rig.is_joint.any() or k in bones}
-    hanging = {k for node in nodes for k in rig.children[node] if k not in rig.own} - nodes
+    children = {k for node in nodes for k in rig.children[node] if k not in rig.own} - nodes
     found = {}
-    for node in sorted(nodes | hanging | draft.controls | draft.segments):
+    for node in sorted(nodes | children | draft.controls | draft.segments):
         role, sure, why = _role(draft, node, chains, bones)
         side = _side_of(draft, node, chains)
         found[node] = Part(node, bones.get(node, ""), role, side, round(sure, 2), tuple(why))

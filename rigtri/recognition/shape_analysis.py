@@ -101,7 +101,7 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
 
 
 def _within_a_limb(tree: Tree, pair: Pair) -> bool:
-    """Whether names put two branches, and what they hang from, on one side: fingers are no left and right."""
+    """Whether names put two branches, and their parent, on one side: fingers are no left and right."""
     nodes = pair.above, pair.paths[0][0], pair.paths[1][0]
     sides = {parse_name(tree.rig.names[node]).side if node >= 0 else "" for node in nodes}
     return len(sides) == 1 and "" not in sides

@@ -30,7 +30,7 @@ def lay_trunk(draft: Draft, found: Sequence[Found]) -> None:
         _tail(draft, ())
         return
     legs, arms = pairs_of_limbs(draft, found)
-    draft.hips, draft.chest = _hips(draft, legs, arms), _hang(draft, arms)
+    draft.hips, draft.chest = _hips(draft, legs, arms), _parent_of_limbs(draft, arms)
     _spine(draft, legs if len(legs) == 2 else found)
     _head(draft, arms or legs)
     _tail(draft, legs)
@@ -51,8 +51,8 @@ def pairs_of_limbs(draft: Draft, found: Sequence[Found]) -> tuple[list[Found], l
     )
 
 
-def _hang(draft: Draft, limbs: Sequence[Found]) -> int:
-    """The joint that limbs are below: the lowest above all of them, −1 for none."""
+def _parent_of_limbs(draft: Draft, limbs: Sequence[Found]) -> int:
+    """The lowest joint above all of some limbs, −1 for none."""
     tree = draft.tree
     if not limbs:
         return -1
@@ -68,7 +68,7 @@ def _hang(draft: Draft, limbs: Sequence[Found]) -> int:
 def _hips(draft: Draft, legs: Sequence[Found], arms: Sequence[Found]) -> int:
     tree = draft.tree
     named = draft.known_bones.get("hips", -1)
-    low, high = _hang(draft, legs), _hang(draft, arms)
+    low, high = _parent_of_limbs(draft, legs), _parent_of_limbs(draft, arms)
     if len(legs) < 2 or low < 0:
         return named
     if named >= 0 and (draft.certain or all(tree.is_below(k.joints[0], named) for k in legs)):

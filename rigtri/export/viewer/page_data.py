@@ -110,7 +110,7 @@ def _node(rig: Rig, node: int, place: dict[int, int], path: str, key: int | str)
 
 
 def _bone(bones: Bones, node: int, place: dict[int, int]) -> dict[str, Any]:
-    """What hangs on what, and how a joint's axes lie beside its bone."""
+    """Which joint is above, and how a joint's axes lie beside its bone."""
     rig = bones.tree.rig
     alone = -1 if rig.is_joint.any() else int(rig.parents[node])
     entry: dict[str, Any] = {"above": place.get(bones.tree.above.get(node, alone), -1)}

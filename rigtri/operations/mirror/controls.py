@@ -55,7 +55,7 @@ def mirror_controls(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         return _control(rig, node, rig.records(ControlRecord)[node], options, report, posed)
 
     def joint(node: int) -> tuple[int, int]:
-        """Parents first, as the twins hang below each other."""
+        """Parents first, as the twins are children of each other."""
         here = rig.known(records[node].joint)
         there = None if here is None else other(rig, here)
         return (-1 if there is None else there), node

@@ -103,8 +103,8 @@ class MotionCheck:
     def _above(self, joint: int) -> int:
         """The joint from which one is seen: the nearest above that both files have above it, or −1.
 
-        In EDITED it may hang higher up, as in a flat hierarchy. Then what was not taken may lie between, and
-        moves the joint's world otherwise on purpose: it is seen from there.
+        In EDITED its parent may be higher up, as in a flat hierarchy. Then what was not taken may lie
+        between, and moves the joint's world otherwise on purpose: it is seen from there.
         """
         above = joint_above(self.both, joint)
         between = self._line(joint, above)[1:]

@@ -17,14 +17,14 @@ _BLAME = 0.1
 # Rounding is what differs where it comes to this share of that: keys of several joints, and of one in several
 # places, add up.
 _NEAR = 0.01
-# Clips that scale joints may hold what hangs there up to so many times as large as it is at rest.
+# Clips that scale joints may hold what is attached there up to so many times as large as it is at rest.
 _GROWN = 2.0
 
 
 def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> str:
     """What to do about a deviation that is requested or near the tolerance, with a space before it; else "".
 
-    Turning a joint whose scale is nearly uniform moves what hangs there; else only the rounding
+    Turning a joint whose scale is nearly uniform moves what is attached there; else only the rounding
     of stored numbers can be what differs, near the tolerance or as far as that rounding reaches.
     """
     if result.lost or result.different:

@@ -83,7 +83,7 @@ def _constraints(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Float
     there = {(c.kind, c.node, c.source): c for c in after.node_constraints}
     for c in before.node_constraints:
         if c.kind == "tail":
-            continue  # no rule of the file: what hangs there is where points and origins are
+            continue  # no rule of the file: what is attached there is where points and origins are
         now = there.get((c.kind, int(m.node[c.node]), int(m.node[c.source])))
         title = f"the {c.kind} constraint of {before.title(c.node)}"
         if now is None and ours.get(c.node) == c.kind:

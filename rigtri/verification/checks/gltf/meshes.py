@@ -80,7 +80,7 @@ def _check_pair(node: Item, mesh: int | None, skinned: bool) -> None:
 
 
 def _check_place(view: View, index: int, node: Item, skin: int) -> None:
-    """Where a skinned mesh hangs, which glTF ignores and other programs do not."""
+    """Where a skinned mesh is parented, which glTF ignores and other programs do not."""
     own = view.item("skins", skin)
     joints = {j for j in own.items("joints") if type(j) is int}
     placed, at = False, index
