@@ -232,9 +232,9 @@ def test_check_says_which_convention_it_found_or_was_given(samples: Path, tmp_pa
 
 def test_a_run_reports_where_to_write_or_checks(samples: Path, tmp_path: Path) -> None:
     plain = str(samples / "biped.glb")
-    cli("mirror", plain, code=2)
+    assert "give the file to write with -o OUT, or --check" in cli("mirror", plain, code=2).stderr
     both = ["mirror", plain, "--check", "-o", str(tmp_path / "out.glb")]
-    cli(*both, code=2)
+    assert "--check writes nothing; leave -o out" in cli(*both, code=2).stderr
 
 
 def moved(name: str, folder: Path, samples: Path) -> Path:

@@ -17,7 +17,7 @@ from usd_files import deviation
 
 import rigtri
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.evaluation.sampling import key_times, locals_at, sample, worlds
 from rigtri.formats import read
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
@@ -258,6 +258,12 @@ def test_steps_beside_linear_keys_go_to_the_root(rooted: Path, tmp_path: Path) -
     steps = (replace(t, interpolation="STEP") if t.path == "translation" else t for t in rig.clips[0].tracks)
     rigtri.write(rigtri_with(rig, tuple(steps)), tmp_path / "in.glb", verify=False)
     cli("root-motion", tmp_path / "in.glb", "-o", tmp_path / "out.glb", "--yaw", code=0)
+    after = rigtri.read(tmp_path / "out.glb")
+    (place,) = (t for t in after.clips[0].tracks if (t.node, t.path) == (after.find("root"), "translation"))
+    step = np.float32(0.5)
+    held, new = sample(place, np.array([np.nextafter(step, np.float32(0)), step], dtype=np.float64))
+    assert held == pytest.approx([0.2, 0.0, 0.8], abs=1e-6)
+    assert new == pytest.approx([0.25, 0.0, 1.0], abs=1e-6)
 
 
 def test_a_root_that_a_yaw_would_shear_is_refused(rooted: Path) -> None:
