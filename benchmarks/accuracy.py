@@ -31,8 +31,8 @@ SEEDS = """
 ## Bodies of every kind by seed
 
 `tests/builders/recognition_bodies/population.py` makes people, animals, machines and things in random
-proportions, poses, units, axes and names, half of them with clips, and says what is true of them. It was
-developed with the first set; single cases of the second, whose words are other ones, nobody has looked at.
+proportions, poses, units, axes and names, half of them with clips, and says what is true of them. The
+first set is for development; the second, with other words, is held out.
 Either reading of a leg with a hock is right. Of things nothing may be sure.
 """
 

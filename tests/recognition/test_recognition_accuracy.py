@@ -70,7 +70,7 @@ def test_limbs_of_every_kind_of_body_are_right_and_none_is_surely_wrong(which: i
 
 
 @pytest.mark.slow
-def test_limbs_of_bodies_that_nobody_has_looked_at_are_right(tmp_path: Path) -> None:
+def test_limbs_of_held_out_bodies_are_right(tmp_path: Path) -> None:
     check(varied_bodies(tmp_path, 25), named=0.95, unnamed=0.85)
 
 

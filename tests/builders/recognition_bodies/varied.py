@@ -1,4 +1,4 @@
-"""Bodies that nobody has looked at: proportions, poses, orders and extra joints by the numbers of a seed."""
+"""Held-out bodies: proportions, poses, orders and extra joints by the numbers of a seed."""
 
 from __future__ import annotations
 
