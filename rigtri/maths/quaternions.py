@@ -261,6 +261,9 @@ def between(a: ArrayLike, b: ArrayLike) -> Floats:
     a, b = vectors.normalise(a), vectors.normalise(b)
     a, b = np.broadcast_arrays(a, b)
     halfway = a + b
+    if halfway.ndim == 1 and vectors.dot(halfway, halfway) >= 1e-24:  # the common case of one
+        half = vectors.normalise(halfway)
+        return np.array([*cross(a, half).tolist(), vectors.dot(a, half)])
     opposite = vectors.dot(halfway, halfway) < 1e-24  # 1e-12 rad from opposite: the cross product is noise
     # The unit axis least parallel to a: crossing with it never degenerates.
     aside = cross(a, np.eye(3)[np.argmin(np.abs(a), axis=-1)])

@@ -10,7 +10,8 @@ stated beside its terms.
 
 from __future__ import annotations
 
-from math import factorial
+from math import factorial, sqrt
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -88,6 +89,8 @@ def arc_tangent(y: ArrayLike, x: ArrayLike) -> Floats:
     >>> arc_tangent([1.0, 0.0], [1.0, -1.0]).round(12).tolist()
     [0.785398163397, 3.14159265359]
     """
+    if isinstance(y, float) and isinstance(x, float):
+        return cast(Floats, np.float64(_arc_tangent_of(y, x)))
     y, x = np.broadcast_arrays(np.asarray(y, dtype=np.float64), np.asarray(x, dtype=np.float64))
     across, along = np.abs(y), np.abs(x)
     steep = across > along
@@ -101,6 +104,27 @@ def arc_tangent(y: ArrayLike, x: ArrayLike) -> Floats:
     angle = np.where(steep, _HALF_PI - angle, angle)
     angle = np.where(x < 0, 2.0 * _HALF_PI - angle, angle)
     return np.asarray(np.where(y < 0, -angle, angle))
+
+
+def _arc_tangent_of(y: float, x: float) -> float:
+    """`arc_tangent` of one point in Python's numbers, which are far faster for one.
+
+    The same operations in the same order, so the same bits.
+    """
+    y, x = float(y), float(x)
+    across, along = abs(y), abs(x)
+    steep = across > along
+    small, large = (along, across) if steep else (across, along)
+    ratio = small / (large or 1.0)
+    for _ in range(2):
+        ratio = ratio / (1.0 + sqrt(1.0 + ratio * ratio))
+    square, total = ratio * ratio, _ARC_TANGENT[-1]
+    for term in _ARC_TANGENT[-2::-1]:
+        total = term - square * total
+    angle = 4.0 * ratio * total
+    angle = _HALF_PI - angle if steep else angle
+    angle = 2.0 * _HALF_PI - angle if x < 0 else angle
+    return -angle if y < 0 else angle
 
 
 def exponential(x: ArrayLike) -> Floats:

@@ -196,7 +196,7 @@ def _numbered(
     tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme, kind: str, which: Side
 ) -> tuple[int, int, int] | None:
     """A limb of joints that are only numbered (``leg_joint_L_1`` …): the first three of its chain."""
-    if not which:
+    if not which or not scheme.chains:
         return None
     mine = [node for node, each in words.items() if scheme.chains.get(each.plain) == kind]
     mine = [node for node in mine if words[node].side == which]

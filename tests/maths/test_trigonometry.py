@@ -58,3 +58,12 @@ def test_quarter_turns_have_the_values_one_knows() -> None:
 
 def test_nan_and_infinity_give_nan_and_no_warning() -> None:
     assert np.isnan(sin_cos([np.nan, np.inf, -np.inf])).all()
+
+
+def test_the_arc_tangent_of_one_point_is_that_of_many_to_the_bit() -> None:
+    odd = [0.0, -0.0, 1.0, -1.0, 1e-320, -1e308, math.inf, -math.inf, math.nan]
+    y, x = np.repeat(odd, len(odd)), np.tile(odd, len(odd))
+    with np.errstate(all="ignore"):
+        many = arc_tangent(y, x)
+    assert_array_equal(many, [arc_tangent(*pair) for pair in zip(y, x, strict=True)])
+    assert_array_equal(np.signbit(many), np.signbit([arc_tangent(*pair) for pair in zip(y, x, strict=True)]))

@@ -58,11 +58,17 @@ _TYPES = {"integer": int, "text": str, "list": list, "object": dict, "boolean": 
 def check_types(view: View) -> None:
     """Note every member of the table that is there and of another type."""
     for section, members in _MEMBERS.items():
-        for item in view.each(section):
-            _check_members(item, members)
+        for number, raw in enumerate(view.lists[section]):
+            if not _fits(raw, members):  # what to call each of thousands is put together where it is told
+                _check_members(view.item(section, number), members)
     for mesh in view.each("meshes"):
         for primitive in mesh.objects("primitives"):
             _check_members(primitive, _OF_PRIMITIVE)
+
+
+def _fits(raw: dict[str, Any], members: dict[str, str]) -> bool:
+    """Whether all members that are there are just of their types."""
+    return all(key not in raw or type(raw[key]) is _TYPES[kind] for key, kind in members.items())
 
 
 def _check_members(item: Item, members: dict[str, str]) -> None:
@@ -87,14 +93,14 @@ def _found(value: Any, path: list[str], pointer: str) -> Iterator[tuple[str, Any
     """What stands at a path, with its JSON pointer."""
     if not path:
         yield pointer, value
-        return
-    items: Any = ()
-    if isinstance(value, dict):
-        items = [(key, item) for key, item in value.items() if path[0] in ("*", key)]
-    elif isinstance(value, list) and path[0] == "*":
-        items = enumerate(value)
-    for key, item in items:
-        yield from _found(item, path[1:], f"{pointer}/{key}")
+    elif path[0] != "*":
+        if isinstance(value, dict) and path[0] in value:
+            yield from _found(value[path[0]], path[1:], f"{pointer}/{path[0]}")
+    elif isinstance(value, (dict, list)):
+        key = path[1] if len(path) > 1 else "*"
+        for place, item in value.items() if isinstance(value, dict) else enumerate(value):
+            if key == "*" or (isinstance(item, dict) and key in item):
+                yield from _found(item, path[1:], f"{pointer}/{place}")
 
 
 def _pointer_text(view: View, pointer: str) -> str:

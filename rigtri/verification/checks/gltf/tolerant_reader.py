@@ -62,6 +62,13 @@ class Item:
         """The objects of a list; an empty one in place of each that is none."""
         return [self._object(raw, f"{key}/{k}", place) for k, raw in enumerate(self.items(key, place))]
 
+    def raws(self, key: str, place: str = "") -> list[dict[str, Any]]:
+        """The JSON of `objects`, which are not made where all are objects."""
+        items = self.items(key, place)
+        if all(isinstance(raw, dict) for raw in items):
+            return list(items)
+        return [item.raw for item in self.objects(key, place)]
+
     def _object(self, raw: Any, key: str, place: str) -> Item:
         found = Item(self.view, raw, place or self.place, f"{self.pointer}/{key}")
         if not isinstance(raw, dict):
@@ -123,9 +130,7 @@ class View:
         self.container, self.findings = container, findings
         self.raw = container.gltf
         self.file = Item(self, self.raw, "file", "")
-        self.lists = {
-            key: [item.raw for item in self.file.objects(key, key)] for key in (*LISTS, "materials")
-        }
+        self.lists = {key: self.file.raws(key, key) for key in (*LISTS, "materials")}
         self.nodes = self.lists["nodes"]
         self.above = [-1] * len(self.nodes)
         self.largest_key = 0.0
