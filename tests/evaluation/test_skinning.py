@@ -14,7 +14,7 @@ from rigtri.evaluation import skinning
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.skinning import SkinnedPoints, deformed, normalised_weights
 from rigtri.evaluation.timelines import timelines
-from rigtri.maths.quaternions import from_axis_angle, unit
+from rigtri.maths.quaternions import from_axis_angle, to_axes, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
@@ -209,3 +209,36 @@ def test_a_turn_of_one_joint_by_hand() -> None:
     assert_allclose(
         deformed(mesh, rig, world, np.zeros((1, 0)))[0], [[0.75 * 1 + 0.25 * 2, 0.75, 0]], atol=1e-12
     )
+
+
+def test_dual_quaternions_blend_along_the_short_way() -> None:
+    """Half way between 170° and −170° about the bone is half a turn."""
+    rig = chain((0, 0, 0), (1, 0, 0))
+    rig = replace(rig, skins=(replace(rig.skins[0], inverse_bind=np.tile(np.eye(4), (2, 1, 1))),))
+    world = np.tile(np.eye(4), (1, 2, 1, 1))
+    for joint, degrees in enumerate((170.0, -170.0)):
+        world[0, joint, :3, :3] = to_axes(from_axis_angle(np.array([1.0, 0.0, 0.0]), np.radians(degrees)))
+    mesh = Mesh(
+        "m", 0, np.array([[0.5, 2.0, 0.0]]), 0, np.array([[0, 1]]), np.ones((1, 2)), dual_quaternion=True
+    )
+    assert_allclose(deformed(mesh, rig, world, np.zeros((1, 0)))[0], [[0.5, -2, 0]], atol=1e-12)
+
+
+def test_few_points_of_a_mesh_without_influences_follow_its_node() -> None:
+    rig = arm()
+    mesh = body(joints=np.zeros((COUNT, 0), np.int64), weights=np.zeros((COUNT, 0)))
+    some = SkinnedPoints(rig, mesh, np.array([1]))
+    assert some.nodes == [3]
+    (timeline,) = timelines(rig)
+    expected = by_hand(mesh, rig, at(rig, 0.5), np.zeros((1, 0)))[:, [1]]
+    assert_allclose(some.sample(timeline, np.array([0.5])), expected, atol=1e-12)
+
+
+def test_matrices_are_alike_up_to_rounding() -> None:
+    first = np.diag([1.0, 2.0, 40.0, 1.0])
+    for off, alike in ((1e-13, True), (1e-12, False), (np.nan, False)):
+        other = first.copy()
+        other[3, 0] += off
+        assert skinning._alike(np.stack([first, other])) is alike
+        assert skinning._alike(np.stack([other, first])) is alike
+    assert skinning._alike(first[np.newaxis])

@@ -180,6 +180,82 @@ def test_a_copy_that_is_stopped_reports_it(tmp_path: Path) -> None:
     assert not background_copy.copy_file(tmp_path / "a", tmp_path / "b", stop)
 
 
+def test_the_kernel_copies_what_it_can_until_it_is_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    content, stop, asked = bytes(range(200)), threading.Event(), list[int]()
+
+    def by_kernel(source: int, target: int) -> int:
+        block = os.read(source, 60)
+        asked.append(len(block))
+        if len(asked) == 2:
+            stop.set()
+        return os.write(target, block)
+
+    monkeypatch.setattr(background_copy, "_by_kernel", by_kernel)
+    (tmp_path / "a").write_bytes(content)
+    assert background_copy.copy_file(tmp_path / "a", tmp_path / "b")
+    assert asked == [60, 60, 60, 20, 0]
+    assert (tmp_path / "b").read_bytes() == content
+    asked.clear()
+    stop.clear()
+    assert not background_copy.copy_file(tmp_path / "a", tmp_path / "b", stop)
+    assert asked == [60, 60]
+    assert (tmp_path / "b").read_bytes() == content[:120]
+
+
+def test_copies_that_nobody_has_taken_are_all_removed(tmp_path: Path) -> None:
+    copies = background_copy.BackgroundCopies()
+    for name in "abc":
+        (tmp_path / name).write_bytes(name.encode())
+        copies.begin(tmp_path / name, tmp_path / "there" / name)
+    (tmp_path / "there").mkdir(exist_ok=True)
+    assert not copies.take(tmp_path / "a", tmp_path / "there" / "other")
+    copies.drop()
+    assert names(tmp_path / "there") == []
+
+
+def test_large_files_are_those_of_buffers_and_images_beside_it_once_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = tmp_path / "there"
+    there.mkdir()
+    for name in ("a.bin", "b c.png", "small.bin", "known.bin", "x.gltf", "link.bin"):
+        (tmp_path / name).write_bytes(bytes(4 if name == "small.bin" else 5))
+    (tmp_path / "link.bin").unlink()
+    (tmp_path / "link.bin").symlink_to(tmp_path / "a.bin")
+    (there / "known.bin").touch()
+    monkeypatch.setattr(background_copy, "FROM", 5)
+    uris = [
+        "a.bin",
+        "a.bin",
+        "small.bin",
+        "known.bin",
+        "link.bin",
+        "missing.bin",
+        "../a.bin",
+        "x.gltf",
+        7,
+        None,
+    ]
+    gltf = {
+        "buffers": [{"uri": uri} for uri in uris] + [None],
+        "images": [{"uri": "b%20c.png"}],
+        "nodes": [{"uri": "a"}],
+    }
+    source = tmp_path / "in.gltf"
+    source.write_text(json.dumps(gltf))
+    found = background_copy._large(source, there / "x.gltf")
+    assert [file.name for file in found] == ["a.bin", "b c.png"]
+    assert not list(background_copy._large(source, tmp_path / "x.gltf"))
+    assert not list(background_copy._large(source.rename(tmp_path / "in.glb"), there / "x.gltf"))
+    source.write_text(json.dumps(gltf))
+    monkeypatch.setattr(background_copy, "LONGEST_JSON", source.stat().st_size)
+    assert list(background_copy._large(source, there / "x.gltf"))
+    monkeypatch.setattr(background_copy, "LONGEST_JSON", source.stat().st_size - 1)
+    assert not list(background_copy._large(source, there / "x.gltf"))
+
+
 def test_a_head_start_does_not_wait_for_numpy() -> None:
     script = "import sys, rigtri.files.background_copy, rigtri.cli.options; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0

@@ -17,6 +17,7 @@ import pytest
 from places import ci
 
 from rigtri.errors import FileError
+from rigtri.files import worker_process
 from rigtri.files.worker_process import PRELOADED, CrashError, WorkerProcess
 from rigtri.pipeline.batch.local_engine import PRELOADED as BATCH
 
@@ -143,6 +144,40 @@ def test_the_many_words_for_no_memory_mean_one_thing() -> None:
             assert told.value.kind == "memory"
         with pytest.raises(RuntimeError, match="ordinary"):
             child("a.glb", raised, RuntimeError("ordinary"))
+
+
+@pytest.mark.parametrize(
+    ("error", "memory"),
+    [
+        (MemoryError(), True),
+        (OSError(errno.ENOMEM, "no"), True),
+        (OSError(errno.ENOENT, "no"), False),
+        (RuntimeError("can't start new thread"), True),
+        (RuntimeError("can't"), False),
+        (ValueError("can't start new thread"), False),
+        (ImportError("x.so: failed to map segment from shared object"), True),
+        (ImportError("no module named x"), False),
+        (ValueError("failed to map segment from shared object"), False),
+    ],
+)
+def test_an_error_is_of_memory_by_its_type_and_words(error: Exception, memory: bool) -> None:
+    assert worker_process.of_memory(error) is memory
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="nothing tells how much is mapped")
+@pytest.mark.parametrize(("most", "least"), [(-1, None), (1 << 62, None), (4096, 4096)])
+def test_the_limit_is_what_is_mapped_and_so_much_more_but_no_more_than_allowed(
+    monkeypatch: pytest.MonkeyPatch, most: int, least: int | None
+) -> None:
+    import resource
+
+    found: list[tuple[int, tuple[int, int]]] = []
+    monkeypatch.setattr(resource, "getrlimit", lambda kind: (most, most))
+    monkeypatch.setattr(resource, "setrlimit", lambda kind, limits: found.append((kind, limits)))
+    monkeypatch.setattr(Path, "read_text", lambda self: "1000 7 5")
+    worker_process._limit(1 << 30)
+    limit = least or 1000 * resource.getpagesize() + (1 << 30)
+    assert found == [(resource.RLIMIT_AS, (limit, most))]
 
 
 INTERRUPTED = """
