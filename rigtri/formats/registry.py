@@ -55,8 +55,13 @@ def check_content(path: Path) -> None:
     except OSError:
         return  # reading it raises
     found = next((right for magic, right in SUFFIX_OF.items() if start.startswith(magic)), suffix)
-    here = next((known for known in (GLTF_SUFFIXES, USD_SUFFIXES) if suffix in known), (found,))
-    if found not in here:
+    if suffix in GLTF_SUFFIXES:
+        fits = found in GLTF_SUFFIXES
+    elif suffix == ".usd":
+        fits = found in (".usd", ".usda", ".usdc")
+    else:
+        fits = found == suffix or suffix not in USD_SUFFIXES
+    if not fits:
         raise FileError(f"{path} is no {suffix} file inside; rename it to {path.stem}{found}")
 
 

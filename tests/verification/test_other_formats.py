@@ -19,6 +19,9 @@ from rigtri.verification.checks import check
         ("a.blend", b"BLENDER", "File > Export > glTF 2.0"),
         ("a.glb", b"#usda 1.0\n", "rename it to a.usda"),
         ("a.usda", b"glTF\2\0\0\0", "rename it to a.glb"),
+        ("a.usdc", b"#usda 1.0\n", "rename it to a.usda"),
+        ("a.usda", b"PXR-USDC", "rename it to a.usdc"),
+        ("a.usd", b"PK\3\4", "rename it to a.usdz"),
     ],
 )
 def test_a_file_of_another_format_is_reported_the_way(
