@@ -18,6 +18,7 @@ from . import COMPLETION
 from .bash_completion import Bash
 from .help_format import Command
 from .options import json_option
+from .printing import print_json
 
 SHELLS = ("bash", "zsh", "fish")
 
@@ -33,4 +34,5 @@ def command(ctx: click.Context, shell: str, as_json: bool) -> None:
     program = ctx.find_root().command
     lines = known(program, {}, "rigtri", COMPLETION).source()
     # For fish, click cuts what it says of a choice at the first comma.
-    click.echo(lines.replace('string split "," ', 'string split --max 1 "," '))
+    script = lines.replace('string split "," ', 'string split --max 1 "," ')
+    print_json({"shell": shell, "script": script}) if as_json else click.echo(script)

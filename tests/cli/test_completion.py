@@ -118,3 +118,9 @@ def test_zsh_completes(here: Path) -> None:
     told = subprocess.run(run, capture_output=True, text=True, check=True).stdout.splitlines()
     assert told[0].startswith("orient-joints:Give joints new axes")
     assert [line.partition(":")[0] for line in told[1:]] == ["joints", "controls", "files"]
+
+
+@pytest.mark.parametrize("name", ["bash", "zsh", "fish"])
+def test_a_script_is_printed_as_json_on_request(name: str) -> None:
+    script = cli("completion", name, code=0).stdout
+    assert cli("completion", name, "--json", code=0).json == {"shell": name, "script": script[:-1]}
