@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 )
 @option(
     "--at",
-    metavar="CLIP@TIME",
+    metavar="CLIP@TIME|rest",
     help=f"Of a file. {MOMENT} [rest]",
     group="what",
 )

@@ -109,8 +109,7 @@ def _clips(rig: Rig) -> Iterator[str]:
 
 
 def _moments(rig: Rig) -> Iterator[str]:
-    """Rest, and the beginning and end of each clip."""
-    yield "rest"
+    """The beginning and end of each clip."""
     for clip in rig.clips:
         times = [float(each) for track in clip.tracks if len(track.times) for each in track.times[[0, -1]]]
         if times and clip.name:

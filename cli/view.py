@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 @option("--clip", metavar="CLIP", help="Start with this clip, playing. [the rest pose]", group="what")
 @option(
     "--at",
-    metavar="CLIP@TIME",
+    metavar="CLIP@TIME|rest",
     help=f"Start paused. {MOMENT}",
     group="what",
 )
