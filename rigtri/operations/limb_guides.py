@@ -13,6 +13,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.operation import from_keywords
 from rigtri.operations.option_kinds import point
 from rigtri.operations.options.make_limb import MakeLimbOptions
+from rigtri.text import is_number
 
 _COORDINATES = ("x", "y", "z")
 _SIDES = {"L": "left", "R": "right"}
@@ -56,7 +57,8 @@ def _flag(options: MakeLimbOptions) -> str:
 
 def natural(name: str) -> list[tuple[str, int]]:
     """The order of names by their numbers: a_2 before a_10."""
-    return [(text.lower(), int(number or -1)) for text, number in re.findall(r"([^0-9]*)([0-9]*)", name)]
+    parts = re.findall(r"([^0-9]*)([0-9]*)", name)
+    return [(text.lower(), int(number) if is_number(number) else -1) for text, number in parts]
 
 
 def _of_nodes(rig: Rig, pattern: str) -> dict[str, dict[str, Any]]:

@@ -490,6 +490,7 @@ def test_nodes_that_a_pattern_means_are_guides_of_a_skeleton() -> None:
     [
         (_guide_nodes(("hip_loc", -1, (0, 0, 0))), "guide_nodes=.*: 'hip_loc' has no number"),
         (_guide_nodes(("a_1_loc", -1, (0, 0, 0))), "guide_nodes=, a: .*two or more"),
+        (_guide_nodes((f"{'9' * 4400}_loc", -1, (0, 0, 0))), "two or more"),
         (
             _guide_nodes(
                 ("a_2_loc", -1, (0, 0, 0)),

@@ -636,6 +636,9 @@ def test_json_is_as_its_schema_requires(name: str) -> None:
 def test_a_scheme_that_cannot_be_read_is_reported_in_one_line(tmp_path: Path) -> None:
     run = cli("recognise", SAMPLES / "biped.glb", "--scheme", tmp_path / "no.toml", code=3)
     assert "is not a naming scheme" in run.output
+    (tmp_path / "long.toml").write_text(f"title = {'9' * 4400}")
+    run = cli("recognise", SAMPLES / "biped.glb", "--scheme", tmp_path / "long.toml", code=3)
+    assert "is not a naming scheme: this is not TOML" in run.output
 
 
 # By hand: arms and legs that the shape alone shows in real files whose names are taken away.

@@ -12,7 +12,17 @@ from typing import Any
 from urllib.parse import unquote
 
 from rigtri.errors import FileError
-from rigtri.export.conversion.scene import Camera, Image, Light, Material, Primitive, Scene, Slot, Texture
+from rigtri.export.conversion.scene import (
+    Camera,
+    Image,
+    Light,
+    Material,
+    Primitive,
+    Scene,
+    Slot,
+    Texture,
+    short_stem,
+)
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.gltf.scene_facts import LIGHTS
 from rigtri.formats.gltf.uris import is_data
@@ -241,7 +251,7 @@ class _Reader:
         uri, named = raw.get("uri"), raw.get("name")
         path = unquote(uri) if isinstance(uri, str) and not is_data(uri) else str(named or f"image_{number}")
         plain = PurePosixPath(path).name.partition(".")[0]
-        stem = "".join(c if c.isalnum() or c in "-_" else "_" for c in plain)
+        stem = short_stem("".join(c if c.isalnum() or c in "-_" else "_" for c in plain))
         known = {b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg", b"RIFF": ".webp", b"\xabKTX": ".ktx2"}
         suffix = next((s for start, s in known.items() if content.startswith(start)), "")
         suffix = suffix or _TYPES.get(str(raw.get("mimeType")), PurePosixPath(path).suffix or ".png")

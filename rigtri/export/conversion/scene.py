@@ -20,6 +20,19 @@ Slot = Literal["base", "metal_rough", "normal", "occlusion", "emissive"]
 Colour = tuple[float, float, float]
 
 
+# File systems have 255 bytes for a name; a part that is being written has more in its name than the file.
+_STEM_BYTES = 160
+
+
+def short_stem(stem: str) -> str:
+    """As much of the name of an image as a file system surely allows: prompts can be names, too.
+
+    >>> short_stem("skin"), len(short_stem("手" * 100))
+    ('skin', 53)
+    """
+    return stem.encode("utf-8", "replace")[:_STEM_BYTES].decode("utf-8", "ignore")
+
+
 @dataclass(frozen=True)
 class Image:
     """An image file. name: a plain file name with its suffix, unique in the scene."""

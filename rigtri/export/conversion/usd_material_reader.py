@@ -13,7 +13,7 @@ import numpy as np
 from pxr import Usd, UsdShade
 
 from rigtri.errors import FileError
-from rigtri.export.conversion.scene import Image, Material, Scene, Slot, Texture
+from rigtri.export.conversion.scene import Image, Material, Scene, Slot, Texture, short_stem
 from rigtri.export.conversion.usd_materials import DEGREES, flipped
 from rigtri.export.conversion.usd_networks import source_of, value_of
 from rigtri.maths.trigonometry import sin_cos
@@ -244,7 +244,7 @@ class MaterialReader:
         if not known:
             self._scene.lose(f"texture '{name}', which is neither PNG nor JPEG")
             return None
-        stem, number = PurePosixPath(name).stem, 1
+        stem, number = short_stem(PurePosixPath(name).stem), 1
         suffix = ".png" if content.startswith(b"\x89PNG") else ".jpg"
         name = f"{stem}{suffix}"
         while name.lower() in self._names:

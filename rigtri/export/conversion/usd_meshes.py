@@ -15,11 +15,15 @@ from rigtri.evaluation.skinning import normalised_weights
 from rigtri.export.conversion import usd_values as values
 from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_materials import primvar
+from rigtri.export.conversion.usd_names import Names
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.mesh import Mesh, Surface
+from rigtri.text import is_number
 
 _TYPES, _TOKENS = Sdf.ValueTypeNames, UsdGeom.Tokens
+# Primvars that mean something to UsdGeom, and the last word that none may have.
+_TAKEN = ("normals", "tangents", "displayColor", "displayOpacity", "widths", "indices")
 
 
 def triangles(surface: Surface) -> Integers | None:
@@ -79,9 +83,10 @@ def define(stage: Any, path: str, primitive: Primitive, scene: Scene, *, double_
 def _attributes(prim: Any, mesh: Mesh, surface: Surface, scene: Scene) -> None:
     """Texture coordinates, colours, and what else points have."""
     primvars, each = UsdGeom.PrimvarsAPI(prim), _TOKENS.vertex
+    own = Names([*_TAKEN, *map(primvar, range(len(surface.values)))])
     for name, found in surface.values.items():
         kind, _, number = name.partition("_")
-        if kind == "TEXCOORD" and number.isdigit():
+        if kind == "TEXCOORD" and is_number(number):
             upwards = np.stack([found[:, 0], 1.0 - found[:, 1]], axis=1)
             made = primvars.CreatePrimvar(primvar(int(number)), _TYPES.TexCoord2fArray, each)
             made.Set(values.vectors(upwards))
@@ -96,7 +101,10 @@ def _attributes(prim: Any, mesh: Mesh, surface: Surface, scene: Scene) -> None:
             tangents = primvars.CreatePrimvar("tangents", _TYPES.Float4Array, each)
             tangents.Set(Vt.Vec4fArray.FromNumpy(np.ascontiguousarray(found, dtype=np.float32)))
         elif " of morph target " not in name:
-            made = primvars.CreatePrimvar(name.lstrip("_"), _TYPES.FloatArray, each, found.shape[1])
+            word = own.unique(name.lstrip("_"), "attribute")
+            if word not in (name, name.lstrip("_")):
+                scene.lose(f"mesh {mesh.name}: the name of {name}, which is {word} now")
+            made = primvars.CreatePrimvar(word, _TYPES.FloatArray, each, found.shape[1])
             made.Set(values.floats(found))
         elif not name.startswith("NORMAL of "):
             scene.lose(f"mesh {mesh.name}: {name.partition(' of ')[0]} of morph targets")

@@ -245,6 +245,27 @@ def test_an_image_of_a_kind_that_nobody_knows_keeps_its_suffix_and_is_listed(tmp
     assert (tmp_path / "out_textures" / "skin.avif").read_bytes() == b"of no known kind"
 
 
+@pytest.mark.parametrize("letter", ["n", "手"])
+def test_images_with_names_longer_than_a_file_may_have_are_written(letter: str, tmp_path: Path) -> None:
+    """Before, an error that OUT has a name that is too long."""
+    b = small(2)
+    views = [b.view(png((9, 9, shade))) for shade in (1, 2)]
+    b.gltf |= {
+        "images": [{"name": letter * 300, "mimeType": "image/png", "bufferView": view} for view in views],
+        "textures": [{"source": 0}, {"source": 1}],
+        "materials": [
+            {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "normalTexture": {"index": 1}}
+        ],
+    }
+    b.gltf["meshes"][0]["primitives"][0]["material"] = 0
+    rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usda")
+    written = sorted((tmp_path / "out_textures").iterdir())
+    assert {path.read_bytes() for path in written} == {png((9, 9, 1)), png((9, 9, 2))}
+    assert all(path.name.startswith(letter * 50) for path in written)
+    rigtri.convert(tmp_path / "out.usda", tmp_path / "back.gltf")
+    assert len(list((tmp_path / "back_textures").iterdir())) == 2
+
+
 @pytest.mark.parametrize("names", [["smile", "big brow"], ["a/b", "a b"]])
 def test_names_of_morph_targets_and_the_copyright_come_home(names: list[str], tmp_path: Path) -> None:
     b = small(2)

@@ -133,6 +133,42 @@ def test_what_points_have_becomes_primvars(stage: Any, scene: Scene) -> None:
     assert not scene.lost
 
 
+@pytest.mark.parametrize(
+    ("name", "word"),
+    [
+        ("_Col.001", "Col_001"),
+        ("_2nd", "_2nd"),
+        ("_", "attribute"),
+        ("_a:indices", "a_indices"),
+        ("_indices", "indices_1"),
+        ("_normals", "normals_1"),
+        ("_displayColor", "displayColor_1"),
+        ("_st", "st_1"),
+        ("_skel:jointIndices", "skel_jointIndices"),
+        ("TEXCOORD_²", "TEXCOORD__"),
+        ("TEXCOORD_" + "9" * 4400, "TEXCOORD_" + "9" * 4400),
+    ],
+)
+def test_own_attributes_get_names_that_usd_allows_and_that_mean_nothing_else(
+    name: str, word: str, stage: Any, scene: Scene
+) -> None:
+    """Before, tracebacks of OpenUSD, and values that took the place of others."""
+    own, uv = [[float(k)] for k in range(5)], [[0.0, 1.0]] * 5
+    prim = defined(stage, scene, surface("triangles", [0, 1, 2], TEXCOORD_0=uv, **{name: own}))
+    authored = UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithAuthoredValues()
+    assert {one.GetPrimvarName() for one in authored} == {"st", word}
+    assert_allclose(primvar(prim, word), np.ravel(own))
+    renamed = [] if word in (name, name[1:]) else [f"mesh m: the name of {name}, which is {word} now"]
+    assert scene.lost == renamed
+
+
+def test_own_attributes_whose_names_differ_by_underscores_are_all_kept(stage: Any, scene: Scene) -> None:
+    first, second = [[0.0]] * 5, [[1.0]] * 5
+    prim = defined(stage, scene, surface("triangles", [0, 1, 2], _x=first, __x=second))
+    assert_allclose(primvar(prim, "x"), np.ravel(first))
+    assert_allclose(primvar(prim, "x_1"), np.ravel(second))
+
+
 def test_colours_without_opacity_have_none_and_other_morphs_are_reported(stage: Any, scene: Scene) -> None:
     values = {"COLOR_0": [[1.0, 0.5, 0.25]] * 5, "TANGENT of morph target 0": POINTS}
     prim = defined(stage, scene, surface("triangles", [0, 1, 2], **values))
