@@ -21,6 +21,7 @@ from rigtri.formats import read
 from rigtri.frames.rescale import rescale
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.model.animation import Clip, Track
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions
 from rigtri.operations.take_clips.restore_metadata import as_described
@@ -282,16 +283,35 @@ def test_controls_that_a_dcc_has_made_bones_rest_where_the_other_file_has_them()
     np.testing.assert_allclose(found.world[own], rig.world[own], atol=1e-6)
 
 
-def test_joints_that_a_path_refers_to_elsewhere_are_reported_with_the_reason() -> None:
+def called_by_paths() -> tuple[Rig, Rig]:
+    """A rig, and the same whose metadata call joints by their paths, with a node that has a joint's name."""
     rig = biped()
     notes = {
         node: {**note, "joint": rig.path(rig.find(note["joint"]))} if "joint" in note else note
         for node, note in rig.metadata.items()
     }
     two = rig.with_nodes(["hips"], [-1], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
-    elsewhere = replace(rig, metadata={}, names=("other", *rig.names[1:]))
-    with pytest.raises(rigtri.RigtriError, match="2 nodes of that file are called 'hips'"):
-        as_described(elsewhere, replace(two, metadata=notes))
+    return replace(rig, metadata={}), replace(two, metadata=notes)
+
+
+def test_paths_mean_the_same_joints_below_nodes_that_an_exporter_has_put_above() -> None:
+    """Before, controls did not find their joints, which kept their own motion."""
+    rig, described = called_by_paths()
+    elsewhere, report = replace(rig, names=("other", *rig.names[1:])), Report()
+    found = as_described(elsewhere, described, report=report)
+    assert not report.warnings
+    for node, own in found.records(ControlRecord).items():
+        meant = biped().known(biped().records(ControlRecord)[node].joint)
+        assert found.known(own.joint) == meant
+
+
+def test_joints_that_a_path_refers_to_elsewhere_are_reported_with_the_reason() -> None:
+    rig, described = called_by_paths()
+    names = tuple("pelvis" if name == "hips" else name for name in rig.names)
+    report = Report()
+    as_described(replace(rig, names=names), described, report=report)
+    texts = [notice.text for notice in report.warnings if notice.code == "not-in-this-file"]
+    assert any("2 nodes of that file are called 'hips'" in text for text in texts)
 
 
 def test_names_that_several_nodes_have_are_reported() -> None:

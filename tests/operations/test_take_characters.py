@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from program import cli
+from rigs import rig_of
 from usd_files import MESH, animation, read, save, scene, skeleton
 
 from rigtri.errors import GeometryError
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.bake.bake import bake
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.take_clips import take_clips
@@ -130,3 +132,14 @@ def test_one_rig_describes_each_of_several_characters(shot: Rig, tmp_path: Path)
     assert done.records(ControlRecord).keys() == shot.records(ControlRecord).keys()
     shown, expected = (rig.clips[0].tracks for rig in (done, bake(shot)))
     assert {(track.node, track.path) for track in shown} == {(track.node, track.path) for track in expected}
+
+
+def test_a_joint_below_a_skeleton_of_its_name_is_paired_with_the_joint() -> None:
+    """Maya names a skeleton by its first joint, and Blender's export puts another node of that name above."""
+    ours = rig_of(["hips", "hips", "leg"], [-1, 0, 1], np.ones((3, 3)))
+    theirs = rig_of(["root", "hips", "hips", "hips", "leg"], [-1, 0, 1, 2, 3], np.ones((5, 3)))
+    ours, theirs = (
+        replace(rig, skins=(Skin("skin", np.array(own), np.tile(np.eye(4), (2, 1, 1))),))
+        for rig, own in ((ours, [1, 2]), (theirs, [3, 4]))
+    )
+    assert pairs(ours, theirs).of == {0: 1, 1: 3, 2: 4}

@@ -210,15 +210,12 @@ def _spelled(rig: Rig, spell: Callable[[str], str]) -> dict[str, list[int]]:
 def _paired(rig: Rig, other: Rig, ours: Sequence[int], theirs: Sequence[int]) -> dict[int, int]:
     """One of each; of several those that are joints, or what stands at the same path.
 
-    A mesh in USD stands below a prim of its name, which has the motion.
+    A mesh in USD stands below a prim of its name, which has the motion; and a joint below a skeleton of its name.
     """
-    ours, theirs = _topmost(rig, ours), _topmost(other, theirs)
-    if len(ours) == len(theirs) == 1:
-        return {ours[0]: theirs[0]}
     found = {}
-    for joints in (True, False):
-        a = [node for node in ours if bool(rig.is_joint[node]) == joints]
-        b = [node for node in theirs if bool(other.is_joint[node]) == joints]
+    for joints in (True, False) if len(ours) > 1 or len(theirs) > 1 else ():
+        a = _topmost(rig, [node for node in ours if bool(rig.is_joint[node]) == joints])
+        b = _topmost(other, [node for node in theirs if bool(other.is_joint[node]) == joints])
         if len(a) == len(b) == 1:
             found[a[0]] = b[0]
             continue
@@ -226,7 +223,8 @@ def _paired(rig: Rig, other: Rig, ours: Sequence[int], theirs: Sequence[int]) ->
             same = [k for k in b if other.path(k) == rig.path(node)]
             if len(same) == 1:
                 found[node] = same[0]
-    return found
+    ours, theirs = _topmost(rig, ours), _topmost(other, theirs)
+    return {ours[0]: theirs[0]} if not found and len(ours) == len(theirs) == 1 else found
 
 
 def _topmost(rig: Rig, nodes: Sequence[int]) -> list[int]:

@@ -16,7 +16,14 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.timelines import timelines
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.vectors import length
-from rigtri.model.metadata import ADDED, EXPORT_WARNINGS, ControlRecord, damage
+from rigtri.model.metadata import (
+    ADDED,
+    EXPORT_WARNINGS,
+    ControlRecord,
+    Place,
+    damage,
+    with_references,
+)
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.take_clips.bind_space import bind_poses
@@ -49,7 +56,8 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         raise GeometryError("The file of --rig has nothing of rigtri's: no controls, poles or constraints")
     both = pairs(described, rig)
     shared = {node: both.of[node] for node in stored if node in both.of}
-    found = {node: stored[theirs] for theirs, node in shared.items()}
+    as_stored = {node: stored[theirs] for theirs, node in shared.items()}
+    found = _with_names_of(rig, as_stored, described, both.of)
     # A group only holds the others; as a Scope without metadata it is no node.
     others = [node for node in stored if described.type_of(node) != "group"]
     missing = [node for node in others if node not in both.of]
@@ -79,7 +87,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         )
     elif not any(damage(stored) for node, stored in rig.metadata.items() if node not in found):
         report.answer(*EXPORT_WARNINGS)
-    _warn_other_metadata(rig, found, report)
+    _warn_other_metadata(rig, as_stored, found, report)
     whole = replace(rig, metadata={**rig.metadata, **found})
     _refuse_strange_joints(whole, found, described, report)
     bound = _bound_otherwise(rig, described, both.of)
@@ -113,10 +121,35 @@ def _refuse_lost_keys(rig: Rig, both: Pairs, ours: Collection[int], missing: lis
         )
 
 
-def _warn_other_metadata(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
+def _with_names_of(
+    rig: Rig, stored: Mapping[int, Mapping[str, Any]], described: Rig, of: Mapping[int, int]
+) -> dict[int, Mapping[str, Any]]:
+    """Metadata whose names and paths of the other file mean the same nodes in this one.
+
+    A path of it leads nowhere here where an exporter has put a node above all.
+    """
+
+    def address(_: Place, name: str) -> str:
+        theirs = described.known(name)
+        node = None if theirs is None else of.get(theirs)
+        return name if node is None or rig.known(name) == node else rig.address(node)
+
+    return {node: with_references(each, address) for node, each in stored.items()}
+
+
+def _warn_other_metadata(
+    rig: Rig,
+    stored: Mapping[int, Mapping[str, Any]],
+    found: Mapping[int, Mapping[str, Any]],
+    report: Report,
+) -> None:
     """A warning where the file has other metadata of its own."""
-    stored = {node: rig.metadata[node] for node in found if node in rig.metadata}
-    names = [rig.title(node) for node, own in stored.items() if own != found[node] and not damage(own)]
+    own = {node: rig.metadata[node] for node in found if node in rig.metadata}
+    names = [
+        rig.title(node)
+        for node, each in own.items()
+        if each not in (stored[node], found[node]) and not damage(each)
+    ]
     if names:
         text = f"The metadata of {list_names(names)} in this file is replaced by that of the file of --rig"
         report.warn("described-anew", text, names=names)
