@@ -38,7 +38,8 @@ class FormatRules:
     metres_per_unit: the length of the scene's unit. sized_binding: bind matrices are to have scale 1, and the
     points of a skin may be bound in another size instead.
     resting: nodes that show their rest pose in the midst of a clip. unread: nodes whose motion no track can
-    hold, with the reason.
+    hold, with the reason. unlisted: joints of clips without a skeleton whose parent no clip lists, and which
+    that is: nothing says how it stands.
     instances: nodes that show what another shows, which is read there alone: by each of them, that one.
     played: what moves each of several instances of a character: the key of a clip, None for none, by the
     instance's node and the skeleton's path below that.
@@ -62,6 +63,7 @@ class FormatRules:
     per_second: float = 1.0
     resting: Mapping[int, Resting] = field(default_factory=dict)
     unread: Mapping[int, str] = field(default_factory=dict)
+    unlisted: Mapping[int, str] = field(default_factory=dict)
     instances: Mapping[int, int] = field(default_factory=dict)
     played: Mapping[int, Mapping[str, Hashable]] = field(default_factory=dict)
     valid_name: Callable[[str], str] = str
@@ -73,6 +75,7 @@ class FormatRules:
             fixed={new[k]: reason for k, reason in self.fixed.items()},
             resting={new[k]: why for k, why in self.resting.items()},
             unread={new[k]: why for k, why in self.unread.items()},
+            unlisted={new[k]: parent for k, parent in self.unlisted.items()},
             world_aligned=frozenset(new[k] for k in self.world_aligned),
             data_nodes=frozenset(new[k] for k in self.data_nodes),
             named=frozenset(new[k] for k in self.named),

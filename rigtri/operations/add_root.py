@@ -80,6 +80,11 @@ def _rooted(rig: Rig, top: int, options: AddRootOptions, report: Report) -> tupl
         # A prim above a skeleton is no joint of it, and can be none: joints are elsewhere, of whatever name.
         if rig.names[node] == options.name and not rig.rules.sized_binding:
             return _made_joint(rig, node, top, report), node
+    if (parent := rig.rules.unlisted.get(top)) is not None:
+        raise GeometryError(
+            f"'{rig.title(top)}' is below '{parent}', which the clips here do not list: add the root to the "
+            "character, and look whether it has one"
+        )
     named = [node for node, name in enumerate(rig.names) if name == options.name]
     if any(rig.is_joint[node] or not rig.rules.sized_binding for node in named):
         text = f"Another node is called '{options.name}'"

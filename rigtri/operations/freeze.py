@@ -113,6 +113,11 @@ def _converted(rig: Rig, options: FreezeOptions, report: Report) -> Rig:
                 f"'{rig.title(rule.child)}' has channels that its constraint skips (--skip), along the "
                 "world's axes, and --up-axis would rotate those. Bake and strip first"
             )
+    for node, parent in rig.rules.unlisted.items() if quarter else ():
+        raise GeometryError(
+            f"--up-axis rotates the topmost joint, '{parent}', and the clips list only '{rig.title(node)}' "
+            "below it. Give the clips keys of all joints, or freeze them together with their character"
+        )
     rotation = np.array([quarter, 0.0, 0.0, HALF if quarter else 1.0])
     report.added.append({"type": "conversion", "up": new_up, "metres": new_metres})
     return convert(rig, Conversion(new_up, new_metres, rotation, metres / new_metres))

@@ -276,12 +276,24 @@ def stored_deltas(
         if name:
             known.setdefault(name, []).append(joint)
             found[joint] = _checked(name, stored[name])
+    _refuse_unlisted(rig, found, stored)
     _warn_shared(rig, known, report)
     lost = [name for name in stored if name not in known]
     if lost:
         report.warn("frames-unmatched", f"{len(lost)} stored frames fit no joint: {', '.join(lost[:10])}")
     delta = np.array(list(found.values())).reshape(-1, 4)
     return list(found), conjugate(delta) if inverted else delta
+
+
+def _refuse_unlisted(rig: Rig, joints: Container[int], stored: Mapping[str, Any]) -> None:
+    """GeometryError where a joint counts from another one that gets new axes, and that has no keys here."""
+    for joint, parent in rig.rules.unlisted.items():
+        for name in {parent, parent.rpartition("/")[2]} & stored.keys():
+            if joint in joints and rotation_angle(unit(_checked(name, stored[name]))) > NO_ROTATION:
+                raise GeometryError(
+                    f"--frames: '{rig.title(joint)}' is below '{parent}', which has new axes, and the clips "
+                    "here do not list that joint. Give them keys of all joints"
+                )
 
 
 def _stored_name(rig: Rig, joint: int, stored: Container[str]) -> str:

@@ -61,6 +61,28 @@ def test_frames_of_a_skeleton_reorient_the_library_as_its_own_animation(tmp_path
         assert_allclose(found, expected[name], atol=1e-6, err_msg=name)
 
 
+def test_a_joint_that_no_clip_lists_is_not_taken_for_one_that_is_not_there(tmp_path: Path) -> None:
+    """Before, the joint below it was rotated, framed and rooted as the topmost one."""
+    clips = save(
+        tmp_path,
+        library(animation())
+        .replace('"a/b/c"', '"z/a/b/c"')
+        .replace('"a/b"', '"z/a/b"')
+        .replace('"a"', '"z/a"'),
+    )
+    rig = read(clips).rig
+    assert rig.rules.unlisted == {1: "z"}
+    frames, out = tmp_path / "frames.json", tmp_path / "out.usda"
+    for turn, code in (([0.0, 0.0, 1.0, 0.0], 5), ([0.0, 0.0, 0.0, 1.0], 0)):
+        frames.write_text(
+            json.dumps({"rigtri": "frames", "v": 1, "joints": {"z": turn, "a": [1.0, 0.0, 0.0, 0.0]}})
+        )
+        cli("orient-joints", clips, "-o", out, "--overwrite", "--frames", frames, code=code)
+    other = "y" if rig.rules.up[2] else "z"
+    assert "'z'" in cli("freeze", clips, "-o", out, "--overwrite", "--up-axis", other, code=5).stderr
+    assert "'z'" in cli("add-root", clips, "-o", out, "--overwrite", "--above", rig.labels[1], code=5).stderr
+
+
 def test_only_the_animation_is_written(tmp_path: Path) -> None:
     source = save(tmp_path, library(animation()))
     document = read(source)

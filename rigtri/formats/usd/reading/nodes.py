@@ -45,6 +45,7 @@ class Nodes:
         self.metadata: dict[int, dict[str, Any]] = {}
         self.restless: list[str] = []  # prims of rigtri that are no controls, with samples and no default
         self.fixed: dict[int, str] = {}
+        self.unlisted: dict[int, str] = {}
         self.animated: dict[int, Any] = {}  # prims that their ops move over time
         self.node_of: dict[str, int] = {}
         self.joint_nodes: dict[str, dict[str, int]] = {}
@@ -153,6 +154,8 @@ class Nodes:
             )
             if skeleton.locked:
                 self.fixed[first + number] = skeleton.locked
+            if skeleton.path in skeleton.animations and parent < 0 and "/" in token:
+                self.unlisted[first + number] = token.rpartition("/")[0]
 
     def _holders(self, skeleton: Skeleton) -> set[str]:
         """The tokens of joints that only hold the axes of the one below them."""
@@ -200,6 +203,7 @@ class Nodes:
             metadata=dict(self.metadata),
             rules=FormatRules(
                 fixed=dict(self.fixed),
+                unlisted=dict(self.unlisted),
                 up=up,
                 metres_per_unit=float(UsdGeom.GetStageMetersPerUnit(self.stage)),
                 sized_binding=True,
