@@ -18,6 +18,13 @@ Side = Literal["left", "right", ""]
 SideStyle = Literal["Left", "left", "_l", "_L", ".l", ".L", "_left", "l_", "L_", "left_"]
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W0-9_A-Za-z]+")
+# A side that is glued to the word: of Poser and the Acclaim format (``lshldr``, ``rfemur``), and of Doom 3
+# (``Luparm``, ``rloleg``). Not of ears: ``rear`` is none.
+_GLUED = re.compile(
+    r"(?<![^\W\d_])[lLrR](?=(?:(?:up|upper|lo|low|lower|fore)?(?:arm|leg)|shldr|shoulder|collar|clavicle|humerus"
+    r"|radius|elbow|wrist|hand|fingers?|thumb|index|mid|middle|ring|pinky|hip|hipjoint|buttock|thigh|femur|knee"
+    r"|shin|calf|tibia|ankle|foot|toes?)(?![a-z]))"
+)
 _LEFT = frozenset({"l", "left", "lft", "左"})
 _RIGHT = frozenset({"r", "right", "rgt", "右"})
 SIDES = _LEFT | _RIGHT
@@ -48,8 +55,15 @@ def _without_accent(letter: str) -> str:
 
 
 def side(name: str) -> Side:
-    """Which side a name says: ``left``, ``right`` or "" for neither or both."""
+    """Which side a name says: ``left``, ``right`` or "" for neither or both.
+
+    Beside a whole word a letter is none: ``left_r_leg`` is the rear leg on the left.
+
+    >>> side("left_r_leg"), side("lthigh"), side("rear"), side("Lhand_r")
+    ('left', 'left', '', '')
+    """
     found = set(words(spread(name)))
+    found -= {"l", "r"} if found & {"left", "right"} else set()
     left, right = bool(found & _LEFT), bool(found & _RIGHT)
     return "left" if left and not right else "right" if right and not left else ""
 
@@ -80,10 +94,10 @@ def number(name: str) -> int | None:
 def twin(name: str) -> str:
     """The name with its sides swapped; the name itself where it says no side.
 
-    >>> twin("hand.L"), twin("LeftArm"), twin("lShldr"), twin("左ひじ")
-    ('hand.R', 'RightArm', 'rShldr', '右ひじ')
+    >>> twin("hand.L"), twin("LeftArm"), twin("lShldr"), twin("lshldr"), twin("左ひじ")
+    ('hand.R', 'RightArm', 'rShldr', 'rshldr', '右ひじ')
     """
-    return _WORD.sub(_other_side, name).translate({0x5DE6: "右", 0x53F3: "左"})
+    return _WORD.sub(_other_side, _GLUED.sub(_other_side, name)).translate({0x5DE6: "右", 0x53F3: "左"})
 
 
 def _other_side(found: re.Match[str]) -> str:
@@ -95,5 +109,9 @@ def _other_side(found: re.Match[str]) -> str:
 
 
 def spread(name: str) -> str:
-    """The name with a space behind CJK side characters, which are glued to the word."""
-    return re.sub(r"([左右])", r"\1 ", name)
+    """The name with a space behind sides that are glued to the word: CJK ones, and letters before some words.
+
+    >>> spread("左ひじ"), spread("lindex1")
+    ('左 ひじ', 'l index1')
+    """
+    return _GLUED.sub(r"\g<0> ", re.sub(r"([左右])", r"\1 ", name))
