@@ -237,11 +237,17 @@ def _in_order(
     others = [chain for chain in chains if chain is not thumb]
     if not 2 <= len(others) <= 4:  # which of them has one too many nobody knows, nor which one stands for all
         return [("Thumb" if chain is thumb else "", chain) for chain in chains]
-    start, end = max(combinations(others, 2), key=lambda two: (at[two[0][0]] - at[two[1][0]]).length)
-    if thumb and (at[end[0]] - at[thumb[0]]).length < (at[start[0]] - at[thumb[0]]).length:
+    # Of Rigify's palms the first holds thumb and index finger: there the finger alone is a chain.
+    steps = [len(draft.tree.way(hand, chain[0])) for chain in others]
+    row = [
+        (at[chain[min(max(steps) - step, len(chain) - 1)]], chain)
+        for step, chain in zip(steps, others, strict=True)
+    ]
+    (start, _), (end, _) = max(combinations(row, 2), key=lambda two: (two[0][0] - two[1][0]).length)
+    if thumb and (end - at[thumb[0]]).length < (start - at[thumb[0]]).length:
         start, end = end, start
-    row = (at[end[0]] - at[start[0]]).unit
-    others.sort(key=lambda chain: (at[chain[0]] - at[start[0]]).dot(row))
+    along = (end - start).unit
+    others = [chain for _, chain in sorted(row, key=lambda each: (each[0] - start).dot(along))]
     return list(zip(FINGERS, [thumb, *others], strict=False)) if thumb else [("", chain) for chain in others]
 
 

@@ -3,9 +3,31 @@
 from __future__ import annotations
 
 import pytest
-from recognition_bodies.skeletons import FINGERS, MAN, rig_with
+from recognition_bodies.skeletons import FINGERS, MAN, both, rig_with
 
 from rigtri.recognition.recognise import recognise
+
+
+def test_index_to_little_finger_below_palms_of_which_one_holds_the_thumb() -> None:
+    """Before, fingers without names of a Rigify rig were surely called in the wrong order."""
+    palms, fingers = [], []
+    for k in range(4):
+        palms.append((f"p{k}.L", "hand.L", (0.72, 1.45, 0.015 - 0.01 * k)))
+        fingers += [
+            (n, f"p{k}.L" if n == f"f{k}1.L" else a, at)
+            for n, a, at in FINGERS
+            if n.startswith(f"f{k}") and ".L" in n
+        ]
+    thumb = [(n, "p0.L" if n == "t1.L" else a, at) for n, a, at in FINGERS if n.startswith("t") and ".L" in n]
+    joints = [*MAN, *both([*palms, *fingers, *thumb])]
+    (found,) = recognise(rig_with(joints, named=False)).characters
+    called = {
+        chain.name: {joints[k][0] for k in chain.joints} for chain in found.chains if chain.kind == "finger"
+    }
+    for k, finger in enumerate(("index", "middle", "ring", "little")):
+        assert f"f{k}1.L" in called[f"left {finger} finger"]
+    assert "t1.L" in called["left thumb"]
+
 
 DOOM = {
     "upper_arm": "uparm",
