@@ -14,6 +14,7 @@ from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, rol
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
     arm_as_leg,
+    later_start,
     may_be_a_thing,
     other_bend,
     points_ahead,
@@ -67,11 +68,12 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or _no_trunk(draft, each)
         or _no_body(draft, each, found)
         or (not by_name and arm_as_leg(draft, each, found))
-        or (not by_name and (_misnamed(draft, each) or other_bend(each) or no_hand(draft, each)))
+        or (not by_name and (_said_to_bend_elsewhere(draft, each) or _misnamed(draft, each)))
+        or (not by_name and (other_bend(each) or no_hand(draft, each)))
         or split_bone(draft, each)
         or (not by_name and only_things(draft, each.joints))
         or (not by_name and (further_part(draft, each) or ankle_as_knee(draft, each)))
-        or (not by_name and (skirt(draft, each) or rival(draft, each)))
+        or (not by_name and (skirt(draft, each) or rival(draft, each) or later_start(draft, each)))
         or (not by_name and (points_ahead(draft, each) or may_be_a_thing(draft, each)))
         or (not by_name and _by_the_legs(draft, each, found))
         or ""
@@ -228,6 +230,14 @@ def _no_trunk(draft: Draft, each: Found) -> str:
 def _by_words(each: Found) -> bool:
     """Whether single words of names say of a pair what it is."""
     return each.pair is not None and each.pair.kind == each.kind
+
+
+def _said_to_bend_elsewhere(draft: Draft, each: Found) -> str:
+    """A middle joint that is called as an upper bone, after one that is called as what comes before it."""
+    first, middle, last = (limb_words(draft.tree.rig.names[joint]).levels for joint in each.joints)
+    if middle.keys() == {"upper"} and "before" in first and (not last or last.keys() == {"lower"}):
+        return f"{_title(draft, each.joints[1])} is called as an upper bone is"
+    return ""
 
 
 def _misnamed(draft: Draft, each: Found) -> str:

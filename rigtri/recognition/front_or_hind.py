@@ -1,19 +1,27 @@
-"""Which two of four legs are in front where arms begin above them, as those of a centaur do.
+"""Which two of four legs are in front: those before the head, and below the arms of a centaur.
 
-Its skeleton may hang from the hips of either part, so that the hierarchy does not tell.
+A skeleton may hang from the hips, from the shoulders or from the middle, so that the hierarchy does not tell.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import inf
 
+from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.body_shape import LEG, SIMILAR, Body
+from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import TIE
+from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.symmetry import Plane
 
 # Arms begin over the legs of one end of a trunk up to this part of it.
 _OVER = 0.3
+# What stands so far beyond legs, as parts of the trunk between them, are head and tail, and their tips; a
+# joint of the head moves so much more from side to side than one of the tail.
+_NEAR, _FAR, _BROADER = 0.1, 0.25, 1.5
 
 
 def is_further(body: Body, limbs: Limbs) -> bool:
@@ -25,18 +33,70 @@ def is_further(body: Body, limbs: Limbs) -> bool:
     return high and limbs.quality > LEG and limbs.size > least and limbs.lead > TIE
 
 
-def turned(ways: Sequence[Body], limbs: Sequence[Limbs]) -> list[Body]:
-    """The ways to see a body, the other way round first where arms begin over its hind legs.
+def turned(
+    tree: Tree, ways: Sequence[Body], limbs: Sequence[Limbs], plane: Plane, poses: Poses
+) -> list[Body]:
+    """The ways to see a body, the other way round first where arms or a head are over its hind legs.
 
-    That one is as sure as its own score: the hierarchy denies it.
+    Where arms are, that one is as sure as its own score: the hierarchy denies it. Where a head is, the
+    hierarchy only hangs from the shoulders.
     """
-    if not ways or not any(_over_hind_legs(ways[0], each) for each in limbs):
-        return list(ways)
+    if not ways:
+        return []
     best, *others = ways
+    led = _is_led_by_hind_legs(tree, best, plane, poses)
+    if not led and not any(_over_hind_legs(best, each) for each in limbs):
+        return list(ways)
     for other in others:
         if other.form == best.form and other.legs is best.arms and other.arms is best.legs:
-            return [replace(other, lead=best.lead), best, *(k for k in others if k is not other)]
+            score, less = (best.score, other.score) if led else (other.score, best.score)
+            first = replace(other, lead=best.lead, score=score)
+            return [first, replace(best, score=less), *(k for k in others if k is not other)]
     return list(ways)
+
+
+def _is_led_by_hind_legs(tree: Tree, body: Body, plane: Plane, poses: Poses) -> bool:
+    """Whether a head is beyond what is taken for hind legs, and a tail or nothing beyond the front ones.
+
+    A head has jaws and ears; where it has none, it is broader than a tail and hangs no lower.
+    """
+    hind, front = body.legs, body.arms
+    if body.form != "quadruped" or hind is None or front is None or hind.place or front.place:
+        return False
+    back, ahead = hind.starts - front.starts, front.starts - hind.starts
+    tips, others = (_tips(tree, _beyond(tree, body, way, _FAR)) for way in (back, ahead))
+    if tips != others and max(tips, others) > 1:
+        return tips > others
+    one, other = (_beyond(tree, body, way, _NEAR) for way in (back, ahead))
+    high, low = (max((tree.at[node].dot(body.up) for node in end), default=-inf) for end in (one, other))
+    return high > low > -inf and _breadth(tree, one, plane, poses) > _BROADER * _breadth(
+        tree, other, plane, poses
+    )
+
+
+def _tips(tree: Tree, nodes: Sequence[int]) -> int:
+    return sum(not tree.below[node] for node in nodes)
+
+
+def _beyond(tree: Tree, body: Body, way: Vector, share: float) -> list[int]:
+    """The joints of no leg that are beyond the legs of one end by a share of the trunk.
+
+    way: from the legs of the other end to these.
+    """
+    pairs = [pair for pair in (body.legs, body.arms) if pair is not None]
+    legs = {k for pair in pairs for path in pair.pair.paths for k in tree.branch(path[0])}
+    start = max((pair.starts for pair in pairs), key=lambda place: place.dot(way))
+    free = [k for k in tree.nodes if k not in legs]
+    return [k for k in free if (tree.at[k] - start).dot(way) > share * way.dot(way)]
+
+
+def _breadth(tree: Tree, nodes: Sequence[int], plane: Plane, poses: Poses) -> float:
+    """How far what one joint moves goes from side to side, at most."""
+    broad = 0.0
+    for node in nodes:
+        aside = [plane.side_of(point) for point in poses.box_of([node], tree.places)]
+        broad = max(broad, max(aside, default=0.0) - min(aside, default=0.0))
+    return broad
 
 
 def _over_hind_legs(body: Body, limbs: Limbs) -> bool:

@@ -36,6 +36,9 @@ _LED, _SHORT = 0.25, 0.45
 # Arms that begin so near to each other, as a part of their length, run aside there (a cosine, 45°) and have
 # a whole limb behind their first bone begin with clavicles, however long these are.
 CLAVICLES, _ASIDE, _WHOLE = 0.35, 0.7, 0.65
+# Joints of twins so near to each other, as a part of how far apart the next ones are, stand in the middle;
+# and what follows is a limb where its bones are so much like those of one.
+_TOGETHER, _LIMB = 0.1, 0.45
 # What a middle costs that is bent as an ankle is at rest, and how far that is, as a cosine (70°).
 _FOLD, _FOLDED = 0.1, 0.34
 # Bones in line bend by less than 15°, and a foot is set off from its shin by more than 25° (cosines).
@@ -202,14 +205,16 @@ def triple_of(
     said = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
     said = [words for words in said if any(word.levels for word in words)]
     places, first, found = list(combinations(range(len(path)), 3)), 0, []
-    if kind == "arm" and _leads_aside(tree, paths, len(path)):
+    whole = _LIMB if begin_as_one(tree, paths) else _WHOLE
+    if whole < _WHOLE or (kind == "arm" and _leads_aside(tree, paths, len(path))):
         behind = (_quality(bones, at, now, ever, moves, 1) for at in places if at[0])
-        first = int(max(behind, default=0.0) > _WHOLE)
+        first = int(max(behind, default=0.0) > whole)
     for at in places:
         quality = _quality(bones, at, now, ever, moves, min(first, at[0]))
         if quality == 0.0:
             continue  # a joint between bends, or a bone has no length
         quality -= _LED if at[0] < first else 0.0
+        quality -= _LED if kind == "leg" and at[0] > first and now[at[0]] > STRAIGHT else 0.0
         quality -= _HANDLESS if fingers >= HAND and at[2] < len(path) - 1 and kind != "leg" else 0.0
         named = fsum(agreement(words, at) for words in said) / max(1, len(said))
         if towards is not None:
@@ -224,6 +229,14 @@ def triple_of(
         named -= 1.0  # shape says otherwise: names alone make nothing sure
     size = fsum(bones[at[0] + 1 : at[2] + 1])
     return Triple(at, quality, best - (others[0][0] if others else 0.0), size, named)
+
+
+def begin_as_one(tree: Tree, paths: Sequence[Sequence[int]]) -> bool:
+    """Whether a limb begins where its twin does, in the middle: with a bone to the hip or shoulder."""
+    if len(paths) < 2:
+        return False
+    (one, on), (other, off) = ((tree.at[path[0]], tree.at[path[1]]) for path in paths)
+    return (one - other).length < _TOGETHER * (on - off).length
 
 
 def _leads_aside(tree: Tree, paths: Sequence[Sequence[int]], count: int) -> bool:

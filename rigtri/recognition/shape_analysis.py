@@ -86,7 +86,8 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
         others = bodies(tree, paws, plane)
         if others and others[0].form == "quadruped" and others[0].score > ways[0].score:
             limbs, ways = paws, others
-    ways = turned([settled(tree, way, poses, names) for way in ways], limbs)
+    ways = [settled(tree, way, poses, names) for way in ways]
+    ways = turned(tree, ways, limbs, plane, poses) if plane is not None else ways
     legs, up = many_legs(tree, limbs, plane)
     if legs and ways:
         ways = [replace(ways[0], up=up), *ways[1:]]

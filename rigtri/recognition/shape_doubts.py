@@ -12,7 +12,7 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import feet_ahead, long_feet
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_triples import HAND, STRAIGHT, beside, branches
+from rigtri.recognition.limb_triples import HAND, STRAIGHT, begin_as_one, beside, branches
 from rigtri.recognition.naming_schemes import roles_in_name
 
 # A further chain at the chest that is so long a part of the arms may be an arm as well.
@@ -92,6 +92,17 @@ def other_bend(each: Found) -> str:
         return ""
     unclear = mine.quality < _NO_LIMB or (mine.lead < _NARROW and mine.quality < _HARDLY)
     return "another joint of its chain may be the one that bends" if unclear else ""
+
+
+def later_start(draft: Draft, each: Found) -> str:
+    """A leg of a body on two that begins two joints from the middle: the one between may be its hip."""
+    mine, body = each.pair, draft.shape.body
+    if each.kind != "leg" or mine is None or body is None or body.form != "biped" or mine.named > 0.0:
+        return ""
+    if mine.at[0] < 2 or not begin_as_one(draft.tree, mine.pair.paths):
+        return ""
+    hip = mine.pair.paths[0][1]
+    return f"'{draft.tree.rig.title(hip)}' before it may be where it begins"
 
 
 def skirt(draft: Draft, each: Found) -> str:

@@ -3,9 +3,71 @@
 from __future__ import annotations
 
 import pytest
-from recognition_bodies.skeletons import FINGERS, MAN, both, rig_with
+from recognition_bodies.skeletons import FINGERS, MAN, Joint, both, line, rig_with
 
+from rigtri.recognition.layout import Character
 from rigtri.recognition.recognise import recognise
+
+# A bone from the middle leads to each leg, as of an elephant's shoulder blade; the root is at the shoulders.
+FRONT = line(
+    "blade.L shoulder.L elbow.L carpus.L",
+    "root",
+    (0, 1.5, 0.6),
+    (0.3, 0.95, 0.6),
+    (0.3, 0.5, 0.55),
+    (0.3, 0.05, 0.6),
+)
+HIND = line(
+    "pelvis.L hip.L knee.L hock.L",
+    "rump",
+    (0, 1.5, -0.6),
+    (0.3, 1.0, -0.6),
+    (0.3, 0.55, -0.5),
+    (0.3, 0.05, -0.6),
+)
+TAIL = line("tail1 tail2 tail3", "rump", (0, 1.5, -0.9), (0, 1.2, -1.0), (0, 0.9, -1.05))
+HEAD = [
+    *line("neck head jaw", "root", (0, 1.7, 0.8), (0, 1.9, 1.1), (0, 1.8, 1.4)),
+    *both([("ear.L", "head", (0.12, 2.0, 1.05))]),
+]
+ELEPHANT = [
+    ("root", "", (0.0, 1.5, 0.6)),
+    ("rump", "root", (0.0, 1.5, -0.6)),
+    *TAIL,
+    *HEAD,
+    *both([*FRONT, *HIND]),
+]
+
+
+def sure_limbs(joints: list[Joint], *, named: bool) -> tuple[Character, dict[str, str]]:
+    (found,) = recognise(rig_with(joints, named=named)).characters
+    limbs = (chain for chain in found.chains if chain.is_sure and chain.bend)
+    return found, {chain.name: " ".join(joints[k][0] for k in chain.bend) for chain in limbs}
+
+
+def test_a_quadruped_whose_root_is_at_its_shoulders_looks_where_its_head_is() -> None:
+    """Before, its root was taken for hips: all four legs were surely called those of the other end and side.
+
+    And they began in the middle, with the bone that leads to hip or shoulder.
+    """
+    (found,) = recognise(rig_with(ELEPHANT, named=False)).characters
+    assert found.facing == pytest.approx((0, 0, 1), abs=1e-3)
+    limbs = {chain.name: " ".join(ELEPHANT[k][0] for k in chain.bend) for chain in found.chains if chain.bend}
+    assert limbs == {
+        f"{side} {place} leg": joints.replace(".L", f".{side[0].upper()}")
+        for side in ("left", "right")
+        for place, joints in (("front", "shoulder.L elbow.L carpus.L"), ("hind", "hip.L knee.L hock.L"))
+    }
+
+
+@pytest.mark.parametrize("names", ["hip leg_up leg_low", "hip leg_upper leg_lower"])
+def test_a_leg_without_a_foot_is_not_surely_bent_at_its_thigh(names: str) -> None:
+    """Before, hip, thigh and shin were surely taken for thigh, shin and foot."""
+    first, second, third = names.split()
+    leg = line(f"{first}.L {second}.L {third}.L", "hips", (0, 1, 0), (0.1, 0.95, 0), (0.1, 0.5, 0.02))
+    joints = [joint for joint in MAN if joint[0].partition(".")[0] not in ("thigh", "shin", "foot", "toe")]
+    _, limbs = sure_limbs([*joints, *both(leg)], named=True)
+    assert not any("leg" in name for name in limbs)
 
 
 def test_index_to_little_finger_below_palms_of_which_one_holds_the_thumb() -> None:
