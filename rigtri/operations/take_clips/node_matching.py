@@ -210,7 +210,8 @@ def _spelled(rig: Rig, spell: Callable[[str], str]) -> dict[str, list[int]]:
 def _paired(rig: Rig, other: Rig, ours: Sequence[int], theirs: Sequence[int]) -> dict[int, int]:
     """One of each; of several those that are joints, or what stands at the same path.
 
-    A mesh in USD stands below a prim of its name, which has the motion; and a joint below a skeleton of its name.
+    A mesh in USD stands below a prim of its name, which has the motion, and a joint below a
+    skeleton of its name.
     """
     found = {}
     for joints in (True, False) if len(ours) > 1 or len(theirs) > 1 else ():

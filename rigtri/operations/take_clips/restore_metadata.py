@@ -62,21 +62,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     others = [node for node in stored if described.type_of(node) != "group"]
     missing = [node for node in others if node not in both.of]
     if missing == others:
-        many = [described.names[node] for node in missing if described.names[node] in both.unclear]
-        lost = list_names(described.names[node] for node in missing)
-        several = titles(rig)
-        remedy = (
-            f"bake one character at a time, with --character: {list_names(several)}"
-            if len(several) > 1
-            else "give each node a name of its own"
-        )
-        raise GeometryError(
-            f"Several nodes match {list_names(many)} of the file of --rig; {remedy}"
-            if many
-            else f"Nothing that rigtri built in the file of --rig is in this file, none of {lost}, and "
-            "--rig only restores what is stored on nodes that are here: add them with rigtri add-controls, "
-            "or take the motion of this file to that rig with: rigtri take-clips RIG --from IN"
-        )
+        raise GeometryError(_why_none(rig, described, both, missing))
     if missing:
         _refuse_lost_keys(rig, both, found, [described.names[node] for node in missing])
         names = [described.names[node] for node in missing]
@@ -107,6 +93,25 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     whole = key_unkeyed_poses(whole, rested, described, both.of, report)
     whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)
     return hold_switched_on_ik(whole, switched, timelines(whole))
+
+
+def _why_none(rig: Rig, described: Rig, both: Pairs, missing: Collection[int]) -> str:
+    """Why nothing of the other file is in this one, and what to do."""
+    many = [described.names[node] for node in missing if described.names[node] in both.unclear]
+    lost = list_names(described.names[node] for node in missing)
+    several = titles(rig)
+    remedy = (
+        f"bake one character at a time, with --character: {list_names(several)}"
+        if len(several) > 1
+        else "give each node a name of its own"
+    )
+    return (
+        f"Several nodes match {list_names(many)} of the file of --rig; {remedy}"
+        if many
+        else f"Nothing that rigtri built in the file of --rig is in this file, none of {lost}, and "
+        "--rig only restores what is stored on nodes that are here: add them with rigtri add-controls, "
+        "or take the motion of this file to that rig with: rigtri take-clips RIG --from IN"
+    )
 
 
 def _refuse_lost_keys(rig: Rig, both: Pairs, ours: Collection[int], missing: list[str]) -> None:
