@@ -501,7 +501,6 @@ def block(mark: str) -> list[list[str]]:
 NASTY = 'x\'); import os; os.abort() #\n"""</script>\\ \u2028\ud800é'
 
 
-@pytest.mark.ci
 def test_names_cannot_become_code(rigged: dict[str, Path]) -> None:
     rig = read(rigged["biped.glb"]).rig
     names = [NASTY if name == "head_ctl" else name for name in rig.names]
@@ -614,7 +613,6 @@ def test_what_is_set_up_in_blender_is_what_a_rigger_has_read(golden: Any) -> Non
     assert _setup_in_words(exported(replace(rig, translation=places), gltf=True).plan) != text
 
 
-@pytest.mark.ci
 def test_a_joint_follows_its_control_in_its_own_axes() -> None:
     """One that has other axes keeps them, riding on its control; any other stands as its control does."""
     oriented = rigtri.orient_joints(rigtri.read(SAMPLES / "biped.glb"), joints="spine")
@@ -625,7 +623,6 @@ def test_a_joint_follows_its_control_in_its_own_axes() -> None:
     assert [names[each[0]][int(each[1:])]["name"] for each in targets] == ["spine_ctl", "head drive"]
 
 
-@pytest.mark.ci
 def test_twist_joints_take_their_shares_of_the_turn_between_two_joints() -> None:
     limb = ("upper_arm_L", "forearm_L", "hand_L")
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), joints="upper_arm_L")

@@ -134,7 +134,6 @@ def test_limbs_bend_to_where_add_polevector_would_put_their_pole_vectors(pose: P
         assert np.allclose(arrow.points, [start, end], atol=1e-6)
 
 
-@pytest.mark.ci
 def test_controls_and_pole_vectors_of_the_file_are_drawn_where_they_stand() -> None:
     rig = _poles(_controls(read(SAMPLES / "biped.glb").rig, Report()), Report())
     marks = seen(rig)

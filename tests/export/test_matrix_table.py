@@ -75,7 +75,6 @@ def test_the_numbers_make_the_matrix(order: str, orient: str) -> None:
             assert_allclose(made_of(numbers), numbers["matrix"], atol=1e-6)
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_world_is_local_below_the_parent_and_bind_poses_are_undone(name: str) -> None:
     found = run("inspect", SAMPLES / name, "--matrices", "--json").json
@@ -91,7 +90,6 @@ def test_world_is_local_below_the_parent_and_bind_poses_are_undone(name: str) ->
         assert_allclose(inverse["matrix"], rig.skins[0].inverse_bind[row], rtol=1e-12)
 
 
-@pytest.mark.ci
 def test_joints_at_rest_are_rotated_by_nothing_about_their_joint_orient() -> None:
     found = run("inspect", SAMPLES / "biped.glb", "--matrices", "--json").json["matrices"]
     joints = [entry for entry in found if entry["kind"] == "joint"]
@@ -127,7 +125,6 @@ def test_options_of_matrices_are_refused_without_them() -> None:
     )
 
 
-@pytest.mark.ci
 def test_what_verify_prints_is_what_its_schema_says(rigged: Path) -> None:
     for after, code in ((rigged, 0), (SAMPLES / "hand.glb", 6)):
         found = cli("verify", SAMPLES / "biped.glb", after, "--json", code=code).json

@@ -79,7 +79,6 @@ def written(folder: Path, *args: object) -> Page:
     return Page((folder / "page.html").read_text("utf-8"))
 
 
-@pytest.mark.ci
 def test_the_page_contains_the_bytes_of_the_file_and_of_all_that_it_names(
     samples: Path, tmp_path: Path
 ) -> None:
@@ -90,7 +89,6 @@ def test_the_page_contains_the_bytes_of_the_file_and_of_all_that_it_names(
     assert page.file(model["files"][0]["id"]) == (samples / "biped.bin").read_bytes()
 
 
-@pytest.mark.ci
 def test_before_and_after_are_both_in_the_page_after_first(samples: Path, tmp_path: Path) -> None:
     page = written(tmp_path, samples / "tpose.glb", "--against", samples / "biped.glb")
     assert [model["name"] for model in page.facts["models"]] == ["tpose.glb", "biped.glb"]
@@ -109,7 +107,6 @@ def test_limbs_and_pole_vectors_are_reported_by_their_nodes(samples: Path, tmp_p
     assert sum(one["pole"] >= 0 for one in told["limbs"]) == 1
 
 
-@pytest.mark.ci
 def test_the_page_has_the_side_to_which_add_polevector_takes_a_limb_to_bend() -> None:
     """Against noise of 4°, as the first joint of the limb has it."""
     rig = posed_body(Pose(elbow=-4.0, knee=-4.0)).rig
@@ -120,7 +117,6 @@ def test_the_page_has_the_side_to_which_add_polevector_takes_a_limb_to_bend() ->
         assert (side[2] > 0) == ("UpLeg" in rig.names[start])
 
 
-@pytest.mark.ci
 def test_joints_are_parented_to_joints_and_are_crooked_as_draw_has_them_whatever_stands_between() -> None:
     before = read(SAMPLES / "biped.glb").rig
     after = _controls(before, Report())
@@ -137,7 +133,6 @@ def test_joints_are_parented_to_joints_and_are_crooked_as_draw_has_them_whatever
     assert told == {mark.node for mark in drawn if mark.crooked} != set()
 
 
-@pytest.mark.ci
 def test_joints_of_usd_are_known_by_skeleton_and_number(samples: Path) -> None:
     rig = read(samples / "biped.usda").rig
     keys = {node["name"]: node["key"] for node in facts(rig)["nodes"] if node["joint"]}
@@ -403,7 +398,6 @@ def test_textures_that_no_page_can_show_are_reported_once_with_the_reason(tmp_pa
     ]
 
 
-@pytest.mark.ci
 def test_only_pages_with_meshes_in_draco_contain_its_decoder(samples: Path, tmp_path: Path) -> None:
     b = small()
     b.gltf["extensionsUsed"] = ["KHR_draco_mesh_compression"]

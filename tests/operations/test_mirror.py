@@ -109,7 +109,6 @@ def left_arm(rig: Rig) -> Rig:
     return add_controls(rig, options=options)
 
 
-@pytest.mark.ci
 def test_what_one_arm_has_the_other_gets(samples: Path) -> None:
     out = mirror(left_arm(read(samples / "biped.glb").rig))
     for name in ("clavicle", "upper_arm", "forearm", "hand"):
@@ -189,7 +188,6 @@ def test_check_reports_what_is_not_symmetric(samples: Path, tmp_path: Path) -> N
     assert json.loads(after.stdout)["symmetric"]
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize(
     ("preset", "mode", "expected"),
     [
@@ -217,7 +215,6 @@ def test_check_finds_the_convention_of_a_symmetric_body(
     assert len(asymmetry(rig, mode=other).worse()) > 10
 
 
-@pytest.mark.ci
 def test_check_says_which_convention_it_found_or_was_given(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     cli("orient-joints", samples / "biped.glb", "-o", out, "--preset", "article", code=0)

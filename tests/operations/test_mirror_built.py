@@ -118,7 +118,6 @@ def test_a_chain_that_names_no_joint_is_reported_and_left_out(samples: Path, nam
     assert "control 'hand_L_ik_ctl' is not mirrored: the other side has no such joint" in left_out
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize("chain", [(), ("hand_L",)])
 def test_a_control_whose_limb_is_not_named_is_left_out(samples: Path, chain: tuple[str, ...]) -> None:
     """Before, the IK control and the pole vector of such a limb ended in a traceback."""
@@ -170,7 +169,6 @@ def test_the_joints_of_a_limb_are_mirrored_as_the_mode_requires(mode: Mirror, sa
     assert ("aim" in said(out, "wing_1_R")) == (mode != "orientation")
 
 
-@pytest.mark.ci
 def test_equal_rotations_of_a_made_limb_and_its_mirror_image_give_a_mirrored_skin(built: Rig) -> None:
     posed = turned(built, wing_1=about(1, 2, -1), wing_2=about(-2, 1, 0.5)).world
     points = np.array([[0.1, 0.02, 0.03, 1.0], [0.0, -0.2, 0.1, 1.0]])
@@ -242,7 +240,6 @@ def readers(rig: Rig) -> dict[str, str]:
     return {n["name"]: n["driver"] for n in rig.metadata.values() if n["type"] == "poseReader"}
 
 
-@pytest.mark.ci
 def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path: Path) -> None:
     def read_twice(rig: Rig, report: Report) -> Rig:
         for name, target in (("bend", (0, 1, 0)), ("tw", (1, 0, 0)), ("bend_L", (0, 0, 1)), ("", (1, 1, 0))):
@@ -312,7 +309,6 @@ def test_what_is_changed_on_one_side_is_brought_up_to_date_on_the_other(built: R
     assert {"twist", "constraint"} <= {entry["type"] for entry in report.added}
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize(
     ("what", "kind"),
     [("limbs", "limb"), slow("twists", "twist"), ("constraints", "constraint"), slow("rivets", "rivet")],
@@ -416,7 +412,6 @@ def test_mirrored_spaces_warn_of_keys_that_count_from_elsewhere(
     assert said == told
 
 
-@pytest.mark.ci
 def test_a_mirrored_constraint_warns_of_weights_that_switch_in_clips(samples: Path) -> None:
     """Keys are motion, and stay on their side; before, nothing said so."""
     rig = add_controls(read(samples / "biped.glb").rig, options=AddControlsOptions(whole_character=True))

@@ -51,7 +51,6 @@ def test_axes_are_mirrored_about_the_body_s_own_plane(yaw: float, plane: str) ->
         assert all(f"about the plane {plane} at " in text for text in notices)
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize(("yaw", "plane"), TURNED)
 def test_a_symmetric_body_is_symmetric_wherever_it_faces(yaw: float, plane: str) -> None:
     found = asymmetry(orient_joints(facing(yaw)))
@@ -88,7 +87,6 @@ def test_nameless_joints_have_the_sides_that_are_recognised() -> None:
     assert len(found.pairs) > 20
 
 
-@pytest.mark.ci
 def test_names_that_begin_with_a_letter_for_the_side_have_twins() -> None:
     """lShldr of DAZ; and lhumerus, whose side no capital divides from its word, as it is recognised."""
     body = posed_body(Pose("none", elbow=15.0))
@@ -106,7 +104,6 @@ def test_names_that_begin_with_a_letter_for_the_side_have_twins() -> None:
         assert not asymmetry(rig).alone
 
 
-@pytest.mark.ci
 def test_check_says_how_many_pairs_keep_the_convention(samples: Path, tmp_path: Path) -> None:
     words = cli("mirror", samples / "biped.glb", "--check", code=1).stderr
     assert "which most pairs keep" not in words

@@ -203,7 +203,6 @@ def test_corners_subsets_and_instances_become_points_primitives_and_nodes(tmp_pa
     assert colours == [[1, 0, 0, 1], [0, 0, 1, 1]]
 
 
-@pytest.mark.ci
 def test_names_that_several_have_become_distinct_and_come_home(tmp_path: Path) -> None:
     gltf, binary = read_glb(write_everything(tmp_path / "in.glb"))
     first, second, *_ = gltf["skins"][0]["joints"]

@@ -60,7 +60,6 @@ def test_a_real_file_in_usd_looks_the_same(path: Path | None, tmp_path: Path, as
     assert not usd_errors(out)
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize(
     "look", [{}, {"up_axis": "z", "meters_per_unit": 0.01}], ids=["metres", "centimetres"]
 )
@@ -295,7 +294,6 @@ def test_splines_that_need_many_samples_are_told(tmp_path: Path) -> None:
     assert "samples in USD, where glTF has 5 keys: splines of joint 1 move too fast" in notice.text
 
 
-@pytest.mark.ci
 def test_scales_that_half_floats_do_not_hold_are_measured(samples: Path, tmp_path: Path) -> None:
     outcome = rigtri.convert(samples / "biped.glb", tmp_path / "out.usdz")
     assert any("half floats" in notice.text for notice in outcome.report.warnings)
@@ -329,7 +327,6 @@ def test_a_target_of_the_same_format_or_a_clip_that_is_not_there_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.ci
 def test_a_key_whose_rounding_is_what_differs_is_named(tmp_path: Path) -> None:
     gltf, binary = glb_parts(SAMPLES / "biped.glb")
     data = bytearray(binary)

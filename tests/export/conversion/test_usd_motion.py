@@ -30,7 +30,6 @@ def _turned(axis: tuple[float, ...], angle: float) -> Any:
     return Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(*axis), angle))
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize("ops", ["euler", "matrix"])
 def test_prims_go_the_way_of_their_ops_between_samples(ops: str, tmp_path: Path) -> None:
     stage, moved = _stage(tmp_path / "in.usda")
@@ -49,7 +48,6 @@ def test_prims_go_the_way_of_their_ops_between_samples(ops: str, tmp_path: Path)
         assert np.abs(there[0, rig.find("moved")] - matrix).max() < 1e-5
 
 
-@pytest.mark.ci
 def test_shear_between_samples_is_reported_and_measured(tmp_path: Path) -> None:
     stage, moved = _stage(tmp_path / "in.usda")
     op = moved.AddTransformOp()
