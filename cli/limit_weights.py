@@ -16,16 +16,16 @@ from rigtri.operations.options.limit_weights import LimitWeightsOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
-from .terminal_text import counted
 
 
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     if not report.added:
-        return "no point has more joints, or other weights; nothing was changed"
-    points, over = (sum(entry[word] for entry in report.added) for word in ("points", "over"))
-    meshes = f"{len(report.added)} meshes"
-    return f"{counted(points, 'point')} of {meshes} have other weights; {over} had too many joints"
+        return "no vertex has more joints, or other weights; nothing was changed"
+    vertices, over = (sum(entry[word] for entry in report.added) for word in ("points", "over"))
+    meshes = "1 mesh" if len(report.added) == 1 else f"{len(report.added)} meshes"
+    many = f"1 vertex of {meshes} has" if vertices == 1 else f"{vertices} vertices of {meshes} have"
+    return f"{many} other weights; {over} had too many joints"
 
 
 command = edit_command("limit-weights", LimitWeightsOptions, summary, __doc__)

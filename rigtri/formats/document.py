@@ -18,7 +18,7 @@ from rigtri.report import Notice
 
 GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
 # What three.js makes of points with more joints than it has room for.
-FOUR = "points with more than four joints are shown with the four that weigh most, or come first"
+FOUR = "vertices with more than four joints are shown with the four that weigh most, or come first"
 USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 

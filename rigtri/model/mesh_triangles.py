@@ -29,7 +29,7 @@ def meshes_named(rig: Rig, name: str) -> list[Mesh]:
     and GeometryError where nothing that is drawn can be read.
     """
     if not rig.meshes:
-        raise GeometryError("There is no mesh in this file whose points can be read")
+        raise GeometryError("There is no mesh in this file whose vertices can be read")
     called: dict[str, dict[int, None]] = {}
     for mesh in rig.meshes:
         node = mesh.node
@@ -56,7 +56,7 @@ def triangles(mesh: Mesh) -> Integers:
         raise FileError(f"mesh '{mesh.name}': its faces cannot be read")
     found = _cut(surface)
     if len(found) and not 0 <= int(found.min()) <= int(found.max()) < len(mesh.points):
-        raise FileError(f"mesh '{mesh.name}': a face names a point that is not there; export it again")
+        raise FileError(f"mesh '{mesh.name}': a face names a vertex that is not there; export it again")
     return found
 
 

@@ -259,8 +259,8 @@ def test_a_split_is_no_step_on_the_way_to_a_joint(suffix: str, tmp_path: Path) -
     assert before.is_joint.sum() == after.is_joint.sum() == len(NAMES)
 
 
-# real-files.md, point 4: "Non-uniform joint scale: 7 files at rest, 6 animated (thighs stretched
-# to [1, 1.33, 1] in 48 channels, an eye blinking to [1, 0.007, 1])".
+# Of 78 real files 7 have joints of non-uniform scale at rest, and 6 in clips: thighs stretched to
+# [1, 1.33, 1] in 48 channels, an eye that blinks to [1, 0.007, 1].
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -280,9 +280,8 @@ def test_stretched_thighs_and_blinking_eyes_keep_their_motion(
     assert np.abs(places[0] - places[1]).max() < 2e-6
 
 
-# real-files.md, point 2: "Joints have world scale ≠ 1 in 39 of 78 (29 × exactly 100; 0.01; 88–100
-# and 2–103 within one skeleton). Lengths, distances, locator and control sizes are meant in world
-# units; … a locator under a joint must not come out 100 × too big."
+# Of 78 real files 39 have joints whose world scale is not 1: in 29 it is exactly 100, in others 0.01, or
+# 88 to 100 and 2 to 103 within one skeleton. Lengths and the sizes of locators and controls are in world units.
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)

@@ -249,7 +249,7 @@ GLTF: dict[str, tuple[Callable[[Any], Any], list[str]]] = {
     ),
     "weights": (
         lambda b: _write(b, 2, [0.25, 0.75, 0, 0]),
-        ["skins: ~ weights of #4/0  1 of 3 points differ, by up to 0.25"],
+        ["skins: ~ weights of #4/0  1 of 3 vertices differ, by up to 0.25"],
     ),
     "points": (
         lambda b: _write(b, 0, [5, 0, 0]),
@@ -369,7 +369,7 @@ USD = {
     "a rest pose": (("(0, 2, 1, 1))]", "(0, 2, 1.5, 1))]"), "places: ~ c  stands 0.5 away"),
     "weights": (
         ("[1, 0, 0.5, 0.5, 1, 0]", "[1, 0, 0.4, 0.6, 1, 0]"),
-        "skins: ~ weights of /Root/Skin  1 of 3 points",
+        "skins: ~ weights of /Root/Skin  1 of 3 vertices",
     ),
     "keys": (
         ("(0.8, 0.6, 0, 0)],", "(0.6, 0.8, 0, 0)],"),

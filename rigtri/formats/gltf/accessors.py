@@ -160,7 +160,7 @@ class Accessors:
         """Some rows of what `read` gives, of an accessor that `has_rows`; no others stay in memory."""
         layout = self.layout(index)
         if start >= layout.rows:
-            self.value(index).fail(f"has {layout.rows} elements, fewer than the mesh has points")
+            self.value(index).fail(f"has {layout.rows} elements, fewer than the mesh has vertices")
         first = layout.start + start * layout.stride
         numbers = self._converted(index, layout._replace(start=first, rows=min(stop, layout.rows) - start))
         # A page that is read brings up to 2 MB around it into memory.

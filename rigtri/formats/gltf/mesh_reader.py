@@ -291,7 +291,7 @@ class MeshReader:
             whole = self._numbers[index]
             numbers = whole if some is None else np.concatenate([whole[slice(*block)] for block in some])
         if numbers.shape[1] != width:
-            item.fail(f"the accessor should have {width} numbers for each point, not {numbers.shape[1]}")
+            item.fail(f"the accessor should have {width} numbers for each vertex, not {numbers.shape[1]}")
         return numbers
 
     def _influences(self, primitive: Value, some: Some = None) -> tuple[Integers, Floats]:
@@ -315,13 +315,15 @@ class MeshReader:
         """Offsets of all targets, (t, v, 3); zero for a target that moves no points."""
         targets = list(primitive.each("targets"))
         if some is None and len(targets) * len(points) > MOST_OFFSETS:
-            primitive.fail(f"has {len(targets)} morph targets of {len(points)} points, too many to move each")
+            primitive.fail(
+                f"has {len(targets)} morph targets of {len(points)} vertices, too many to move each"
+            )
         offsets = np.zeros((len(targets), *points.shape))
         for row, target in zip(offsets, targets, strict=True):
             if "POSITION" in target.object():
                 found = self._numbers_of(target.need("POSITION"), 3, some)
                 if len(found) != len(points):
-                    target.fail(f"moves {len(found)} points of {len(points)}")
+                    target.fail(f"moves {len(found)} vertices of {len(points)}")
                 row[:] = found
         return offsets
 

@@ -77,7 +77,9 @@ class WeightWriter:
         if rig.pending.weight_limit is not None:
             self._limit(rig.pending.weight_limit)
         if self._rescaled:
-            text = f"{self._rescaled} points had more weight of a joint, all in all, than their numbers hold"
+            text = (
+                f"{self._rescaled} vertices had more weight of a joint, all in all, than their numbers hold"
+            )
             self.notices.append(Notice("weights-rescaled", f"{text}, so their weights sum to 1 now"))
 
     def _limit(self, limit: WeightLimit) -> None:
@@ -198,7 +200,7 @@ class WeightWriter:
         """The accessors of a primitive's influences after the redistributions; only of sets that change."""
         points = self._accessors.read(position)
         if points.shape != (len(before.joints), 3):
-            raise FileError(f"{self._where}: mesh '{title}' has not as many influences as points")
+            raise FileError(f"{self._where}: mesh '{title}' has not as many influences as vertices")
         joints, weights = before.joints, before.weights
         for redistribution in redistributions:
             joints, weights = shared(redistribution, points, joints, weights, units=before.weight != FLOAT)
@@ -208,7 +210,7 @@ class WeightWriter:
         old = len(sets) // 2
         if joints.shape[1] > 4 * old:
             text = (
-                f"mesh '{title}' has points with more than {4 * old} joints now, which some engines do not "
+                f"mesh '{title}' has vertices with more than {4 * old} joints now, which some engines do not "
                 "show; --max-influences keeps them"
             )
             self.notices.append(Notice("more-influences", text))
@@ -311,7 +313,7 @@ class WeightWriter:
         weight = kinds.pop() if len(kinds) == 1 else FLOAT
         rows = {name: self._accessors.read(index) for name, index in sets.items()}
         if {own.shape for own in rows.values()} != {(len(rows["JOINTS_0"]), 4)}:
-            primitive.fail("has sets of joints and weights that are not as many, or not four for each point")
+            primitive.fail("has sets of joints and weights that are not as many, or not four for each vertex")
         joints = np.concatenate([rows[n] for n in sets if n.startswith("JOINTS")], axis=1)
         weights = np.concatenate([rows[n] for n in sets if n.startswith("WEIGHTS")], axis=1)
         if weight in FULL:

@@ -306,12 +306,14 @@ def _limits(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
         if mesh.joints.shape[1] > engine.influences:
             most = int(np.count_nonzero(mesh.weights, axis=1).max(initial=0))
             if most > engine.influences:
-                text = f"points follow up to {most} joints, and {engine.title} shows {engine.influences}"
+                text = f"vertices follow up to {most} joints, and {engine.title} shows {engine.influences}"
                 yield "influences", mesh.node, text
             elif engine.first and (
                 lost := np.count_nonzero(mesh.weights[:, engine.influences :].any(axis=1))
             ):
-                text = f"{lost} points have weights in a second set, and {engine.title} reads JOINTS_0 alone"
+                text = (
+                    f"{lost} vertices have weights in a second set, and {engine.title} reads JOINTS_0 alone"
+                )
                 yield "influences", mesh.node, text
     for skin in rig.skins if engine.joints else ():
         if len(skin.joints) > engine.joints:

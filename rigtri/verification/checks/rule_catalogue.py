@@ -53,7 +53,7 @@ _CLIPS = (
         "clips.far",
         "warning",
         "A key of a clip moves a joint or node so far, or scales it so much, that float32 has one number "
-        "left for all points: more than 2²⁴ times the size of the skeleton.",
+        "left for all vertices: more than 2²⁴ times the size of the skeleton.",
         "Remove the key, or export the clip again with the program that wrote it.",
     ),
 )

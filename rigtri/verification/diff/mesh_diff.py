@@ -60,9 +60,9 @@ def _same_weights(mesh: Mesh, other: Mesh, tolerance: float) -> bool:
 
 def _weights(mesh: Mesh, other: Mesh) -> str:
     if mesh.weights.shape != other.weights.shape:
-        return f"{mesh.weights.shape[1]} → {other.weights.shape[1]} joints for each point"
+        return f"{mesh.weights.shape[1]} → {other.weights.shape[1]} joints for each vertex"
     differ = ((mesh.weights != other.weights) | ((mesh.joints != other.joints) & (mesh.weights != 0))).any(
         axis=1
     )
     worst = float(np.nanmax(np.abs(mesh.weights - other.weights), initial=0.0))
-    return f"{int(differ.sum())} of {len(differ)} points differ, by up to {worst:.3g}"
+    return f"{int(differ.sum())} of {len(differ)} vertices differ, by up to {worst:.3g}"

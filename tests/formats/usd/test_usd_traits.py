@@ -1,4 +1,4 @@
-"""real-files.md, point 14: what USD characters are like, one trait after the other."""
+"""What USD characters are like, one trait after the other."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_half_precision_scales_keep_every_bit(tmp_path: Path) -> None:
 
 
 def test_rewriting_only_the_samples_would_break_the_default_pose(tmp_path: Path) -> None:
-    """The trap of real-files.md: with both, rewriting the samples alone moves the Default pose."""
+    """With both, rewriting the samples alone moves the Default pose."""
     source = save(tmp_path, TRAITS["both a default and time samples"])
     document = read(source)
     out = write(document, turned(document.rig), tmp_path / "out.usda")

@@ -183,15 +183,15 @@ def _check_weights(primitive: Primitive) -> None:
     off = finite & ~zero & (np.abs(total - 1.0) > primitive.allowed)
     worst = int(np.argmax(np.where(off, np.abs(total - 1.0), -1.0)))
     for rule, wrong, message in (
-        ("gltf.mesh.weight-nan", ~finite, lambda k: f"point {k} has a weight that is not a number"),
+        ("gltf.mesh.weight-nan", ~finite, lambda k: f"vertex {k} has a weight that is not a number"),
         (
             "gltf.mesh.weight-negative",
             (known < 0).any(axis=1),
-            lambda k: f"point {k} has {known[k].min():g}",
+            lambda k: f"vertex {k} has {known[k].min():g}",
         ),
-        ("gltf.mesh.weight-zero", zero, lambda k: f"all weights of point {k} are zero"),
-        ("gltf.mesh.weight-sum", off, lambda k: f"the weights of point {worst} sum to {total[worst]:.7g}"),
-        ("gltf.mesh.joint-repeated", _repeated(primitive), lambda k: f"point {k} names a joint twice"),
+        ("gltf.mesh.weight-zero", zero, lambda k: f"all weights of vertex {k} are zero"),
+        ("gltf.mesh.weight-sum", off, lambda k: f"the weights of vertex {worst} sum to {total[worst]:.7g}"),
+        ("gltf.mesh.joint-repeated", _repeated(primitive), lambda k: f"vertex {k} names a joint twice"),
     ):
         _note(rule, wrong, primitive, message)
 
@@ -219,14 +219,14 @@ def _check_joints(view: View, primitive: Primitive, skin: int) -> None:
         ("gltf.mesh.joint-out-of-range", used),
         ("gltf.mesh.joint-out-of-range-unweighted", idle),
     ):
-        _note(rule, wrong, primitive, lambda k: f"point {k} names joint {most[k]:g}, {text}")
+        _note(rule, wrong, primitive, lambda k: f"vertex {k} names joint {most[k]:g}, {text}")
 
 
 def _note(rule: str, wrong: Any, primitive: Primitive, message: Callable[[int], str]) -> None:
-    """One finding for all points of a primitive: how many, and the first."""
+    """One finding for all vertices of a primitive: how many, and the first."""
     found = np.flatnonzero(wrong)
     if len(found):
-        more = f" ({len(found)} of {len(wrong)} points)"
+        more = f" ({len(found)} of {len(wrong)} vertices)"
         primitive.attributes.add(rule, message(int(found[0])) + more)
 
 
