@@ -281,7 +281,7 @@ def test_stretched_thighs_and_blinking_eyes_keep_their_motion(
 
 
 # Of 78 real files 39 have joints whose world scale is not 1: in 29 it is exactly 100, in others 0.01, or
-# 88 to 100 and 2 to 103 within one skeleton. Lengths and the sizes of locators and controls are in world units.
+# 88 to 100 and 2 to 103 within one skeleton. Lengths, locator sizes and control sizes are in world units.
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
