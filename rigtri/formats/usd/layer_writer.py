@@ -123,7 +123,7 @@ class Output:
             attribute = self.source.stage.GetAttributeAtPath(edit.path) if isinstance(edit, Setting) else None
             for spec in attribute.GetPropertyStack(DEFAULT) if attribute else ():
                 if self.is_new_layer or spec.layer != self.layer:
-                    below.setdefault(Path(spec.layer.realPath).name, {})[edit.prim] = None
+                    below.setdefault(layers.file_name(spec.layer), {})[edit.prim] = None
         each = self.source.instances.each
         return {layer: [str(path) for prim in prims for path in each(prim)] for layer, prims in below.items()}
 

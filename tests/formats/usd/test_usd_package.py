@@ -7,6 +7,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from program import cli
 from pxr import Sdf, Usd
 from usd_files import MESH, animation, deviation, error_of, read, save, scene, skeleton, turned, write
 
@@ -176,6 +177,15 @@ def test_a_reference_out_of_a_package_is_called_that(entry: str, tmp_path: Path)
     source = pack(tmp_path / "hero.usdz", (entry, referring("../../parts.usda")))
     assert "leads out of the package" in error_of(source)
     assert not Usd.Stage.Open(str(source)).GetPrimAtPath("/Root/Skel")
+
+
+def test_a_layer_in_a_folder_of_a_package_is_called_by_both(tmp_path: Path) -> None:
+    """Before, by the end of both, "hero.usda]"."""
+    above = b'#usda 1.0\n(\n    subLayers = [@./deep/hero.usda@]\n    defaultPrim = "Root"\n)\n'
+    pack(tmp_path / "hero.usdz", ("root.usda", above), ("deep/hero.usda", LAYER))
+    source = save(tmp_path, referring("./hero.usdz").decode(), "shot.usda")
+    ran = cli("orient-joints", source, "-o", tmp_path / "out.usda", "--preset", "maya", code=0)
+    assert "hide those of hero.usdz[deep/hero.usda] on" in " ".join(ran.stderr.split())
 
 
 def test_damaged_tables_are_found_in_a_package_in_a_package(tmp_path: Path) -> None:

@@ -39,7 +39,7 @@ def sublayer(stage: Any, name: str) -> Any:
                 f"--edit-target {name}: {layer.identifier} is referred to, under other paths; edit that "
                 "file itself"
             )
-    raise NameNotFoundError("layer", name, [Path(layer.realPath).name for layer in own])
+    raise NameNotFoundError("layer", name, [layers.file_name(layer) for layer in own])
 
 
 def with_other(root: Any, old: Any, new: str) -> Any:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from pxr import Sdf, Usd, UsdUtils
+from pxr import Ar, Sdf, Usd, UsdUtils
 
 from rigtri.errors import FileError
 from rigtri.files import temp_dirs
@@ -36,6 +36,12 @@ def copy_of(layer: Any) -> Any:
 def title(layer: Any) -> str:
     """What a layer is called in messages: its file, of a copy the file that it was copied from."""
     return str(layer.GetDisplayName() if layer.anonymous else layer.identifier)
+
+
+def file_name(layer: Any) -> str:
+    """The name of a layer's file; of one in a package that of the package, with the path inside."""
+    package, inside = Ar.SplitPackageRelativePathOuter(layer.realPath)
+    return Path(package).name + (f"[{inside}]" if inside else "")
 
 
 def empty() -> Any:
