@@ -5,7 +5,7 @@ Source: Unreal Engine, the mannequin's skeleton (ik_foot_root, ik_hand_gun …),
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -75,9 +75,10 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
     bones = {bone: node for body in recognise(rig).characters for bone, node in sure_bones(body).items()}
     nodes, leaders, left_out = {"": root}, {"": root}, []
     followers, moved = list[_Follower](), set[int]()
+    kept = _kept(rig, profile, bones)
     for name, (above, bone) in IK_BONES[profile].items():
-        if above not in nodes or (bone and bone not in bones):
-            left_out.append(f"{name} ({bone})")
+        if above not in nodes or name in kept or (bone and bone not in bones):
+            left_out.append(f"{name} ({bone})" if bone else name)
             continue
         leader, parent = bones.get(bone, root), nodes[above]
         still = leader == leaders[above]
@@ -93,7 +94,8 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
     if left_out:
         report.warn(
             "no-bones",
-            f"{listed(left_out, 8)} left out: the bones that they follow are not recognised with confidence",
+            f"{listed(left_out, 8)} left out: the bones that they, or joints below them, follow are not "
+            "recognised with confidence",
         )
     for timeline in counted(timelines(rig) if followers else (), "clips"):
         # Keys that follow already stay to the bit: the rounding of what they were made of is in them.
@@ -106,6 +108,15 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
                     report.joints.append(joint_record(rig, node, "posed", follows=rig.title(leader)))
     report.moves |= {rig.keys[node] for node in nodes.values()} - {rig.keys[root], None}
     return rig
+
+
+def _kept(rig: Rig, profile: str, bones: Container[str]) -> set[str]:
+    """The joints of a profile that stay, for one that is below them here would go along and cannot follow."""
+    kept = set[str]()
+    for name, (above, bone) in reversed([*IK_BONES[profile].items()]):
+        if name in rig.names and (name in kept or (bone and bone not in bones)):
+            kept.add(above)
+    return kept
 
 
 def _placed(rig: Rig, name: str, parent: int, leader: int, place: Floats, report: Report) -> tuple[Rig, int]:

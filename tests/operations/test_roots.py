@@ -575,3 +575,22 @@ def test_an_animation_without_its_skeleton_gets_another_unit_and_up_axis(tmp_pat
     assert np.allclose(after, before[:, [0, 2, 1]] * [0.01, -0.01, 0.01], atol=1e-6)
     assert "metersPerUnit = 1\n" in out.read_text()
     assert 'upAxis = "Z"' in out.read_text()
+
+
+def test_ik_bones_whose_bone_is_not_known_stay_with_all_above_them() -> None:
+    """Before, they went along with the root of the IK bones, and the result was refused."""
+    rig = rigtri.add_root(rigtri.read(SAMPLES / "biped.glb"), profile="unreal")
+    legs = {"thigh": "a", "shin": "b", "foot": "c"}
+    names = tuple(legs[k[:-2]] + k[-1] if k[:-2] in legs else k for k in rig.names)
+    translation = rig.translation.copy()
+    translation[[names.index("ik_foot_root"), names.index("ik_hand_root")]] += (0.0, 0.1, 0.0)
+    unsure = replace(rig, names=names, translation=translation, source=None)
+    report = Report()
+    out = rigtri.add_root(unsure, profile="unreal", report=report)
+    (warning,) = (each for each in report.warnings if each.code == "no-bones")
+    assert "ik_foot_root" in warning.text
+    feet = [names.index(name) for name in ("ik_foot_root", "ik_foot_l", "ik_foot_r")]
+    assert np.array_equal(out.world[feet], unsure.world[feet])
+    assert np.allclose(
+        out.world[names.index("ik_hand_root")], rig.world[names.index("ik_hand_root")], atol=1e-6
+    )
