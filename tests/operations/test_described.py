@@ -19,6 +19,7 @@ import rigtri
 from rigtri.evaluation import sampling
 from rigtri.formats import read
 from rigtri.frames.rescale import rescale
+from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
@@ -390,3 +391,33 @@ def test_what_an_exporter_has_dropped_is_no_damage_where_the_other_file_has_it(t
         assert "damaged" not in told
         assert "rest position" not in told
         assert "replaced by" not in told
+
+
+def placed(rig: Rig, top: int, turn: list[float], size: float) -> Rig:
+    """The rig with other axes and another scale of what is above all, which its bind poses follow."""
+    translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
+    translation[top], rotation[top], scale[top] = 0.0, turn, size
+    has_matrix = rig.has_matrix & (np.arange(len(rig)) != top)
+    after = replace(rig, translation=translation, rotation=rotation, scale=scale, has_matrix=has_matrix)
+    back = inverse(after.local[top]) @ rig.local[top]
+    skins = tuple(replace(skin, inverse_bind=back @ skin.inverse_bind) for skin in rig.skins)
+    return replace(after, skins=skins)
+
+
+def test_a_pole_below_the_group_rests_where_the_other_world_has_it_below_a_turned_root() -> None:
+    """Blender's USD has the up axis and the unit in the transform of the root."""
+    rig = rigtri.add_polevector(read(SAMPLES / "biped.usda").rig, limbs="auto")
+    pole, *_ = rig.nodes_of("poleVector")
+    top = rig.path_to_root(pole)[-1]
+    rig = placed(rig, top, [0.0, 0.0, 0.0, 1.0], 1.0)
+    shown = placed(replace(rig, metadata={}), top, [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)], 0.01)
+    translation = shown.translation.copy()
+    translation[pole] = 0.0
+    values = rig.translation[[pole, pole]] + np.eye(3)[:2]
+    sway = Track(pole, "translation", "LINEAR", np.array([0.0, 1.0]), values)
+    shown = replace(shown, translation=translation, clips=(Clip("sway", (sway,)),))
+    report = Report()
+    found = as_described(shown, rig, report=report)
+    assert not report.warnings
+    np.testing.assert_allclose(found.translation[pole], rig.translation[pole], atol=1e-4)
+    assert (found.scale[pole] == 1).all()

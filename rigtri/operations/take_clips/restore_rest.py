@@ -15,7 +15,7 @@ import numpy as np
 from rigtri.maths.matrices import decompose, from_frame, inverse, multiply, nearest_rotation
 from rigtri.maths.similarity_fit import SAME_TURN, nearest_axis_turn
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.metadata import ADDED
+from rigtri.model.metadata import ADDED, GroupRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.report import Report
@@ -24,6 +24,8 @@ from rigtri.text import list_names
 # Where nothing stands otherwise than there but for rounding, there is nothing to report.
 _SAME_PLACE = 1e-5
 _SAME_AXES = np.eye(4)
+# What controls and constraints may move; a group only holds the others.
+_MOVABLE = ADDED - {GroupRecord.type}
 
 
 def with_rest_of(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
@@ -54,6 +56,9 @@ def with_rest_of(rig: Rig, described: Rig, of: Mapping[int, int], report: Report
         if not own or rig.has_matrix[node] or described.has_matrix[theirs]:
             matrix[node] = place
             translation[node], rotation[node], scale[node] = decompose(matrix[node])
+            # An exporter's unit and its inverse leave rounding, which keys at rest would differ from.
+            near = np.abs(scale[node] - described.scale[theirs]).max() <= _SAME_PLACE
+            scale[node] = described.scale[theirs] if near else scale[node]
         else:
             translation[node] = described.translation[theirs]
             rotation[node], scale[node] = described.rotation[theirs], described.scale[theirs]
@@ -126,11 +131,11 @@ class _Worlds:
     def local_of(self, node: int, theirs: int) -> Floats | None:
         """The place that a node has in the other file, seen from its parent in the rig, (4, 4).
 
-        None where that is rigtri's, or moves in a clip, or was put elsewhere in the world by hand.
+        None where that is rigtri's, but not its group, or moves in a clip, or was put elsewhere by hand.
         """
         parent = int(self.rig.parents[node])
         above = self.rig.path_to_root(parent) if parent >= 0 else []
-        if any(k in self.moving or self.rig.type_of(k) in ADDED for k in above):
+        if any(k in self.moving or self.rig.type_of(k) in _MOVABLE for k in above):
             return None
         held = next((k for k in above if k in self.both.back), -1)
         if held >= 0 and not self._in_place(held):
