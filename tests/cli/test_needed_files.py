@@ -18,6 +18,27 @@ LINES = {
 }
 
 
+def test_buffers_of_the_file_of_an_option_are_not_replaced(
+    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """OUT beside EDITED, whose buffer is called as that of RIG in another folder."""
+    monkeypatch.chdir(tmp_path)
+    Path("edited").mkdir()
+    for folder in (Path(), Path("edited")):
+        shutil.copy(samples / "biped.gltf", folder)
+        shutil.copy(samples / "biped.bin", folder)
+    with Path("edited/biped.bin").open("ab") as file:
+        file.write(b"more")
+    before = Path("edited/biped.bin").read_bytes()
+    line = ["take-clips", "biped.gltf", "--from", "edited/biped.gltf", "-o", "edited/out.gltf"]
+
+    result = cli(*line, "--overwrite", code=2)
+
+    assert "edited/biped.bin is buffers.0.uri of edited/biped.gltf; it would be lost" in result.stderr
+    assert Path("edited/biped.bin").read_bytes() == before
+    assert not Path("edited/out.gltf").exists()
+
+
 @pytest.mark.parametrize("name", LINES)
 def test_an_image_of_the_input_is_not_replaced(
     name: str, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
