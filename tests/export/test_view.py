@@ -385,6 +385,8 @@ def test_textures_that_no_page_can_show_are_reported_once_with_the_reason(tmp_pa
     packed = {"extensions": {"KHR_texture_basisu": {"source": 5}}}
     b.gltf["textures"] = [
         *({"source": k} for k in (0, 1, 2, 3, 4, 0)),
+        {"extensions": {"VENDOR_packed": {"source": 5}}},  # of no image that anybody knows
+        {},
         packed,
         packed,
         {"source": 4} | packed,
