@@ -80,7 +80,9 @@ def test_every_command_names_a_page_that_is_about_it() -> None:
         assert f"More about it: {page_of(name)}" in run(name, "--help").stdout
         if (root / "docs").is_dir():  # the sdist has none
             page = (root / page_of(name)).read_text("utf-8")
-            assert f"rigtri {name}" in page or f"`{name}`" in page or f"**{name}**" in page, name
+            assert f"rigtri {name}" in page or f"`{name}`" in page or f"**{name}**" in page, (
+                f"{page_of(name)} says nothing of {name}"
+            )
 
 
 def test_every_preset_end_and_branch_is_explained_where_it_stands() -> None:

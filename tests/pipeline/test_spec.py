@@ -555,7 +555,7 @@ def validate(spec: Any) -> None:
 def test_the_schema_is_what_the_models_define() -> None:
     from rigtri.schemas.make import spec_schema
 
-    assert schema() == spec_schema()
+    assert schema() == spec_schema(), "write it anew: python schemas/make.py"
     jsonschema.Draft202012Validator.check_schema(schema())
 
 
@@ -701,4 +701,5 @@ def test_a_build_reports_the_kind_of_what_does_not_fit(tmp_path: Path) -> None:
 def test_the_page_on_specs_names_every_operation() -> None:
     text = (ROOT / "docs" / "specs.md").read_text("utf-8")
     (listed,) = re.findall(r"^`do` names an operation: (.*?)\. Its options", text, re.M | re.S)
-    assert set(re.findall(r"`([a-z-]+)`", listed)) == set(OPERATIONS)
+    named = set(re.findall(r"`([a-z-]+)`", listed))
+    assert named == set(OPERATIONS), "docs/specs.md, Steps: name them all"
