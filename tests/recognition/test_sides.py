@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from recognition_bodies.skeletons import MAN, rig_with
 from rigs import rig_of
 
 from rigtri.model.rig import Rig
+from rigtri.recognition import sides
 from rigtri.recognition.sides import side_of, twin_of, twins
 
 # Two characters below one root, the second with two right arms below its left one and beside it.
@@ -80,3 +82,32 @@ def test_without_sides_in_names_the_shape_tells_twins() -> None:
         elif "." not in name:
             assert twin_of(numbered, node) is None
             assert side_of(numbered, node) == ""
+
+
+@pytest.mark.parametrize(
+    ("limbs", "found"),
+    [
+        ([("left arm", "left", [1, 2]), ("right arm", "right", [5, 6])], {1: 5, 2: 6, 5: 1, 6: 2}),
+        ([("left arm", "left", [1, 2]), ("right arm", "right", [5, 6, 7])], {}),  # not joint for joint
+        ([("left arm", "left", [1]), ("left arm", "left", [2]), ("right arm", "right", [5])], {}),
+        ([("left arm", "left", [1]), ("right arm", "right", [5]), ("right arm", "right", [6])], {}),
+        ([("left arm", "left", [1]), ("tail", "", [8])], {}),
+    ],
+)
+def test_limbs_of_two_sides_are_twins_where_each_is_the_only_one_of_its_name(
+    monkeypatch: pytest.MonkeyPatch, limbs: list[tuple[str, str, list[int]]], found: dict[int, int]
+) -> None:
+    chains = [SimpleNamespace(name=name, side=side, joints=joints) for name, side, joints in limbs]
+    body = SimpleNamespace(sure_chains=chains, bones={}, gives_axes=False)
+    monkeypatch.setattr(sides, "recognise", lambda rig: SimpleNamespace(characters=[body]))
+    assert {node: other for node, (_, other) in sides._by_shape(crowd())} == found
+
+
+@pytest.mark.parametrize(("axes", "found"), [(True, {3: ("left", 7), 7: ("right", 3)}), (False, {})])
+def test_bones_of_a_recognised_body_are_twins_where_it_gives_axes(
+    monkeypatch: pytest.MonkeyPatch, axes: bool, found: dict[int, object]
+) -> None:
+    bones = {"leftHand": 3, "rightHand": 7, "leftFoot": 5, "hips": 1}
+    body = SimpleNamespace(sure_chains=[], bones=bones, gives_axes=axes)
+    monkeypatch.setattr(sides, "recognise", lambda rig: SimpleNamespace(characters=[body]))
+    assert dict(sides._by_shape(crowd())) == found

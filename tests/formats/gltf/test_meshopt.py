@@ -98,6 +98,25 @@ def test_triangles_by_hand() -> None:
     assert decoded.tolist() == [0, 1, 2, 0, 2, 3, 2, 0, 3]
 
 
+@pytest.mark.parametrize(
+    ("code", "corner", "before"),
+    [
+        (0x0, 3, 10),  # the next new one
+        (0x1, 2, 2),  # the last but one of those seen, which is not seen anew
+        (0xD, 9, 10),  # one before the last that was spelled out
+        (0xE, 11, 10),
+        (0xF, 12, 10),  # spelled out: 2 more, as 4
+    ],
+)
+def test_a_triangle_at_the_latest_edge_names_its_third_corner(code: int, corner: int, before: int) -> None:
+    """0, 1 and 2 are new, 10 is spelled out; last comes the one that was seen before the latest."""
+    rest = [20, *([4] if code == 0xF else [])]
+    stream = bytes([0xE1, 0xF0, 0x0F, code, 0x01, *rest]) + bytes(16)
+    corners = decode_triangles(memoryview(stream), 12, 4).copy().view("<u4")[:, 0]
+    expected = [[0, 1, 2], [0, 2, 10], [0, 10, corner], [0, corner, before]]
+    assert corners.reshape(4, 3).tolist() == expected
+
+
 @given(st.data())
 def test_no_triangles_do_anything_but_decode_or_raise_value_error(data: Any) -> None:
     count = 3 * data.draw(st.integers(0, 20))
