@@ -35,7 +35,8 @@ def summary(report: Report) -> str:
     if not report.joints:
         return "all joints have these names already; nothing was changed"
     first = report.joints[0]
-    return f"{counted(len(report.joints), 'joint')} renamed: {first['joint']} is {first['name']}, and so on"
+    more = ", and so on" if len(report.joints) > 1 else ""
+    return f"{counted(len(report.joints), 'joint')} renamed: {first['joint']} is {first['name']}{more}"
 
 
 _MORE = [

@@ -114,7 +114,7 @@ def recognised_lines(rig: Rig, layout: Layout) -> Iterator[str]:
     if further := [f"{chain.name} ({chain.confidence:.2f})" for chain in left_out(layout)]:
         yield f"not sure, and left out: {', '.join(further)}"
     count = len(layout.characters)
-    if len(characters(rig)) < count:  # add-controls goes by skins
+    if count > 1 and len(characters(rig)) < count:  # add-controls goes by skins
         each = f"a root control for each of the {count} characters"
         yield f"left out: {each}; add-controls puts one over all of them"
     yield from layout.remarks
