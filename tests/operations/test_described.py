@@ -421,3 +421,16 @@ def test_a_pole_below_the_group_rests_where_the_other_world_has_it_below_a_turne
     assert not report.warnings
     np.testing.assert_allclose(found.translation[pole], rig.translation[pole], atol=1e-4)
     assert (found.scale[pole] == 1).all()
+
+
+def test_a_driver_of_a_constraint_that_this_file_does_not_have_is_named() -> None:
+    """Blender's export leaves out the group, which is the world that a control can follow."""
+    rig = biped()
+    child = next(node for node, own in rig.records(ControlRecord).items() if own.kind == "ik")
+    rig = rigtri.constrain(rig, child=rig.names[child], space=["root", "world"])
+    (group,) = rig.nodes_of("group")
+    names = tuple("lost" if node == group else name for node, name in enumerate(rig.names))
+    report = Report()
+    as_described(replace(rig, metadata={}, names=names), rig, report=report)
+    (text,) = [notice.text for notice in report.warnings if notice.code == "not-in-this-file"]
+    assert f"follow '{rig.names[group]}', which this file does not have" in text

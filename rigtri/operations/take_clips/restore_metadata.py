@@ -19,6 +19,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.metadata import (
     ADDED,
     EXPORT_WARNINGS,
+    ConstraintRecord,
     ControlRecord,
     Place,
     damage,
@@ -74,6 +75,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     elif not any(damage(stored) for node, stored in rig.metadata.items() if node not in found):
         report.answer(*EXPORT_WARNINGS)
     _warn_other_metadata(rig, as_stored, found, report)
+    _warn_lost_drivers(described, both.of, report)
     whole = replace(rig, metadata={**rig.metadata, **found})
     _refuse_strange_joints(whole, found, described, report)
     bound = _bound_otherwise(rig, described, both.of)
@@ -140,6 +142,22 @@ def _with_names_of(
         return name if node is None or rig.known(name) == node else rig.address(node)
 
     return {node: with_references(each, address) for node, each in stored.items()}
+
+
+def _warn_lost_drivers(described: Rig, of: Mapping[int, int], report: Report) -> None:
+    """A warning of drivers of constraints that this file has not, such as the group, which is the world."""
+    followed = {
+        driver
+        for node, record in described.records(ConstraintRecord).items()
+        if node in of
+        for driver in map(described.known, record.drivers)
+        if driver is not None and driver not in of
+    }
+    names = [described.names[node] for node in sorted(followed) if described.type_of(node) in ("", "group")]
+    if names:
+        text = f"Constraints of the file of --rig follow {list_names(names)}, which this file does not have"
+        more = "so they leave it out. To keep it: rigtri take-clips RIG --from IN"
+        report.warn("not-in-this-file", f"{text}, {more}", geometry=True, names=names)
 
 
 def _warn_other_metadata(
