@@ -112,7 +112,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         tree = replace(tree, sockets=body_hinges.sockets(rig, characters))
     chains = [(k, chain) for k in characters for chain in k.sure_chains]
     twists = body_hinges.twists_beside_bones(rig, characters)
-    hips = frozenset(k.hips for k, chain in chains if chain.kind == "spine")
+    hips = frozenset(top for k in characters for top in _tops(k))
     fingers = [chain for _, chain in chains if chain.kind == "finger"]
     heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
     whole = twists.union(joint for _, chain in chains for joint in chain.joints)
@@ -151,6 +151,19 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         _check_world_aligned(rig, options)
     _check_aims(tree, ref, aim_at, styles)
     return Targets(tree, ref, joints, skipped, styles, limbs, aim_targets(tree, ref, joints, rules), bodies)
+
+
+def _tops(character: Character) -> Iterator[int]:
+    """The joints of a body that turn also where nothing is above them: no motion of the whole is in these.
+
+    They are the hips, the first joint of the trunk, and thighs and upper arms of a body with several roots.
+    Of an arm alone the upper arm is the root.
+    """
+    for chain in character.sure_chains:
+        if chain.kind in ("spine", "neck", "head"):
+            yield from (character.hips, *chain.joints)
+        elif character.form in ("biped", "quadruped"):
+            yield from chain.bend
 
 
 def _standard_bones(characters: Iterable[Character], options: OrientJointsOptions) -> Iterator[int]:
