@@ -74,6 +74,8 @@ def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body
     alone = [() if clear else _alone(tree, legs, even) for legs in even]
     ways = [way for each in zip(alone, both, strict=True) for ways in each for way in ways]
     ways = [replace(k, score=k.score - _LEFT_OVER) if stands_too(tree, k, even) else k for k in ways]
+    if any(k.legs and k.arms and _are_front_and_hind(k.arms, k.legs) for k in ways):
+        ways = [k for k in ways if k.legs and k.arms]
     ways = ranked(ways, lambda body: body.score, SAME_SCORE)
     if not ways:
         return []
@@ -191,6 +193,7 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
     on, down, out = spine.unit, (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
     common = tree.common(legs.pair.above, arms.pair.above)
     tier = _tier(tree, arms.pair.above, common) - _tier(tree, legs.pair.above, common)
+    tier = 1 if _are_front_and_hind(arms, legs) else tier
     ratio = spine.length / max(legs.size, 1e-30)
     points = [
         (1.0, 1.0 if tier > 0 else 0.4 if tier == 0 else 0.0),
@@ -222,6 +225,11 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
         form: Literal["biped", "quadruped"] = "quadruped" if four else "biped"
         seen.append(Body(legs, arms, form, up, score, doubt=lies and not front_legs))
     return max(seen, key=lambda body: body.score)
+
+
+def _are_front_and_hind(arms: Limbs, legs: Limbs) -> bool:
+    """Whether names say that two pairs are the front and the hind legs."""
+    return arms.kind == legs.kind == "leg" and arms.place == "front" and legs.place == "hind"
 
 
 def lowest(tree: Tree, limbs: Limbs, up: Vector) -> float:

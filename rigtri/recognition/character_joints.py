@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from rigtri.model.rig import Rig
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.symmetry import Plane, pairs_of, plane_of
 
 # So many joints of the same names in two branches make two characters of one skin.
@@ -65,11 +66,20 @@ def _tops(tree: Tree) -> list[int]:
 
 def _are_two(tree: Tree, branches: Mapping[int, Sequence[int]], a: int, b: int) -> bool:
     """Whether two branches that one skin moves are bodies of a crowd: by names, size, or where they stand."""
+    if {_place_of_legs(tree.rig, branches[k]) for k in (a, b)} == {"front", "hind"}:
+        return False
     return (
         _repeats(tree.rig, branches[a], branches[b])
         or _alike_bodies(tree, a, b)
         or _stand_apart(tree, branches[a], branches[b])
     )
+
+
+def _place_of_legs(rig: Rig, nodes: Sequence[int]) -> str:
+    """Where names say that the legs of a branch are, ``front`` or ``hind``; "" for both or neither."""
+    said = (limb_words(rig.names[node]) for node in nodes)
+    places = {words.place for words in said if words.kind == "leg" and words.place}
+    return places.pop() if len(places) == 1 else ""
 
 
 def _alike_bodies(tree: Tree, a: int, b: int) -> bool:

@@ -1,7 +1,7 @@
 """Whether a body whose trunk lies stands on two legs or on four, where its arms end above the ground.
 
 The joints of an animal's front legs may end at the wrist, as high as a raptor's hands hang. What their meshes
-reach, where the weight of the trunk is, and words of animals tell.
+reach, where the weight of the trunk is, words of animals, and toes at the end of arms tell.
 """
 
 from __future__ import annotations
@@ -42,6 +42,8 @@ def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]
         return replace(body, doubt=False)
     four = body.form == "quadruped" or (arms.fingers < 2 and _ahead(tree, body, legs, arms) > _FALLS * tall)
     animal = any(names[node].animal for node in tree.nodes if node in names)
+    ends = [path[arms.at[-1]] for path in arms.pair.paths]
+    animal = animal or any(names[k].kind == "leg" for end in ends for k in tree.branch(end) if k in names)
     return replace(body, form="quadruped" if four else "biped", doubt=not (four and animal))
 
 

@@ -190,7 +190,7 @@ def test_front_legs_that_are_not_sure_have_the_hinge_of_their_own_bend() -> None
     trunk = [(0.5, -0.3), (0.52, -0.1), (0.52, 0.1), (0.62, 0.28), (0.82, 0.48)]
     hind = [(0.45, -0.3), (0.295, -0.23), (0.15, -0.29), (0.04, -0.25), (0.01, -0.18)]
     front = [(0.6, 0.23), (0.457, 0.33), (0.327, 0.27), (0.173, 0.3), (0.123, 0.37)]
-    named = "{0}_scapula {0}_upper_arm {0}_lower_arm {0}_hand {0}_toe"
+    named = "{0}_scapula {0}_upper_arm {0}_lower_arm {0}_hand {0}_tip"
     joints = line("pelvis spine_01 spine_03 neck_01 head", "", *((0.0, y, z) for y, z in trunk))
     for side, x in (("l", 0.1), ("r", -0.1)):
         legs = f"thigh_{side} calf_{side} {side}_shank foot_{side} ball_{side}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from recognition_bodies.skeletons import FINGERS, MAN, Joint, both, line, rig_with
+from recognition_bodies.skeletons import FINGERS, HORSE, MAN, Joint, both, line, rig_with
 
 from rigtri.recognition.layout import Character
 from rigtri.recognition.recognise import recognise
@@ -120,3 +120,41 @@ def test_sides_that_are_glued_to_words_in_lower_case(capital: bool) -> None:
     assert "its names" in chains["left arm"].evidence[0]
     assert chains["left arm"].confidence > 0.9
     assert "its names" in chains["right index finger"].evidence[0]
+
+
+def test_an_animal_with_the_names_of_a_person_has_four_legs_where_its_arms_end_in_toes() -> None:
+    """Before, a cat with Rigify's names had arms, surely: its dewclaw stands apart as a thumb does."""
+    toes = [
+        joint
+        for k in range(4)
+        for joint in line(
+            f"f{k}.L f{k}_end.L", "f_toe.L", *((0.17 + 0.02 * k, 0.38 - y, 0.75 + y) for y in (0, 0.05))
+        )
+    ]
+    toes = [("f_toe.L", "hand.L", (0.2, 0.38, 0.7)), *toes]
+    claw = line("claw.L claw_end.L", "hand.L", (0.17, 0.42, 0.6), (0.1, 0.4, 0.6))
+    joints = [*(joint for joint in HORSE if "finger" not in joint[0]), *both([*toes, *claw])]
+    found, limbs = sure_limbs(joints, named=True)
+    assert found.form == "quadruped"
+    assert not any("arm" in name for name in limbs)
+
+
+HALVES = [
+    *line(
+        "front1 front2 neck head jaw", "", (0, 1, 0.1), (0, 1, 0.6), (0, 1.2, 0.9), (0, 1.3, 1), (0, 1.2, 1.2)
+    ),
+    *line("back1 back2 tail1 tail2", "", (0, 1, -0.1), (0, 1, -0.6), (0, 1.1, -0.9), (0, 1, -1.2)),
+]
+for place, at in (("Fore", 0.6), ("Hind", -0.6)):
+    paths = [(0.2, 1.0, at), (0.2, 0.6, at * 0.85), (0.2, 0.1, at), (0.2, 0.03, at + 0.12)]
+    names = " ".join(f"{place}Leg{k}.L" for k in range(1, 5))
+    HALVES += both(line(names, "front2" if at > 0 else "back2", *paths))
+
+
+def test_halves_of_an_animal_that_hang_from_nothing_are_one() -> None:
+    """Before, they were two characters on two legs each."""
+    (found,) = recognise(rig_with(HALVES)).characters
+    assert found.form == "quadruped"
+    assert {chain.name for chain in found.chains if chain.kind == "leg"} == {
+        f"{side} {place} leg" for side in ("left", "right") for place in ("front", "hind")
+    }
