@@ -80,6 +80,33 @@ def test_a_limb_has_three_different_joints() -> None:
         given(rig, "a", "elbow", "b")
 
 
+@pytest.mark.parametrize("names", ["c b a", "b a c", "a c b", "c a d"])
+def test_a_limb_that_is_named_upside_down_is_called_that(names: str) -> None:
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0))
+    first, second, third = names.split()
+    with pytest.raises(UsageError, match=f"the limb '{first}', '{second}', '{third}' is upside down"):
+        given(rig, first, second, third)
+    assert given(rig, "a", "b", "d").triple == (0, 1, 3)
+
+
+@pytest.mark.parametrize(
+    ("names", "kind", "side"),
+    [
+        ("arm_L elbow_L hand_L", "arm", "left"),
+        ("arm_L elbow_R hand_L", "arm", ""),
+        ("thigh_R knee_R foot_R", "leg", "right"),
+        ("arm_L knee_L foot_L", "", "left"),
+        ("x y z", "", ""),
+    ],
+)
+def test_the_kind_and_side_of_a_named_limb_are_read_from_all_its_names(
+    names: str, kind: str, side: str
+) -> None:
+    rig = named(names.split(), [-1, 0, 1])
+    found = given(rig, *names.split())
+    assert (found.kind, found.side) == (kind, side)
+
+
 @pytest.mark.parametrize(
     ("names", "below", "above"),
     [
