@@ -70,15 +70,6 @@ def shortened(name: str, most: int) -> str:
     return f"{name[: most - 1 - end]}…{name[len(name) - end :]}"
 
 
-def listed(names: Sequence[object], most: int = 3) -> str:
-    """The first of some names, with an ellipsis for the others.
-
-    >>> listed("abc"), listed(["leg", "arm"], most=1)
-    ('a, b, c', 'leg …')
-    """
-    return ", ".join(map(str, names[:most])) + (" …" if len(names) > most else "")
-
-
 def and_more(names: Iterable[object], most: int = 6) -> str:
     """The first of some names, and how many more there are.
 

@@ -42,7 +42,7 @@ from rigtri.recognition.limbs import Limb, along, limb_title, named_limbs, unsur
 from rigtri.recognition.limbs import recognise as recognised
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.text import listed, straightness
+from rigtri.text import and_more, straightness
 
 # Below this sine (0.6°) a bend plane is shaky.
 SHAKY = 1.0471784116245793e-2
@@ -107,7 +107,7 @@ def _warn_left_out(rig: Rig, limbs: list[Limb], report: Report) -> None:
     if left:
         report.warn(
             "limb-left-out",
-            f"{listed([limb_title(rig, chain) for chain in left], 4)}: not surely recognised (sure from "
+            f"{and_more([limb_title(rig, chain) for chain in left], 4)}: not surely recognised (sure from "
             f"{CONFIDENT}), and without a pole vector. If it is right, say --limb START MIDDLE END",
         )
     names = {rig.names[limb.middle] for limb in limbs} - {""}

@@ -45,7 +45,7 @@ from rigtri.recognition.one_character import titles
 from rigtri.recognition.recognise import recognise
 from rigtri.recognition.written_names import written_names
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more
 
 Steps = tuple[tuple[str, Mapping[str, Any]], ...]
 
@@ -137,7 +137,7 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     bodies = recognise(rig).characters
     if len(bodies) > 1:
         found = titles(rig)  # one skin may hold two of them
-        names = listed(found if len(found) > 1 else [rig.title(body.root) for body in bodies], 6)
+        names = and_more(found if len(found) > 1 else [rig.title(body.root) for body in bodies], 6)
         raise GeometryError(f"There are {len(bodies)} characters here, {names}: take one with --character")
     if rig.rules.orient_locked:
         if skeleton.axes != "vrm":
@@ -218,7 +218,7 @@ def _warn_misplaced(rig: Rig, report: Report) -> None:
             report.warn("sides", f"{text}: clips of others move the limbs of the other side")
         if found := list(misplaced(rig, body)):
             pairs = [f"{rig.title(node)} (below {rig.title(above)})" for node, above in found]
-            text = f"Not below the joints that a standard skeleton has above them: {listed(pairs, 6)}"
+            text = f"Not below the joints that a standard skeleton has above them: {and_more(pairs, 6)}"
             report.warn("hierarchy", f"{text}. Clips of others do not fit these: parent them in a DCC")
 
 
@@ -229,7 +229,7 @@ def _warn_missing(rig: Rig, options: ConformOptions, skeleton: Skeleton, report:
         off = _off_without(rig, body, skeleton, options.facing)
         if missing := sorted(names.get(bone, bone) for bone, angle in off.items() if angle > _FAR_OFF):
             far = f"{np.degrees(max(off.values())):.0f} degrees"
-            text = f"The standard skeleton has bones that are not here: {listed(missing, 6)}. Clips of "
+            text = f"The standard skeleton has bones that are not here: {and_more(missing, 6)}. Clips of "
             text += f"characters that have them turn what is below {far} off: add these joints in a DCC"
             report.warn("bones-missing", f"{text}, or take --to {ways}")
 
@@ -283,7 +283,7 @@ def _bones_with_other_axes(rig: Rig, values: Mapping[str, Any]) -> list[int]:
 def _warn_other_axes(rig: Rig, values: Mapping[str, Any], report: Report) -> None:
     """Say which bones have other axes than the standard skeleton, for something stands against these."""
     if other := [rig.title(bone) for bone in _bones_with_other_axes(rig, values)]:
-        text = f"Other axes than those of the standard skeleton: {listed(other, 6)}"
+        text = f"Other axes than those of the standard skeleton: {and_more(other, 6)}"
         report.warn("other-axes", f"{text}. Clips of others do not fit these", geometry=True)
 
 

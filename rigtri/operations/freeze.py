@@ -33,7 +33,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.freeze import FreezeOptions as FreezeOptions
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more
 
 # A world scale this near to 1 is 1: float32 leaves as much of products along a chain.
 ONE = 1e-6
@@ -159,7 +159,7 @@ def _without_rotation(rig: Rig, nodes: list[int], report: Report) -> Rig:
     if uneven:
         why = f"the scale of '{rig.title(uneven[0])}' is not uniform"
     if why:
-        report.warn("not-frozen", f"The rotation of {listed(names, 6)} stays: {why}", geometry=True)
+        report.warn("not-frozen", f"The rotation of {and_more(names, 6)} stays: {why}", geometry=True)
         return rig
     for node in np.flatnonzero(rotates(delta)).tolist():
         report.joints.append(joint_record(rig, node, "frozen", rotation=conjugate(delta[node]).tolist()))
@@ -205,16 +205,16 @@ def _without_scale(
         report.joints.append(joint_record(rig, node, "frozen", world_scale=float(total[node])))
     left = [rig.title(node) for node in np.flatnonzero(uneven & inside).tolist()]
     if left:
-        text = f"The scale of {listed(left, 6)} is not uniform: what is not uniform of it stays"
+        text = f"The scale of {and_more(left, 6)} is not uniform: what is not uniform of it stays"
         report.warn("not-frozen", text, geometry=True)
     colliders = {one.node for one in rig.bound if size[one.node] != 1.0}
     if colliders:
-        names = listed([rig.title(node) for node in sorted(colliders)], 6)
+        names = and_more([rig.title(node) for node in sorted(colliders)], 6)
         factors = {f"{total[node]:.6g}" for node in sorted(colliders)}
         text = (
             f"Colliders at {names} keep their radii: in three-vrm, which takes them as lengths of the world, "
             "they look as before. UniVRM multiplied them by the scale of their nodes: if they were set "
-            f"there, multiply them by {listed(sorted(factors), 3)}"
+            f"there, multiply them by {and_more(sorted(factors), 3)}"
         )
         report.warn("radius-kept", text)
     return rescale(rig, size)
@@ -230,7 +230,7 @@ def _warn_keyed(rig: Rig, above: Collection[int], report: Report) -> None:
         if np.abs(key_values(track) - rig.scale[track.node]).max(initial=0.0) > SAME_SCALE
     }
     if keyed:
-        names = listed([rig.title(node) for node in sorted(keyed)], 6)
+        names = and_more([rig.title(node) for node in sorted(keyed)], 6)
         report.warn("not-frozen", f"The scale of {names} has keys in clips, and stays", geometry=True)
 
 
@@ -244,7 +244,7 @@ def _warn_instances(rig: Rig, options: FreezeOptions, report: Report) -> None:
         or (options.scales and options.only != "joints" and np.abs(sizes[node] - 1.0).max() > SAME_SCALE)
     ]
     if left:
-        text = f"{listed(left, 6)}: what is below instances is the same in all, so they keep what rotation "
+        text = f"{and_more(left, 6)}: what is below instances is the same in all, so they keep what rotation "
         report.warn("not-frozen", f"{text}and scale they have relative to the first", geometry=True)
 
 
@@ -269,7 +269,7 @@ def _mirrored(rig: Rig, report: Report) -> Booleans:
     for node in rig.nodes_of(*_BUILT):
         tied |= rig.named_by(rig.metadata[node])
     if both := sorted(tied.intersection(below)):
-        names = listed([rig.title(node) for node in both], 6)
+        names = and_more([rig.title(node) for node in both], 6)
         text = f"The axes of {names} stay mirrored: constraints or controls count from them"
         report.warn("not-frozen", text, geometry=True)
         return np.zeros(len(rig), dtype=bool)

@@ -36,7 +36,7 @@ from rigtri.operations.joint_records import joint_record
 from rigtri.progress import counted
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more
 
 # By name: the joint above, "" for the root, and the bone of the humanoid that is followed, "" for the root.
 IK_BONES: Mapping[str, Mapping[str, tuple[str, str]]] = {
@@ -94,7 +94,7 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
     if left_out:
         report.warn(
             "no-bones",
-            f"{listed(left_out, 8)} left out: the bones that they, or joints below them, follow are not "
+            f"{and_more(left_out, 8)} left out: the bones that they, or joints below them, follow are not "
             "recognised with confidence",
         )
     for timeline in counted(timelines(rig) if followers else (), "clips"):

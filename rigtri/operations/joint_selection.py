@@ -11,7 +11,7 @@ from rigtri.operations.aim_targets import EYES, chain_child
 from rigtri.operations.option_kinds import Selection
 from rigtri.recognition.limbs import along
 from rigtri.report import Report
-from rigtri.text import and_more, listed
+from rigtri.text import and_more
 
 EXCLUDED = "excluded"
 ROOT = "root joint: its motion is root motion"
@@ -85,7 +85,7 @@ def warn_held(rig: Rig, kept: Mapping[int, str], report: Report) -> None:
 def warn_unread(rig: Rig, report: Report) -> None:
     """Warn of extensions that may hold something in the axes of joints, which are others now."""
     if rig.rules.unread_extensions:
-        names = listed(rig.rules.unread_extensions, 6)
+        names = and_more(rig.rules.unread_extensions, 6)
         text = f"The file has {names}, which rigtri does not know: what it may hold in the axes of joints "
         report.warn("extension-axes", f"{text}is as it was. Check joints that it refers to")
 

@@ -26,7 +26,7 @@ from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJo
 from rigtri.operations.prune_joints import named_nodes
 from rigtri.operations.without_nodes import staying, warn_lost_clips, without_nodes
 from rigtri.report import Report
-from rigtri.text import and_more, listed
+from rigtri.text import and_more
 
 # A joint that moves its points by no more against the one above, as a share of the size, is still.
 STILL = 1e-6
@@ -69,7 +69,7 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
 
 def _warn_unmerged(rig: Rig, still: Sequence[int], report: Report) -> None:
     if still:
-        names = listed([rig.title(node) for node in still], 6)
+        names = and_more([rig.title(node) for node in still], 6)
         why = "they or joints below have a mesh, camera or light, or the file or rigtri's metadata name them"
         report.warn("still-kept", f"{names} never move against the joints above them, and stay: {why}")
 

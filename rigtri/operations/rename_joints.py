@@ -20,7 +20,7 @@ from rigtri.recognition.layout import CONFIDENT, Part
 from rigtri.recognition.recognise import recognise
 from rigtri.recognition.written_names import written_names
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more
 
 FORMAT = "rigtri names 1"
 
@@ -146,7 +146,7 @@ def _of_scheme(rig: Rig, options: RenameJointsOptions) -> Iterable[tuple[int, st
     unsure = [f"{rig.title(part.joint)} as {part.bone}" for part in new if part.confidence < CONFIDENT]
     if unsure:
         raise GeometryError(
-            f"It is not sure what these joints are: {listed(unsure, 6)}. Name each with --name JOINT=NAME, "
+            f"It is not sure what these joints are: {and_more(unsure, 6)}. Name each with --name JOINT=NAME, "
             "or leave it out with --exclude; see why with: rigtri recognise FILE --joints"
         )
     for part in bones:
@@ -163,7 +163,7 @@ def _warn_unnamed_trunk(rig: Rig, names: Collection[int], report: Report) -> Non
         spine = [joint for chain in character.chains if chain.kind == "spine" for joint in chain.joints]
         left = [rig.title(joint) for joint in spine if joint not in names]
         if 0 < len(left) < len(spine):
-            text = f"{listed(left, 6)} of the spine: no new name, for schemes have three joints there. "
+            text = f"{and_more(left, 6)} of the spine: no new name, for schemes have three joints there. "
             report.warn("spine-unnamed", text + "Name each with --name JOINT=NAME, or merge them before")
 
 

@@ -22,7 +22,7 @@ from rigtri.operations.options.root_motion import RootMotionOptions as RootMotio
 from rigtri.operations.root_children import besides, keeping_children
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more
 
 
 @operation(RootMotionOptions)
@@ -74,7 +74,7 @@ def _warn_still_moving(rig: Rig, clip: Clip, root: int, report: Report) -> None:
     above = rig.path_to_root(root)[1:]
     moving = {t.node for t in clip.tracks if t.node in above and t.path != "weights" and not rests(t, rig)}
     if moving:
-        names = listed([rig.title(node) for node in sorted(moving)], 6)
+        names = and_more([rig.title(node) for node in sorted(moving)], 6)
         text = f"In clip '{clip.name}', {names} above the hips move, too, and keep their keys"
         report.warn("still-moving", f"{text}: key the hips for that in a DCC")
 

@@ -34,7 +34,7 @@ from rigtri.recognition.layout import CONFIDENT, Character
 from rigtri.recognition.limbs import limb_title
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more
 
 # Radians, and shares of the size and scale: a rest pose that differs by less is the one that is there. Places
 # of bind poses come from inverses of float32, whose noise turns short bones by some 1e-5.
@@ -118,7 +118,7 @@ def _warn_unsure(rig: Rig, body: Character, report: Report) -> None:
     if left := [limb_title(rig, chain) for chain in body.limbs if not chain.is_sure]:
         report.warn(
             "unsure-limb",
-            f"{listed(left, 4)}: not surely recognised (sure from {CONFIDENT}), so joints there stay as "
+            f"{and_more(left, 4)}: not surely recognised (sure from {CONFIDENT}), so joints there stay as "
             "they are bound. Names of a known scheme make them sure (rigtri rename-joints --name); see why: "
             "rigtri recognise FILE",
             geometry=True,
@@ -289,5 +289,5 @@ def _refuse(rig: Rig, moved: list[int]) -> None:
         )
     tied = {node for c in rig.node_constraints if c.key is not None for node in (c.node, c.source)}
     if ties := sorted(tied & set(moved)):
-        names = listed([rig.title(node) for node in ties], 6)
+        names = and_more([rig.title(node) for node in ties], 6)
         raise GeometryError(f"Node constraints count from the rest pose of {names}: take them out first")

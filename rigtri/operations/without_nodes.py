@@ -11,7 +11,7 @@ from rigtri.maths.arrays import Booleans
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more
 
 
 def without_nodes(rig: Rig, gone: Collection[int], folds: Sequence[JointMerge]) -> Rig:
@@ -53,9 +53,8 @@ def warn_lost_clips(before: Rig, after: Rig, report: Report) -> None:
     for number, (clip, left) in enumerate(zip(before.clips, after.clips, strict=True)):
         if clip.tracks and not left.tracks:
             titles = list(dict.fromkeys(before.title(track.node) for track in clip.tracks))
-            text = (
-                f"Clip '{clip.name or f'#{number}'}' moved nothing but {listed(titles, 4)}, and is lost with"
-            )
+            name = clip.name or f"#{number}"
+            text = f"Clip '{name}' moved nothing but {and_more(titles, 4)}, and is lost with"
             report.warn("clip-lost", f"{text} that: to keep it, leave one out with --exclude")
 
 

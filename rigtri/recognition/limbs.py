@@ -23,7 +23,7 @@ from rigtri.recognition.layout import CONFIDENT, MAP, NAMES, Chain
 from rigtri.recognition.naming_schemes import limb_kind_in_name
 from rigtri.recognition.recognise import recognise as layout_of
 from rigtri.recognition.recognise import sure_limbs
-from rigtri.text import listed
+from rigtri.text import and_more
 
 # Who looks less far from up or down than this (a sine) looks nowhere in a picture.
 _LEVEL = 0.1
@@ -50,7 +50,7 @@ def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
     if pair := _no_line(rig, triple, chains):
         above, below = map(rig.title, pair)
         likely = [chain for chain in chains if len(chain.bend) == 3 and _has_one(rig, chain, triple)]
-        shown = listed([limb_title(rig, chain) for chain in likely], 4)
+        shown = and_more([limb_title(rig, chain) for chain in likely], 4)
         hint = f"Recognised: {shown}" if shown else "See what is recognised with: rigtri recognise FILE"
         raise UsageError(
             f"'{start}', '{middle}', '{end}' is not a limb: '{below}' does not lie below '{above}'. {hint}"

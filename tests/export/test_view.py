@@ -396,7 +396,7 @@ def test_textures_that_no_page_can_show_are_reported_once_with_the_reason(tmp_pa
         "warning: in.glb: textures in KTX2 are not shown (2), for a page that runs nothing but its own "
         "script can have no decoder of it; give them PNG, JPEG or WebP as well",
         "warning: in.glb: textures whose images are not one of PNG, JPEG, WebP, AVIF, GIF or BMP are not "
-        "shown: images[0], '1.dds', '2.dds' …",
+        "shown: images[0], '1.dds', '2.dds' and 1 more",
     ]
 
 

@@ -14,7 +14,7 @@ from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.unbaked import unbaked
 from rigtri.report import Notice
-from rigtri.text import listed
+from rigtri.text import and_more
 
 Slot = Literal["base", "metal_rough", "normal", "occlusion", "emissive"]
 Colour = tuple[float, float, float]
@@ -167,5 +167,5 @@ class Scene:
         if motion := unbaked(rig) if own else "":
             self.lose(f"motion that only controls have. {motion}: rigtri bake --to joints first")
         if stored := [node for node in sorted(rig.metadata) if node not in own]:
-            names = listed([f"'{rig.title(node)}'" for node in stored], 6)
+            names = and_more([f"'{rig.title(node)}'" for node in stored], 6)
             self.lose(f"what rigtri has stored on {names}: plain nodes in the output")

@@ -15,7 +15,7 @@ from rigtri.formats.document import FOUR, Embedded
 from rigtri.formats.gltf.uris import file_of, is_data, is_there, uris, why_absent
 from rigtri.formats.image_types import KINDS, shows
 from rigtri.formats.json_values import Value
-from rigtri.text import listed
+from rigtri.text import and_more
 
 _DECODERS = {
     "EXT_meshopt_compression": "meshopt",
@@ -75,7 +75,7 @@ def _unshown(gltf: dict[str, Any], images: Images) -> Iterator[str]:
             "have no decoder of it; give them PNG, JPEG or WebP as well"
         )
     if other:
-        yield f"textures whose images are not one of {KINDS} are not shown: {listed(list(other))}"
+        yield f"textures whose images are not one of {KINDS} are not shown: {and_more(list(other), 3)}"
 
 
 def _called(image: dict[str, Any], number: int) -> str:

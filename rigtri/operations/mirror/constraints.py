@@ -28,7 +28,7 @@ from rigtri.operations.mirror.counterparts import (
 )
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more
 
 
 def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
@@ -72,8 +72,8 @@ def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
         moved.update(rig.children[rule.child])
     keyed = {clip.name: moved & {track.node for track in clip.tracks} for clip in rig.clips}
     if nodes := set[int]().union(*keyed.values()):
-        names = listed([rig.title(node) for node in sorted(nodes)], 6)
-        clips = listed([clip for clip, nodes in keyed.items() if nodes], 6)
+        names = and_more([rig.title(node) for node in sorted(nodes)], 6)
+        clips = and_more([clip for clip, nodes in keyed.items() if nodes], 6)
         text = f"{names} has keys in {clips} and follows a constraint from now on"
         report.warn("mirror-moves", f"{text}: the next bake gives other motion there")
 
@@ -84,7 +84,7 @@ def _warn_switched(rig: Rig, rule: Constraint, report: Report) -> None:
     clips = [clip.name for clip in rig.clips if any(track.node in weights for track in clip.tracks)]
     if clips:
         child = rig.title(rule.child)
-        text = f"what '{child}' follows switches in {listed(clips, 6)}; its twin follows there as at rest"
+        text = f"what '{child}' follows switches in {and_more(clips, 6)}; its twin follows there as at rest"
         report.warn("mirror-weights", f"{text}: constrain --switch or --weight-keys give it keys, too")
 
 

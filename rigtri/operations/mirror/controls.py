@@ -44,7 +44,7 @@ from rigtri.operations.skin_joints import add_joint, move_joint, skin_sibling_pa
 from rigtri.recognition.limb_bends import NO_PLANE
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more
 
 
 def mirror_controls(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
@@ -64,7 +64,7 @@ def mirror_controls(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     nodes = [node for node in of_side(rig, options, ControlRecord) if records[node].kind != "root"]
     rig = mirror_each(rig, sorted(nodes, key=joint), "control", build, report)
     if posed:
-        text = f"{listed(posed, 6)}: takes the mirrored values at rest of the other side's controls"
+        text = f"{and_more(posed, 6)}: takes the mirrored values at rest of the other side's controls"
         where = "at rest, and in clips where joints or channels have no keys"
         report.warn("mirror-moves", f"{text}, so the next bake gives another pose {where}")
     return rig
@@ -169,7 +169,7 @@ def _pole(rig: Rig, node: int, there: PoleVectorRecord, options: MirrorOptions, 
     found = find(rig, PoleVectorRecord, chain=there.chain)
     if found is not None and (clips := _moving(rig, found, there)):
         if length(place - unposed(rig, found)[3, :3]) > TOLERANCE * farthest_joint(rig):
-            where = f"'{rig.title(found)}' at rest would change how its limb moves in {listed(clips, 6)}"
+            where = f"'{rig.title(found)}' at rest would change how its limb moves in {and_more(clips, 6)}"
             raise NotMirroredError(f"to move {where}")
         return rig
     # What is drawn at either is its own: another colour, and nothing where nothing was drawn.

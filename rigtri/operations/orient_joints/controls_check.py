@@ -23,7 +23,7 @@ from rigtri.maths.quaternions import rotates
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
-from rigtri.text import listed
+from rigtri.text import and_more
 
 
 def refuse_other_motion(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable, tolerance: float) -> None:
@@ -48,7 +48,7 @@ def refuse_other_motion(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable,
             names = [f"'{rig.title(k)}'" for k in sorted(uneven) if 2.0 * uneven[k] > most]
             raise GeometryError(
                 f"In clip '{was.name}' controls would move '{rig.title(joint)}' differently, by "
-                f"{far:.2g} of the size at {time:g}: the scale of {listed(names, 6)} is not quite uniform, "
+                f"{far:.2g} of the size at {time:g}: the scale of {and_more(names, 6)} is not quite uniform, "
                 "and a straight or folded IK limb amplifies what other axes lose of it. Keep these axes "
                 "with --exclude, or allow more with --tolerance; or bake --to joints and strip, "
                 "orient-joints, and build the controls again"

@@ -33,7 +33,7 @@ from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.recognition.one_character import bodies
 from rigtri.recognition.sides import side_of, twin_of
 from rigtri.report import Report
-from rigtri.text import listed
+from rigtri.text import and_more
 
 # A common rotation smaller than this (radians) is what float32 positions leave over.
 NO_ROTATION = 2e-6
@@ -58,7 +58,7 @@ def like_deltas(targets: Targets, like: Rig, report: Report) -> tuple[list[int],
     delta = unit(multiply(conjugate(now), multiply(common, target)))
     missing = [tree.rig.title(joint) for joint in targets.joints if joint not in pairs]
     if missing:
-        text = f"{len(missing)} joints have no namesake: skipped: {listed(missing, 10)}"
+        text = f"{len(missing)} joints have no namesake: skipped: {and_more(missing, 10)}"
         report.warn("like-unmatched", text)
     place = {joint: k for k, joint in enumerate(pairs)}
     return joints, delta[[place[joint] for joint in joints]]
@@ -317,7 +317,7 @@ def _warn_shared(rig: Rig, known: Mapping[str, Sequence[int]], report: Report) -
     skins = [skin.name for skin in rig.skins if set(joints).intersection(skin.joints.tolist())]
     report.warn(
         "frames-shared",
-        f"--frames: '{name}'{f' and {more} more' if more else ''} is a joint of {listed(skins, 6)}: all of "
+        f"--frames: '{name}'{f' and {more} more' if more else ''} is a joint of {and_more(skins, 6)}: all of "
         "them get the stored frames. To re-orient those of one, name it with --skin, e.g. --skin "
         f"{skins[0]}.",
     )

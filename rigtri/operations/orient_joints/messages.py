@@ -31,7 +31,7 @@ from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.limbs import limb_title, unsure
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.text import and_more, listed, straightness
+from rigtri.text import and_more, straightness
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report) -> No
     if chains:
         report.warn(
             "unsure-limb",
-            f"{listed([limb_title(rig, chain) for chain in chains], 4)}: not surely recognised (sure from "
+            f"{and_more([limb_title(rig, chain) for chain in chains], 4)}: not surely recognised (sure from "
             f"{CONFIDENT}), so joints there, in hands and feet take the planes of their own bones. If it "
             "is right, say --limb START MIDDLE END",
             geometry=True,
@@ -193,7 +193,7 @@ def check(outcome: Outcome, report: Report) -> None:
     _check_sheared(rig, moves)
     if short:
         text = "bones of length 0 aim at the next joint at another position"
-        report.warn("zero-length", f"{text}: {listed(short, 6)}")
+        report.warn("zero-length", f"{text}: {and_more(short, 6)}")
     sources = {styles[joint].up_from for joint in targets.aims}
     for source in sorted(text for text in sources if text.startswith("noderot:")):
         node = rig.find(source.split(":", 2)[2], "node")
@@ -242,7 +242,7 @@ def record(outcome: Outcome, report: Report) -> None:
     named = [tree.rig.title(joint) for joint in tree.joints if mirrored[joint] and moves[joint]]
     if named:
         text = f"{len(named)} joints are mirrored (left-handed axes) and stay mirrored"
-        report.warn("mirrored", f"{text}: {listed(named, 8)}")
+        report.warn("mirrored", f"{text}: {and_more(named, 8)}")
 
 
 def _records(outcome: Outcome, mirrored: Booleans) -> list[dict[str, Any]]:

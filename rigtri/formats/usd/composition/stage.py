@@ -28,7 +28,7 @@ from rigtri.formats.usd.composition.shared_instances import is_own_class
 from rigtri.formats.usd.composition.value_types import demand
 from rigtri.formats.usd.composition.variable_expressions import variables_of
 from rigtri.report import Notice
-from rigtri.text import listed
+from rigtri.text import and_more
 
 DEFAULT = Usd.TimeCode.Default()
 # Numbers that each layer states for its samples, and those that the root layer states for the stage.
@@ -151,7 +151,7 @@ def _refuse_nan_times(layer: Any) -> None:
         layer.Traverse(Sdf.Path.absoluteRootPath, visit)
     if wrong:
         raise FileError(
-            f"{layer.identifier}: {listed(wrong)} has a sample at time nan. "
+            f"{layer.identifier}: {and_more(wrong, 3)} has a sample at time nan. "
             "Remove the sample, or export the file again"
         )
 
@@ -286,7 +286,7 @@ def _lacking(texts: list[str], folder: Path, *, allow_missing: bool) -> list[Not
     for what, names in (("file", files), ("prim", sorted(prims))):
         if names:
             count, verb = (f"1 {what}", "was") if len(names) == 1 else (f"{len(names)} {what}s", "were")
-            text = f"{count} that this one refers to {verb} not found: {listed(names)}"
+            text = f"{count} that this one refers to {verb} not found: {and_more(names, 3)}"
             notices.append(Notice("unresolved", text))
     return notices
 

@@ -16,7 +16,7 @@ from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, Bindings, weighted
 from rigtri.formats.usd.reading.source import Source
 from rigtri.report import Notice
-from rigtri.text import listed
+from rigtri.text import and_more
 
 ORDER, INDICES = "skel:joints", "primvars:skel:jointIndices"
 WEIGHTS = "primvars:skel:jointWeights"
@@ -93,7 +93,7 @@ def check_moves_nothing(stage: Any, skeleton: str, tokens: Sequence[str], gone: 
             moving = [token for token, moves in zip(order, weighted([query], order), strict=True) if moves]
             first = len(order) if own else min(map(order.index, gone))
             if lost := [token for token in moving if token in gone or order.index(token) > first]:
-                names = listed([f"'{token.rpartition('/')[2]}'" for token in lost])
+                names = and_more([f"'{token.rpartition('/')[2]}'" for token in lost], 3)
                 raise FileError(
                     f"A joint of <{skeleton}> cannot be removed: {title[0].lower()}{title[1:]} has <{mesh}>, "
                     f"which {names} {'moves' if len(lost) == 1 else 'move'}. Leave out the joints that it "
@@ -136,7 +136,7 @@ def stale_names(source: Source, renaming: Renaming) -> list[Notice]:
     ]
     if not found:
         return []
-    shown = listed([f"<{path}>" for path in found])
+    shown = and_more([f"<{path}>" for path in found], 3)
     text = f"{len(found)} attributes name joints by their old paths and are left as they were: {shown}."
     return [Notice("renamed-elsewhere", text)]
 

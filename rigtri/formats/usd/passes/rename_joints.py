@@ -20,7 +20,7 @@ from rigtri.formats.usd.reading.joint_tokens import renamed_token
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.rig import Rig
-from rigtri.text import listed
+from rigtri.text import and_more
 
 # By the path of a skeleton what becomes of its tokens.
 Renaming = Mapping[str, Callable[[str], str]]
@@ -94,7 +94,7 @@ def _animation_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
             mine = [skeleton.path for skeleton in users if token in skeleton.tokens]
             new = {renaming[user](token) if user in renaming else token for user in mine}
             if len(new) > 1:
-                shared = listed([f"<{user}>" for user in mine])
+                shared = and_more([f"<{user}>" for user in mine], 3)
                 raise FileError(
                     f"Animation <{path}> drives {shared}, for which '{token}' would have to have several "
                     "names in it. Rename the joint in all of them alike, or give each an animation of its own"

@@ -34,7 +34,7 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.text import listed
+from rigtri.text import and_more
 
 # What else there is where joints are split for their scale.
 _INSTEAD = ", or choose --on-nonuniform-scale snap or skip"
@@ -113,7 +113,7 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
 def _refusal(splits: Mapping[str, Split]) -> str:
     names = [token.rpartition("/")[2] for split in splits.values() for token in split.holders]
     renamed = sum(len(set(s.skeleton.tokens).difference(s.tokens)) for s in splits.values())
-    shown = listed(names, most=4)
+    shown = and_more(names, 4)
     return (
         f"--on-nonuniform-scale split: a USD joint is named by its path, so a joint above {shown} renames "
         f"{renamed} joints. Allow it with --allow-rename, where no other file names them; or choose "

@@ -46,7 +46,7 @@ from rigtri.model.format_rules import Resting
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Notice
-from rigtri.text import listed
+from rigtri.text import and_more
 
 
 def read_source(path: Path, options: ReadOptions, stage: Any, warnings: Sequence[Notice] = ()) -> Source:
@@ -209,7 +209,7 @@ class _Reader:
                 self.animations[path] = animation
                 self.skeletons[path] = _stand_in(prim, animation, place)
         if self.skeletons:
-            shown = listed([f"<{path}>" for path in self.skeletons])
+            shown = and_more([f"<{path}>" for path in self.skeletons], 3)
             text = (
                 f"There is no skeleton; joints stand as {shown} poses them first. To give them the axes "
                 "of the skeleton they are for, save its new axes with orient-joints --save-frames and apply "
@@ -227,7 +227,7 @@ class _Reader:
         paths = [str(prim.GetPath()) for prim in others if prim.GetTypeName() == "SkelAnimation"]
         loose = [path for path in paths if path not in bound]
         if loose and self.skeletons:
-            shown = listed([f"<{path}>" for path in loose])
+            shown = and_more([f"<{path}>" for path in loose], 3)
             self.warnings.append(
                 Notice(
                     "unbound-animation",

@@ -29,7 +29,7 @@ from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Notice
-from rigtri.text import listed
+from rigtri.text import and_more
 
 # The ops that reorient a prim stand innermost and outermost.
 FRAME = "xformOp:orient:rigtriFrame"
@@ -350,4 +350,4 @@ def _parts(local: Floats, paths: list[str], warnings: list[Notice]) -> tuple[Flo
 
 def _named(paths: list[str], which: np.ndarray) -> str:
     names = sorted({paths[k] for k in np.flatnonzero(which).tolist()})
-    return listed([f"<{name}>" for name in names])
+    return and_more([f"<{name}>" for name in names], 3)
