@@ -9,6 +9,7 @@ from dataclasses import replace
 from rigtri.recognition.arms_legs import AGREED, Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.hands_feet import finger_in_name
+from rigtri.recognition.limb_triples import HAND
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
 from rigtri.recognition.shape_doubts import (
@@ -258,9 +259,14 @@ def _numbers(name: str) -> list[int]:
 
 
 def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """Arms are told by the legs: where evidence denies these, they are not sure; chairs have both."""
+    """Arms without hands are told by the legs: where evidence denies these, they are not sure.
+
+    Chairs have both.
+    """
     body = draft.shape.body
     if body is None or each.pair is None or each.pair is not body.arms or _by_words(each):
+        return ""
+    if each.pair.thumb and each.pair.fingers >= HAND:
         return ""
     for leg in (k for k in found if k.pair is body.legs):
         if skirt(draft, leg) or (len(leg.joints) == 3 and _contradiction(draft, leg, found)):

@@ -38,6 +38,8 @@ _NO_LIMB = 0.25
 _AIMED, _DROOPS = 0.906, 0.5
 # What lives has feet that point ahead this far, 0 to 1, or moves a knee in clips by this (15°, in radians).
 _POINTED, _MOVED = 0.5, 0.26
+# Front and hind legs end as low as each other up to this part of a leg.
+_LOW = 0.2
 # Legs go down by this (a cosine), of those that sit, too.
 _STANDS = 0.5
 # A clavicle is at most so long a part of the upper arm.
@@ -140,7 +142,8 @@ def rival(draft: Draft, each: Found) -> str:
         return "its first bone may be a clavicle, as a long bone follows"
     if start > 0 and long and not hand and bend > STRAIGHT:
         return "its middle may be a twist joint of its upper bone, as a long bone follows"
-    if start > 0 and end == len(path) - 1 and not fingers and _hangs_from_a_lying_trunk(body, mine):
+    ends = start > 0 and end == len(path) - 1 and not fingers
+    if ends and _hangs_from_a_lying_trunk(body, mine) and not _stands_below_its_blade(tree, body, mine):
         return "its first bone may be a shoulder blade or an upper bone, and nothing shows where its foot is"
     if front:
         return ""
@@ -160,6 +163,14 @@ def _hangs_from_a_lying_trunk(body: Body | None, arms: Limbs) -> bool:
     """Whether arms are those of a body whose trunk lies, as of a turtle: they need no shoulder blades."""
     legs = body.legs if body is not None else None
     return body is not None and legs is not None and (arms.starts - legs.starts).unit.dot(body.up) < _LYING
+
+
+def _stands_below_its_blade(tree: Tree, body: Body | None, arms: Limbs) -> bool:
+    """Whether front legs end as low as the hind ones, after one bone from the middle: that is the blade."""
+    legs = body.legs if body is not None else None
+    if body is None or legs is None or arms.at[0] != 1 or not begin_as_one(tree, arms.pair.paths):
+        return False
+    return abs(lowest(tree, arms, body.up) - lowest(tree, legs, body.up)) < _LOW * legs.size
 
 
 def _beside(draft: Draft, mine: Limbs) -> list[int]:

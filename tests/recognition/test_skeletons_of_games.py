@@ -158,3 +158,34 @@ def test_halves_of_an_animal_that_hang_from_nothing_are_one() -> None:
     assert {chain.name for chain in found.chains if chain.kind == "leg"} == {
         f"{side} {place} leg" for side in ("left", "right") for place in ("front", "hind")
     }
+
+
+def test_front_legs_below_a_blade_that_begins_in_the_middle_are_sure() -> None:
+    """Before, none of elephants, sheep and zebras were: their first bone might have been the blade."""
+    _, limbs = sure_limbs(ELEPHANT, named=False)
+    assert {name for name in limbs if "front" in name} == {"left front leg", "right front leg"}
+
+
+# MakeHuman's default rig: a thigh of two bones, of which the first is short and bends into the second.
+SPLIT_THIGH = line(
+    "pelvis.L upperleg01.L upperleg02.L lowerleg01.L lowerleg02.L foot.L toe.L",
+    "hips",
+    (0, 1, 0),
+    (0.1, 0.95, 0),
+    (0.125, 0.87, 0),
+    (0.13, 0.5, 0.01),
+    (0.13, 0.3, -0.005),
+    (0.13, 0.1, -0.02),
+    (0.13, 0.03, 0.12),
+)
+
+
+def test_a_thigh_of_two_bones() -> None:
+    """Before, legs without names surely began at the second bone, and so those with names were not sure."""
+    legs = ("thigh", "shin", "foot", "toe")
+    joints = [joint for joint in [*MAN, *FINGERS] if joint[0].partition(".")[0] not in legs]
+    joints += both(SPLIT_THIGH)
+    _, limbs = sure_limbs(joints, named=False)
+    assert set(limbs) == {"left arm", "right arm"}
+    _, limbs = sure_limbs(joints, named=True)
+    assert limbs["left leg"] == "upperleg01.L lowerleg01.L foot.L"
