@@ -7,6 +7,7 @@ import time
 import tracemalloc
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -62,6 +63,23 @@ def test_the_smallest_broken_file_gives_just_that_finding(rule: str, make: Make,
     # No skeleton at all is no fault of a file.
     if refused and "no skeleton" not in refused:
         assert "error" in {finding.severity for finding in findings}
+
+
+# Rules whose messages have words of other libraries.
+FOREIGN = ("file.unreadable", "usd.layer.unreadable", "usd.layer.uncomposed")
+
+
+def test_each_finding_says_where_and_what_and_the_reader_why_it_refuses(tmp_path: Path, golden: Any) -> None:
+    """Of every broken file all findings in order, and the error of the reader."""
+    lines: list[str] = []
+    for number, (rule, k, make) in enumerate(case for case in CASES if case[0] not in FOREIGN):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        path = make(folder)
+        told = [f"{f.id}: {f.place}: {f.pointer}: {f.message}" for f in check(path)]
+        told += [f"refused: {refused}"] if (refused := refusal(path)) else []
+        lines += [f"# {rule}-{k}", *(one.replace(f"{folder}/", "").replace(str(folder), "") for one in told)]
+    golden.check("findings.txt", "\n".join(lines) + "\n")
 
 
 def test_a_vertex_that_is_no_number_is_named_with_its_place(tmp_path: Path) -> None:
