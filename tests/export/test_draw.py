@@ -23,10 +23,12 @@ from second_opinions import validator
 
 import rigtri
 from rigtri.errors import FileError, NameNotFoundError
+from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.export.drawing.labels import labels, width
 from rigtri.export.drawing.picture import draw, seen
 from rigtri.export.drawing.png import png
 from rigtri.export.drawing.primitives import Mark, as_json
+from rigtri.export.drawing.scene import Scene, marks
 from rigtri.export.drawing.silhouette import outline
 from rigtri.export.drawing.style import LEGEND, variables
 from rigtri.formats import read
@@ -459,3 +461,21 @@ def test_the_legend_is_wrapped_into_the_picture_and_says_what_controls_look_like
     assert axes
     assert not any("stroke" in each for each in axes)  # what is filled is no outline
     assert all("stroke" in each for each in controls)
+
+
+@pytest.mark.parametrize(
+    ("names", "called"),
+    [
+        (["Fight_Hips", "Fight_Leg", "Fight_Foot"], ["Hips", "Leg", "Foot"]),
+        (["Fight_Hips", "", "Fight_Foot"], ["Hips", "#1", "Foot"]),
+        (["Fight_", "Fight_Leg", "Fight_Foot"], ["Fight_", "Leg", "Foot"]),  # nothing else is left of it
+        (["hips", "leg", "foot"], ["hips", "leg", "foot"]),
+    ],
+)
+def test_joints_are_called_by_what_their_names_do_not_have_in_common(
+    names: list[str], called: list[str]
+) -> None:
+    rig = replace(chain((0, 0, 0), (1, 0, 0), (2, 0, 0)), names=tuple(names))
+    scene = Scene.of(rig, PoseCache(rig), Selection())
+    found = [mark.name for mark in marks(scene) if mark.kind == "joint"]
+    assert found == called

@@ -325,6 +325,31 @@ def test_values_of_a_control_that_usd_would_call_alike_are_refused(tmp_path: Pat
         add_posereader(rig, options=options)
 
 
+def test_a_record_holds_what_its_kind_of_reader_goes_by_and_nothing_else(tmp_path: Path) -> None:
+    rig = read(arm().glb(tmp_path / "in.glb")).rig
+    more: dict[str, dict[str, Any]] = {
+        "dot": {"signed": True},
+        "cone": {"inner": 10.0, "outer": 50.0},
+        "rbf": {"kernel": "gaussian", "mode": "both"},
+    }
+    for kind, given in more.items():
+        goals = (Goal("half", pose="bend@0.5"),)
+        options = AddPosereaderOptions(driver="lower", reader=kind, target=goals, **given)  # type: ignore[arg-type]
+        (record,) = add_posereader(rig, options=options).records(PoseReaderRecord).values()
+        found = {
+            "signed": record.signed,
+            "inner": record.inner,
+            "outer": record.outer,
+            "kernel": record.kernel,
+            "mode": record.mode,
+        }
+        assert found == {"signed": False, "inner": None, "outer": None, "kernel": None, "mode": None} | given
+        assert (record.rest is not None) == (kind == "rbf")
+        (target,) = record.targets
+        assert (target.rotation is not None) == (kind == "rbf")
+        assert (target.direction is not None) == (kind != "rbf")
+
+
 @pytest.mark.ci
 def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
