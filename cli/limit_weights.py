@@ -16,6 +16,7 @@ from rigtri.operations.options.limit_weights import LimitWeightsOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
+from .terminal_text import counted
 
 
 def summary(report: Report) -> str:
@@ -23,9 +24,9 @@ def summary(report: Report) -> str:
     if not report.added:
         return "no vertex has more joints, or other weights; nothing was changed"
     vertices, over = (sum(entry[word] for entry in report.added) for word in ("points", "over"))
-    meshes = "1 mesh" if len(report.added) == 1 else f"{len(report.added)} meshes"
-    many = f"1 vertex of {meshes} has" if vertices == 1 else f"{vertices} vertices of {meshes} have"
-    return f"{many} other weights; {over} had too many joints"
+    meshes, verb = counted(len(report.added), "mesh", "meshes"), "has" if vertices == 1 else "have"
+    many = counted(vertices, "vertex", "vertices")
+    return f"{many} of {meshes} {verb} other weights; {over} had too many joints"
 
 
 command = edit_command("limit-weights", LimitWeightsOptions, summary, __doc__)

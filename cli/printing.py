@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import streams
-from .terminal_text import echo_message, plain
+from .terminal_text import counted, echo_message, plain
 
 if TYPE_CHECKING:
     from rigtri.pipeline.edit import Outcome
@@ -70,7 +70,7 @@ def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
         click.echo("The result was not compared with the source (--no-verify).", err=True)
     else:
         unread = len(outcome.unread)
-        meshes = "1 mesh" if unread == 1 else f"{unread} meshes"
+        meshes = counted(unread, "mesh", "meshes")
         more = f"; {meshes} could not be read, nor measured" if unread else ""
         click.echo(plain(outcome.verification.summary(values["tolerance"]) + more, one_line=True), err=True)
     if values.get("explain"):

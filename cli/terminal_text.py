@@ -11,6 +11,7 @@ from typing import Any, TextIO
 import click
 
 from rigtri.errors import LIST_NAMES, SEE_LIMBS
+from rigtri.text import counted as counted
 from rigtri.text import plain as plain
 from rigtri.text import plain_lines as plain_lines
 
@@ -70,15 +71,6 @@ def painted(text: str, paints: Paints) -> str:
     for pattern, color in paints:
         text = re.sub(pattern, click.style(r"\g<0>", fg=color), text, flags=re.M)
     return text
-
-
-def counted(count: int, noun: str) -> str:
-    """A number of things.
-
-    >>> counted(1, "clip"), counted(2, "clip")
-    ('1 clip', '2 clips')
-    """
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def without_advice(text: str) -> tuple[str, list[str]]:

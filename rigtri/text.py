@@ -80,6 +80,15 @@ def and_more(names: Iterable[object], most: int = 6) -> str:
     return ", ".join(known[:most]) + (f" and {len(known) - most} more" if len(known) > most else "")
 
 
+def counted(count: int, noun: str, plural: str = "") -> str:
+    """A number of things.
+
+    >>> counted(1, "clip"), counted(2, "clip"), counted(2, "mesh", "meshes")
+    ('1 clip', '2 clips', '2 meshes')
+    """
+    return f"{count} {noun if count == 1 else plural or f'{noun}s'}"
+
+
 def list_names(names: Iterable[str]) -> str:
     """The first four of some names, each once and in quotes, and how many more there are.
 

@@ -28,7 +28,7 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.limbs import facing
-from rigtri.text import columns, display_name, fit_columns, plain, wrap_line
+from rigtri.text import columns, counted, display_name, fit_columns, plain, wrap_line
 
 # Scales nearer to 1 are 1 that was stored as float32 or half.
 SAME_SCALE = 1e-4
@@ -168,10 +168,10 @@ class _Seen:
 
 def _heading(rig: Rig) -> str:
     counts = [
-        _count(len(rig), "node"),
-        _count(int(np.count_nonzero(rig.is_joint)), "joint"),
-        _count(len(rig.skins), "skin"),
-        _count(len(rig.shown_clips), "clip"),
+        counted(len(rig), "node"),
+        counted(int(np.count_nonzero(rig.is_joint)), "joint"),
+        counted(len(rig.skins), "skin"),
+        counted(len(rig.shown_clips), "clip"),
     ]
     ahead = facing(rig)
     looks = "" if ahead is None else f", facing {direction_text(triple(ahead))}"
@@ -238,7 +238,7 @@ def _flags(seen: _Seen, node: int) -> Iterator[str]:
     yield from seen.follows.get(node, ())
     bound = sum(b.node == node for b in rig.bound)
     if bound:
-        yield _count(bound, "offset")
+        yield counted(bound, "offset")
     if node in rig.rules.fixed:
         yield f"fixed: {rig.rules.fixed[node]}"
 
@@ -274,7 +274,7 @@ def _constraint_words(rig: Rig, constraint: NodeConstraint) -> str:
 def _skin_words(skin: Skin, number: int) -> list[str]:
     return [
         display_name(skin.name) or f"#{number}",
-        _count(len(skin.joints), "joint"),
+        counted(len(skin.joints), "joint"),
         f"{int(np.count_nonzero(skin.weighted))} weighted",
         "inverse binds stored" if skin.stored else "no inverse binds",
     ]
@@ -286,8 +286,8 @@ def _clip_words(clip: Clip, number: int) -> list[str]:
     keys = sum(len(track.times) for track in clip.tracks)
     return [
         display_name(clip.name) or f"#{number}",
-        _count(len(clip.tracks), "track"),
-        _count(keys, "key"),
+        counted(len(clip.tracks), "track"),
+        counted(keys, "key"),
         f"{_number(times[0])} to {_number(times[-1])}" if len(times) else "",
         " ".join(sorted(kinds)),
     ]
@@ -406,7 +406,3 @@ def _number(x: float) -> str:
 
 def _rounded(x: float, digits: int) -> float:
     return round(float(x), digits) + 0.0
-
-
-def _count(count: int, word: str) -> str:
-    return f"{count} {word}{'' if count == 1 else 's'}"

@@ -24,6 +24,7 @@ from rigtri.operations.operation import takes_keywords
 from rigtri.operations.options.draw import VIEWS, DrawOptions
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.report import Report
+from rigtri.text import counted
 
 # Pixels: what is free around a picture, the room of its title, a cell of the outline.
 _EDGE, _TITLE, _CELL = 28.0, 64.0, 2.0
@@ -116,7 +117,7 @@ def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
     jointed = bool(rig.is_joint.any())
     count = len(scene.joints)
     noun = "joint" if jointed else "node"
-    words = [f"{count} {noun}{'' if count == 1 else 's'}"]
+    words = [counted(count, noun)]
     if not count and len(scene.tree.joints):
         report.warn("nothing-selected", f"{title or 'The file'}: the selection leaves no {noun} to be drawn")
     if not jointed:

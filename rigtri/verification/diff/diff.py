@@ -10,7 +10,7 @@ from typing import Any
 from rigtri.errors import FileError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadOptions, read
 from rigtri.model.dataclass import dataclass
-from rigtri.text import plain_lines
+from rigtri.text import counted, plain_lines
 from rigtri.verification import Terms
 from rigtri.verification.compare.compare import Comparison
 from rigtri.verification.compare.compare import verify as compare
@@ -49,7 +49,7 @@ class Difference:
         lines = [] if self.looks is None else [f"looks  {self.looks.summary()}"]
         for terms, changes in (("rig", self.rig), ("file", self.file)):
             for group, some in _grouped(changes or ()):
-                count = f"{len(some)} difference{'' if len(some) == 1 else 's'}"
+                count = counted(len(some), "difference")
                 lines += [*([""] if lines else []), f"{terms}: {group}, {count}"]
                 shown = some if every or len(some) <= MOST + 1 else some[:MOST]
                 lines += [f"  {change}" for change in shown]

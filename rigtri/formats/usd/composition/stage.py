@@ -28,7 +28,7 @@ from rigtri.formats.usd.composition.shared_instances import is_own_class
 from rigtri.formats.usd.composition.value_types import demand
 from rigtri.formats.usd.composition.variable_expressions import variables_of
 from rigtri.report import Notice
-from rigtri.text import and_more
+from rigtri.text import and_more, counted
 
 DEFAULT = Usd.TimeCode.Default()
 # Numbers that each layer states for its samples, and those that the root layer states for the stage.
@@ -285,8 +285,10 @@ def _lacking(texts: list[str], folder: Path, *, allow_missing: bool) -> list[Not
     files = [name for name in sorted(missing) if name not in leaving]
     for what, names in (("file", files), ("prim", sorted(prims))):
         if names:
-            count, verb = (f"1 {what}", "was") if len(names) == 1 else (f"{len(names)} {what}s", "were")
-            text = f"{count} that this one refers to {verb} not found: {and_more(names, 3)}"
+            verb = "was" if len(names) == 1 else "were"
+            text = (
+                f"{counted(len(names), what)} that this one refers to {verb} not found: {and_more(names, 3)}"
+            )
             notices.append(Notice("unresolved", text))
     return notices
 
