@@ -436,13 +436,13 @@ class _Builder:
                 self.rig = draw_anew(self.rig, node, drawing, requested, self.report)
 
     def _keeps_pole(self, limb: Limb) -> bool:
-        """Whether a pole vector stays: no other place is asked for, and keys count from it or the limb rests
+        """Whether a pole vector stays: no other place is requested, and keys count from it or the limb rests
         as it did. Then it stands elsewhere only where somebody has put it."""
         options, chain = self.options, self._chain(limb)
         pole = find(self.rig, PoleVectorRecord, chain=chain)
         control = find(self.rig, ControlRecord, kind="ik", chain=chain)
-        asked = options.bend or options.facing or options.reach != AddControlsOptions().reach
-        if pole is None or asked:
+        requested = options.bend or options.facing or options.reach != AddControlsOptions().reach
+        if pole is None or requested:
             return False
         return not self.moved.isdisjoint({pole, control}) or all(map(self._rests_as_before, limb.triple))
 

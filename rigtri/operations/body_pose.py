@@ -180,9 +180,9 @@ class _Body:
             lower, index, little = (self.bones[name] for name in names)
             across = self.at[index] - self.at[little]
             across = across - arm * dot(across, arm)
-            wanted = ahead - arm * dot(ahead, arm)
-            if length(across) > 0 and length(wanted) > 0:
-                self._turn(lower, between(across, wanted))
+            target = ahead - arm * dot(ahead, arm)
+            if length(across) > 0 and length(target) > 0:
+                self._turn(lower, between(across, target))
 
     def _turn(self, node: int, rotation: Floats) -> None:
         below = self.rig.below(node)

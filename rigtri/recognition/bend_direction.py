@@ -125,16 +125,16 @@ def in_motion(rig: Rig, limbs: Sequence[Limb], world: Floats, other_pose: Floats
 def _agreed(limb: Limb, shown: Sequence[tuple[Floats, Floats]], world: Floats) -> Bend | None:
     """The hinge that the normals and sines of the other pose, and of clips, agree on."""
     normals, sines = (np.concatenate(k) for k in ([n for n, _ in shown], [s for _, s in shown]))
-    heard = sines >= CLEAR if (sines >= CLEAR).any() else sines >= BENT
-    if not heard.any():
+    counted = sines >= CLEAR if (sines >= CLEAR).any() else sines >= BENT
+    if not counted.any():
         return None
-    mean = normals[heard].cumsum(axis=0)[-1] / len(normals[heard])
+    mean = normals[counted].cumsum(axis=0)[-1] / len(normals[counted])
     if not length(mean) >= AGREEMENT:
         return None
     normal = normalise(_in_space(mean, world[limb.start]))
     a, _, c = world[list(limb.triple), 3, :3]
-    source: Source = "clips" if heard[len(shown[0][1]) :].any() else "other pose"
-    return towards(limb, world, cross(c - a, normal), source, float(sines[heard].min()))
+    source: Source = "clips" if counted[len(shown[0][1]) :].any() else "other pose"
+    return towards(limb, world, cross(c - a, normal), source, float(sines[counted].min()))
 
 
 def _keyed_poses(rig: Rig, parts: Sequence[Sequence[int]]) -> Iterator[list[Floats]]:

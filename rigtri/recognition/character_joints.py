@@ -77,8 +77,8 @@ def _are_two(tree: Tree, branches: Mapping[int, Sequence[int]], a: int, b: int) 
 
 def _place_of_legs(rig: Rig, nodes: Sequence[int]) -> str:
     """Where names say that the legs of a branch are, ``front`` or ``hind``; "" for both or neither."""
-    said = (limb_words(rig.names[node]) for node in nodes)
-    places = {words.place for words in said if words.kind == "leg" and words.place}
+    named = (limb_words(rig.names[node]) for node in nodes)
+    places = {words.place for words in named if words.kind == "leg" and words.place}
     return places.pop() if len(places) == 1 else ""
 
 

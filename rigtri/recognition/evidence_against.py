@@ -69,7 +69,7 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or _no_trunk(draft, each)
         or _no_body(draft, each, found)
         or (not by_name and arm_as_leg(draft, each, found))
-        or (not by_name and (_said_to_bend_elsewhere(draft, each) or _misnamed(draft, each)))
+        or (not by_name and (_named_to_bend_elsewhere(draft, each) or _misnamed(draft, each)))
         or (not by_name and (other_bend(each) or no_hand(draft, each)))
         or split_bone(draft, each)
         or (not by_name and only_things(draft, each.joints))
@@ -233,7 +233,7 @@ def _by_words(each: Found) -> bool:
     return each.pair is not None and each.pair.kind == each.kind
 
 
-def _said_to_bend_elsewhere(draft: Draft, each: Found) -> str:
+def _named_to_bend_elsewhere(draft: Draft, each: Found) -> str:
     """A middle joint that is called as an upper bone, after one that is called as what comes before it."""
     first, middle, last = (limb_words(draft.tree.rig.names[joint]).levels for joint in each.joints)
     if middle.keys() == {"upper"} and "before" in first and (not last or last.keys() == {"lower"}):

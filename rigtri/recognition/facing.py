@@ -68,9 +68,9 @@ def facing_of(
     votes = _votes(tree, body, ahead, poses) if not legs else ends_of_trunk(tree, legs, plane, ahead)
     clear, slight = [*_moving(tree, body, ahead, poses), *votes], []
     custom = Vector(*(tree.rig.rules.facing or ())).dot(ahead)
-    said = custom + (named.dot(ahead) if named is not None else 0.0)
+    stated = custom + (named.dot(ahead) if named is not None else 0.0)
     for weight, small, noise, words in _bends(tree, body, plane, ahead, poses) if bends and not legs else ():
-        denied = small * said < -_DENIED * abs(small)
+        denied = small * stated < -_DENIED * abs(small)
         clear.append((weight if denied else weight + small, words))
         slight.append((noise + small if denied else noise, words))
     slight.append((_CUSTOM * custom, "the format says so"))

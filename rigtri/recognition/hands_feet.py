@@ -326,8 +326,8 @@ def lay_hand(draft: Draft) -> bool:
 def _is_body_named(draft: Draft) -> bool:
     """Whether names tell of a head, a tail or legs: then short chains at one joint are no fingers."""
     names = {draft.tree.rig.names[k] for k in draft.tree.nodes} - {""}
-    said = any(_OF_BODIES.intersection(roles_in_name(name)) for name in names)
-    return said or any(words.kind == "leg" for words in draft.words.values())
+    named = any(_OF_BODIES.intersection(roles_in_name(name)) for name in names)
+    return named or any(words.kind == "leg" for words in draft.words.values())
 
 
 def _like_fingers(draft: Draft, hand: int, chains: Sequence[Sequence[int]]) -> bool:

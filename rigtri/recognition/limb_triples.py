@@ -63,7 +63,7 @@ _LITTLE = 0.01
 _DISPUTED = 0.25
 # Longer chains are looked at as far as this: no limb has so many joints.
 _MOST = 11
-# Where a chain could bend at two places almost as well, it is not said which.
+# Where a chain could bend at two places almost as well, it is not clear which.
 TIE = 0.05
 # The lower bone is as long as this, of the upper one, at least and at most.
 _SHORTEST, _LONGEST = 0.5, 1.7
@@ -202,8 +202,8 @@ def triple_of(
     least = (min(now[k], sharpest[after]) for k, after in enumerate(path[2:], 1))
     ever = [1.0, *least, 1.0] if moves else now
     bones = [tree.bone[node] for node in path]
-    said = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
-    said = [words for words in said if any(word.levels for word in words)]
+    words_of = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
+    words_of = [words for words in words_of if any(word.levels for word in words)]
     places, first, found = list(combinations(range(len(path)), 3)), 0, []
     whole = _LIMB if begin_as_one(tree, paths) else _WHOLE
     if whole < _WHOLE or (kind == "arm" and _leads_aside(tree, paths, len(path))):
@@ -216,7 +216,7 @@ def triple_of(
         quality -= _LED if at[0] < first else 0.0
         quality -= _LED if kind == "leg" and at[0] > first and now[at[0]] > STRAIGHT else 0.0
         quality -= _HANDLESS if fingers >= HAND and at[2] < len(path) - 1 and kind != "leg" else 0.0
-        named = fsum(agreement(words, at) for words in said) / max(1, len(said))
+        named = fsum(agreement(words, at) for words in words_of) / max(1, len(words_of))
         if towards is not None:
             quality -= _WRONG_WAY * _away(tree, [path[k] for k in at], towards)
         quality = _LITTLE if quality < _LITTLE and named == 1.0 else quality

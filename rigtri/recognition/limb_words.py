@@ -71,19 +71,19 @@ def limb_words(name: str) -> LimbWords:
     (['before', 'upper'], {})
     """
     table, found = _table(), _split(words(spread(name)))
-    said = [table.clear[word] for word in found if word in table.clear]
+    levels_of_words = [table.clear[word] for word in found if word in table.clear]
     weight = 1.0
-    if not said:
-        said, weight = [table.vague[word] for word in found if word in table.vague], _VAGUE
+    if not levels_of_words:
+        levels_of_words, weight = [table.vague[word] for word in found if word in table.vague], _VAGUE
     kinds = {table.kinds[word] for word in found if word in table.kinds}
     kind = kinds.pop() if len(kinds) == 1 else ""
     places = {table.places[word] for word in found if word in table.places}
     place = places.pop() if len(places) == 1 else ""
     marks = {table.marks[word] for word in found if word in table.marks}
     animal, bends = "animal" in marks, "bends" in marks
-    if not said:
+    if not levels_of_words:
         return LimbWords({}, kind, place, animal=animal)
-    common = frozenset[Level].intersection(*said)
+    common = frozenset[Level].intersection(*levels_of_words)
     if common:
         plain = " ".join(word for word in found if len(word) > 1 and not is_number(word))
         plain = plain if weight < 1.0 else ""
@@ -91,7 +91,7 @@ def limb_words(name: str) -> LimbWords:
         levels = dict.fromkeys(sorted(common, key=LEVELS.index), weight)
         return LimbWords(levels, kind, place, plain, middle, bends, animal)
     # ``hand_end`` is what follows a hand, or the hand where nothing else is called so.
-    last = {level: _HALF for each in said for level in each}
+    last = {level: _HALF for each in levels_of_words for level in each}
     return LimbWords(last | ({"after": 1.0} if "after" in last else {}), kind, place, animal=animal)
 
 

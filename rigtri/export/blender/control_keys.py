@@ -34,12 +34,12 @@ def control_keys(plan: Plan) -> dict[str, Any]:
     """
     rig = plan.rig
     rate = rig.rules.per_second if rig.rules.per_second > 0 else 24.0
-    wanted = controls_and_poles(rig) | {
+    animated = controls_and_poles(rig) | {
         node for rule in constraints_of(rig).values() for node in rule.weight_nodes
     }
     for timeline in timelines(rig):
         tracks = [
-            track for track in timeline.clip.tracks if track.node in wanted and not rig.is_joint[track.node]
+            track for track in timeline.clip.tracks if track.node in animated and not rig.is_joint[track.node]
         ]
         if tracks:
             return {"name": timeline.name, "rate": rate, "curves": [_curve(plan, track) for track in tracks]}

@@ -172,9 +172,9 @@ class MaterialReader:
                 )
             return value, False
         found = self._texture(surface, name, material, coordinates)
-        wanted = _SHARED[name]
-        if found is not None and found[0] == beside and found[2] == wanted:
-            return found[1]["rgba".index(wanted)], True
+        channel = _SHARED[name]
+        if found is not None and found[0] == beside and found[2] == channel:
+            return found[1]["rgba".index(channel)], True
         if found is not None:
             self._scene.lose(
                 f"the texture of {name} of material '{material}': glTF has it in {_SHARED_WITH[name]}"

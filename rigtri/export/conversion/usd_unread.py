@@ -103,7 +103,7 @@ class Unread:
             name = given.GetName()
             attribute = prim.GetAttribute(name)
             if not any(name == one or (one[-1] == ":" and name.startswith(one)) for one in read):
-                if not attribute or _says_something(prim, attribute):
+                if not attribute or _has_meaning(prim, attribute):
                     self._note(name, prim)
             elif attribute and attribute.ValueMightBeTimeVarying() and not name.startswith(_MOVES):
                 self._note(f"animation of {name}", prim)
@@ -129,7 +129,7 @@ def _kind(prim: Any) -> str:
     return str(given.Get()) if given and given.Get() else kind
 
 
-def _says_something(prim: Any, attribute: Any) -> bool:
+def _has_meaning(prim: Any, attribute: Any) -> bool:
     """Whether an attribute has a value that is another than what it has where nothing is said."""
     if not (attribute.HasAuthoredValue() or attribute.HasAuthoredConnections()):
         return False

@@ -161,7 +161,7 @@ def referred_frames(gltf: Mapping[str, Any], above: Sequence[int]) -> dict[int, 
 def unread_extensions(gltf: Mapping[str, Any]) -> tuple[str, ...]:
     """Extensions that are not known and may mean joints: those of the file, others that hold their numbers.
 
-    Those of a node keep its own axes, and are told there.
+    Those of a node keep its own axes, and are listed there.
     """
     held = [each for each in _extensions(gltf) if each[1] not in _node_extensions()]
     at_nodes = {name for holder, name, _ in held if holder.startswith(" of node ")}
@@ -171,8 +171,8 @@ def unread_extensions(gltf: Mapping[str, Any]) -> tuple[str, ...]:
         numbers = {item for item in _walked(content) if type(item) in (int, float)} if holder else set()
         where, number = holder.rsplit("#", 1) if holder else ("", "")
         own = {int(number)} if where == " of node " else set()
-        told = {index_of(item, len(gltf["nodes"])) for _, item in _frames(content)}
-        if numbers & joints - own - told:
+        listed = {index_of(item, len(gltf["nodes"])) for _, item in _frames(content)}
+        if numbers & joints - own - listed:
             found.add(name)
     return tuple(unknown_required(found))
 

@@ -32,10 +32,10 @@ def fitting(stated: Sequence[Any], found: Floats) -> Booleans:
     """
     width = found.shape[1]
     plain = [values is None or _are_plain(values, width) for values in stated]
-    said = np.array([ok and values is not None for ok, values in zip(plain, stated, strict=True)])
-    given = np.array([values if ok else [0.0] * width for ok, values in zip(said, stated, strict=True)])
+    written = np.array([ok and values is not None for ok, values in zip(plain, stated, strict=True)])
+    given = np.array([values if ok else [0.0] * width for ok, values in zip(written, stated, strict=True)])
     fits = np.isfinite(given).all(axis=1) & ~is_far(given, found).any(axis=1)
-    return np.asarray(np.where(said, fits, np.array(plain)))
+    return np.asarray(np.where(written, fits, np.array(plain)))
 
 
 def _are_plain(values: Any, width: int) -> bool:
