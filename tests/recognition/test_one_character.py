@@ -1,0 +1,77 @@
+"""Names of one character among several, and the directions that its pairs of limbs give."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from rigs import rig_of
+
+from rigtri.recognition.body_hinges import _lateral
+from rigtri.recognition.one_character import of_character
+
+NAMES = ["root", "man", "arm", "prop", "arm", "hand", "woman", "arm", "leg"]
+PARENTS = [-1, 0, 1, 0, 3, 4, 0, 6, 7]
+
+
+@pytest.mark.parametrize(
+    ("character", "names"),
+    [
+        ("man", ["root", "man", "arm", "prop", "", "hand", "woman", "", "leg"]),
+        ("woman", ["root", "man", "", "prop", "", "hand", "woman", "arm", "leg"]),
+        ("root", NAMES),
+    ],
+)
+def test_names_that_several_have_mean_those_of_the_character(character: str, names: list[str]) -> None:
+    rig = rig_of(NAMES, PARENTS, np.zeros((len(NAMES), 3)))
+    found = of_character(rig, character)
+    assert list(found.names) == names
+    assert rig.names == tuple(NAMES)
+
+
+AT = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 3, 5], [0, 0, 1], [0, 0, -1]])
+
+
+def limb(kind: str, side: str, start: int) -> Any:
+    return SimpleNamespace(kind=kind, side=side, bend=(start, 9, 9))
+
+
+@pytest.mark.parametrize(
+    ("limbs", "lateral"),
+    [
+        ([limb("leg", "left", 0), limb("leg", "right", 1)], [1, 0, 0]),
+        ([limb("leg", "right", 0), limb("leg", "left", 1)], [-1, 0, 0]),
+        # Legs along x, arms along z: half way between.
+        (
+            [
+                limb("leg", "left", 0),
+                limb("leg", "right", 1),
+                limb("arm", "left", 3),
+                limb("arm", "right", 4),
+            ],
+            [np.sqrt(0.5), 0, np.sqrt(0.5)],
+        ),
+        # Against each other they say nothing, and one of a pair says nothing either.
+        (
+            [
+                limb("leg", "left", 0),
+                limb("leg", "right", 1),
+                limb("arm", "left", 1),
+                limb("arm", "right", 0),
+            ],
+            None,
+        ),
+        ([limb("leg", "left", 0), limb("arm", "right", 1)], None),
+        ([], None),
+    ],
+)
+def test_from_one_side_to_the_other_is_as_legs_and_arms_begin(limbs: list[Any], lateral: Any) -> None:
+    character: Any = SimpleNamespace(limbs=limbs)
+    found = _lateral(character, np.concatenate([AT, np.full((5, 3), 77.0)]))
+    if lateral is None:
+        assert found is None
+    else:
+        assert_allclose(found, lateral, atol=1e-12)
