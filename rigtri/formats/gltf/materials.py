@@ -81,7 +81,7 @@ class Materials:
         if not isinstance(value, dict) or depth > _DEEPEST:
             yield name, value
             return
-        if not value:
+        if name and not value:
             yield name, "there"  # an extension such as KHR_materials_unlit means all by being there
         for key, item in value.items():
             place = f"{name} {key}".strip()

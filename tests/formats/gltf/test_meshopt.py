@@ -99,6 +99,27 @@ def test_triangles_by_hand() -> None:
 
 
 @pytest.mark.parametrize(
+    ("stream", "count", "said"),
+    [
+        (b"", 3, "the compressed data begin with nothing, not e1"),
+        (b"\xe0" + bytes(20), 3, "the compressed data begin with e0, not e1"),
+        (b"\xe1" + bytes(20), 4, "4 corners are not a whole number of triangles"),
+        (b"\xe1" + bytes(17), 6, "18 bytes cannot hold 6 compressed corners of triangles"),
+        (b"\xe1\xf0" + bytes(3) + bytes(16), 3, "3 bytes of the compressed data are left over"),
+        (b"\xe1\xff" + bytes(16), 3, "the compressed data end too early"),
+        (
+            b"\xe1\xfe\xff" + b"\x80" * 6 + bytes(16),
+            3,
+            "a corner in the compressed data takes more than five bytes",
+        ),
+    ],
+)
+def test_what_is_no_stream_of_triangles_is_told(stream: bytes, count: int, said: str) -> None:
+    with pytest.raises(ValueError, match=f"^{said}$"):
+        decode_triangles(memoryview(stream), count, 4)
+
+
+@pytest.mark.parametrize(
     ("code", "corner", "before"),
     [
         (0x0, 3, 10),  # the next new one

@@ -41,7 +41,9 @@ def decode_triangles(stream: memoryview, count: int, stride: int) -> Bytes:
         raise ValueError(f"{len(stream)} bytes cannot hold {count} compressed corners of triangles")
     packed = bytes(stream)
     codes, rest = packed[1 : 1 + count // 3], packed[1 + count // 3 : -_TABLE]
-    corners = np.fromiter(_Triangles(rest, packed[-_TABLE:]).corners(codes), np.uint32, count)
+    triangles = _Triangles(rest, packed[-_TABLE:])
+    corners = np.fromiter(triangles.corners(codes), np.uint32, count)
+    triangles.end()
     return corners.astype("<u4").view(np.uint8).reshape(count, 4)[:, :stride]
 
 
@@ -59,9 +61,12 @@ class _Triangles:
         self._new = self._last = 0
 
     def corners(self, codes: Sequence[int]) -> Iterator[int]:
-        """Three for each code. ValueError where bytes are missing or left over."""
+        """Three for each code. ValueError where bytes are missing."""
         for code in codes:
             yield from self._beside(code >> 4, code & 15) if code < 0xF0 else self._alone(code)
+
+    def end(self) -> None:
+        """ValueError where bytes are left over."""
         if self._at != len(self._rest):
             raise ValueError(f"{len(self._rest) - self._at} bytes of the compressed data are left over")
 
