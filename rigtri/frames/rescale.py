@@ -166,6 +166,19 @@ def _scaling(sizes: Floats) -> Floats:
     return matrices
 
 
+def metadata_in_world(
+    rig: Rig, rotation: Floats, size: float, turns: Floats | None = None
+) -> Mapping[int, Mapping[str, Any]]:
+    """The metadata of a rig in a world that is turned, (4,), and ``size`` times as large: offsets and
+    directions that constraints and pose readers count in it.
+
+    turns: (n, 4), how nodes are turned in their own axes besides.
+    """
+    turns = np.tile(IDENTITY, (len(rig), 1)) if turns is None else turns
+    turned = replace(rig, metadata=reoriented_metadata(rig, turns, conjugate(rotation)))
+    return _rescaled_metadata(turned, np.ones(len(rig)), 1.0 / size)
+
+
 def convert(rig: Rig, conversion: Conversion) -> Rig:
     """The rig in a scene of another unit and up axis: all that stands in the world turns and scales.
 
@@ -191,11 +204,9 @@ def convert(rig: Rig, conversion: Conversion) -> Rig:
 
     clips = tuple(replace(clip, tracks=tuple(map(moved, clip.tracks))) for clip in rig.clips)
     up = (0.0, 1.0, 0.0) if conversion.up == "y" else (0.0, 0.0, 1.0)
-    still = np.tile(IDENTITY, (len(rig), 1))
-    rig = replace(rig, metadata=reoriented_metadata(rig, still, conjugate(rotation)))
     made = replace(
         rig,
-        metadata=_rescaled_metadata(rig, np.ones(len(rig)), 1.0 / size),
+        metadata=metadata_in_world(rig, rotation, size),
         translation=translation,
         rotation=turned,
         scale=scale,

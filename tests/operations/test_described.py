@@ -16,10 +16,14 @@ from pxr import Usd
 from usd_files import without_notes
 
 import rigtri
+from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
 from rigtri.frames.rescale import rescale
-from rigtri.maths.matrices import inverse
+from rigtri.maths.matrices import compose, decompose, inverse
+from rigtri.maths.matrices import multiply as matrix_product
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
@@ -423,14 +427,73 @@ def test_a_pole_below_the_group_rests_where_the_other_world_has_it_below_a_turne
     assert (found.scale[pole] == 1).all()
 
 
-def test_a_driver_of_a_constraint_that_this_file_does_not_have_is_named() -> None:
-    """Blender's export leaves out the group, which is the world that a control can follow."""
-    rig = biped()
-    child = next(node for node, own in rig.records(ControlRecord).items() if own.kind == "ik")
-    rig = rigtri.constrain(rig, child=rig.names[child], space=["root", "world"])
+def swivelled(rig: Rig) -> Rig:
+    """The rig with its objects, but not its joints, turned in their own axes, as Blender does for glTF."""
+    bare = [node for node in range(len(rig)) if not rig.is_joint[node] and node not in rig.own]
+    turn = compose(np.zeros(3), np.array([np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]), np.ones(3))
+    world = rig.world.copy()
+    world[bare] = matrix_product(turn, world[bare])
+    above = np.array([np.eye(4) if parent < 0 else world[parent] for parent in rig.parents])
+    matrix = matrix_product(world, inverse(above))
+    translation, rotation, scale = decompose(matrix)
+    return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
+
+
+@pytest.mark.parametrize(
+    "rule",
+    [
+        {"child": "hand_L_ik_ctl", "space": ["world", "hips_root_ctl"]},
+        {"child": "head_ctl", "driver": ["prop"]},
+        {"child": "head_ctl", "driver": ["hand_R", "prop"], "type": "point"},
+        {"child": "head_ctl", "driver": ["prop"], "type": "aim", "world_up": "vector"},
+        {"child": "prop", "driver": ["hand_R"]},
+    ],
+    ids=["world", "object", "point", "aim", "child"],
+)
+def test_constraints_mean_the_same_in_a_world_that_an_exporter_has_turned(rule: dict[str, Any]) -> None:
+    """Blender's glTF of a USD file: no group, another up axis and unit, and other axes of objects."""
+    rig = read(SAMPLES / "biped.usda").rig
+    top = rig.path_to_root(rig.find("hips"))[-1]
+    rig = rigtri.add_controls(placed(rig, top, [0.0, 0.0, 0.0, 1.0], 1.0), options=add_options())
+    turned = np.array([[0.1, 0.2, 0.3, 0.9]]) / np.sqrt(0.95)
+    rig = rig.with_nodes(["prop"], [top], np.array([[0.6, 1.2, 0.3]]), turned)
+    rig = rigtri.constrain(rig, **rule)
     (group,) = rig.nodes_of("group")
+    shown = swivelled(placed(rig, top, [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)], 0.01))
     names = tuple("lost" if node == group else name for node, name in enumerate(rig.names))
     report = Report()
-    as_described(replace(rig, metadata={}, names=names), rig, report=report)
-    (text,) = [notice.text for notice in report.warnings if notice.code == "not-in-this-file"]
-    assert f"follow '{rig.names[group]}', which this file does not have" in text
+    found = as_described(replace(shown, metadata={}, names=names), rig, report=report)
+    assert not report.warnings
+    hips = rig.find("hips")
+    seen = matrix_product(inverse(rig.world[hips]), found.world[hips])
+    root = rig.find("hips_root_ctl", "node")
+    moved = Parts(
+        np.array([[0.1, 0.2, 0.0]]), np.array([[0.0, np.sin(0.2), 0.0, np.cos(0.2)]]), np.ones((1, 3))
+    )
+    for pose in ({}, {root: moved}):
+        ours, theirs = (Solver(each).run(pose) for each in (rig, found))
+        for joint in np.flatnonzero(rig.is_joint).tolist():
+            right = matrix_product(ours.world(joint)[0], seen)
+            np.testing.assert_allclose(theirs.world(joint)[0], right, atol=1e-6)
+
+
+def test_a_constraint_that_would_be_left_out_is_an_error() -> None:
+    rig = biped()
+    rig = rig.with_nodes(["prop"], [-1], np.ones((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    rig = rigtri.constrain(rig, child="head_ctl", driver=["prop"])
+    names = tuple("lost" if name == "prop" else name for name in rig.names)
+    with pytest.raises(GeometryError, match="follow 'prop', which this file does not have"):
+        as_described(replace(rig, metadata={}, names=names), rig)
+
+
+def test_a_driver_whose_keys_an_exporter_has_left_out_is_named() -> None:
+    rig = biped()
+    rig = rig.with_nodes(["prop"], [-1], np.ones((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    rig = rigtri.constrain(rig, child="head_ctl", driver=["prop"])
+    prop = rig.find("prop", "node")
+    sway = Track(prop, "translation", "LINEAR", np.array([0.0, 1.0]), np.eye(3)[:2])
+    moving = replace(rig, clips=(*rig.clips, Clip("sway", (sway,))))
+    report = Report()
+    as_described(replace(rig, metadata={}), moving, report=report)
+    (notice,) = [notice for notice in report.warnings if notice.code == "keys-lost"]
+    assert notice.names == ("prop",)

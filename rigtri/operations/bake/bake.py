@@ -101,7 +101,8 @@ def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
         if options.character is not None:
             rig = of_character(rig, options.character)
         rig = joined(rig, rigged, names=options.as_, between=options.between, report=report)
-        rig = replace(as_described(rig, rigged, report=report), names=names)
+        rig = as_described(rig, rigged, report=report)
+        rig = replace(rig, names=(*names, *rig.names[len(names) :]))
     rig = _with_limits(rig, options)
     return in_rig_space(rig, lambda seen: _Baker(seen, options, report).baked())
 

@@ -19,7 +19,6 @@ from rigtri.maths.vectors import length
 from rigtri.model.metadata import (
     ADDED,
     EXPORT_WARNINGS,
-    ConstraintRecord,
     ControlRecord,
     Place,
     damage,
@@ -27,6 +26,7 @@ from rigtri.model.metadata import (
 )
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
+from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import bind_poses
 from rigtri.operations.take_clips.ik_switches import (
     drop_switched_off_ik_keys,
@@ -34,7 +34,11 @@ from rigtri.operations.take_clips.ik_switches import (
     ik_ends,
     switches,
 )
-from rigtri.operations.take_clips.node_matching import Pairs, pairs
+from rigtri.operations.take_clips.restore_constraints import (
+    check_constraints,
+    in_world,
+    with_group,
+)
 from rigtri.operations.take_clips.restore_rest import with_rest_of
 from rigtri.operations.take_clips.unkeyed_poses import key_unkeyed_poses
 from rigtri.recognition.one_character import titles
@@ -50,15 +54,19 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     """The rig with the metadata of ``described`` on nodes of the same names, at rest where they are there.
 
     A warning of the report names nodes that are not there, and joints that are bound otherwise, whose
-    controls keep their own rest. GeometryError where no node is there, or no control finds its joint.
+    controls keep their own rest. GeometryError where no node is there, no control finds its joint, or a
+    constraint would be left out. A group that constraints follow is added.
     """
-    stored = {node: described.metadata[node] for node in described.nodes_of(*ADDED)}
-    if not stored:
+    added = described.nodes_of(*ADDED)
+    if not added:
         raise GeometryError("The file of --rig has nothing of rigtri's: no controls, poles or constraints")
-    both = pairs(described, rig)
-    shared = {node: both.of[node] for node in stored if node in both.of}
+    both = Counterparts(described, rig)
+    rig, of = with_group(rig, described, both)
+    told = in_world(both).metadata
+    stored = {node: told[node] for node in added}
+    shared = {node: of[node] for node in stored if node in of}
     as_stored = {node: stored[theirs] for theirs, node in shared.items()}
-    found = _with_names_of(rig, as_stored, described, both.of)
+    found = _with_names_of(rig, as_stored, described, of)
     # A group only holds the others; as a Scope without metadata it is no node.
     others = [node for node in stored if described.type_of(node) != "group"]
     missing = [node for node in others if node not in both.of]
@@ -75,10 +83,10 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     elif not any(damage(stored) for node, stored in rig.metadata.items() if node not in found):
         report.answer(*EXPORT_WARNINGS)
     _warn_other_metadata(rig, as_stored, found, report)
-    _warn_lost_drivers(described, both.of, report)
+    check_constraints(rig, described, of, report)
     whole = replace(rig, metadata={**rig.metadata, **found})
     _refuse_strange_joints(whole, found, described, report)
-    bound = _bound_otherwise(rig, described, both.of)
+    bound = _bound_otherwise(rig, described, of)
     if bound:
         report.warn(
             "other-bind-poses",
@@ -92,12 +100,12 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         return whole
     switched = switches(whole, {node: node for node in ik_ends(whole)})
     rested = with_rest_of(whole, described, shared, report)
-    whole = key_unkeyed_poses(whole, rested, described, both.of, report)
+    whole = key_unkeyed_poses(whole, rested, described, of, report)
     whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)
     return hold_switched_on_ik(whole, switched, timelines(whole))
 
 
-def _why_none(rig: Rig, described: Rig, both: Pairs, missing: Collection[int]) -> str:
+def _why_none(rig: Rig, described: Rig, both: Counterparts, missing: Collection[int]) -> str:
     """Why nothing of the other file is in this one, and what to do."""
     many = [described.names[node] for node in missing if described.names[node] in both.unclear]
     lost = list_names(described.names[node] for node in missing)
@@ -116,7 +124,7 @@ def _why_none(rig: Rig, described: Rig, both: Pairs, missing: Collection[int]) -
     )
 
 
-def _refuse_lost_keys(rig: Rig, both: Pairs, ours: Collection[int], missing: list[str]) -> None:
+def _refuse_lost_keys(rig: Rig, both: Counterparts, ours: Collection[int], missing: list[str]) -> None:
     """GeometryError where nodes among controls have keys and could be some that are missing."""
     keyed = {track.node for clip in rig.clips for track in clip.tracks}.difference(both.of.values())
     strange = [node for node in sorted(keyed) if int(rig.parents[node]) in ours and not rig.is_joint[node]]
@@ -142,22 +150,6 @@ def _with_names_of(
         return name if node is None or rig.known(name) == node else rig.address(node)
 
     return {node: with_references(each, address) for node, each in stored.items()}
-
-
-def _warn_lost_drivers(described: Rig, of: Mapping[int, int], report: Report) -> None:
-    """A warning of drivers of constraints that this file has not, such as the group, which is the world."""
-    followed = {
-        driver
-        for node, record in described.records(ConstraintRecord).items()
-        if node in of
-        for driver in map(described.known, record.drivers)
-        if driver is not None and driver not in of
-    }
-    names = [described.names[node] for node in sorted(followed) if described.type_of(node) in ("", "group")]
-    if names:
-        text = f"Constraints of the file of --rig follow {list_names(names)}, which this file does not have"
-        more = "so they leave it out. To keep it: rigtri take-clips RIG --from IN"
-        report.warn("not-in-this-file", f"{text}, {more}", geometry=True, names=names)
 
 
 def _warn_other_metadata(

@@ -1,0 +1,96 @@
+"""Constraints of another file's rig as they mean the same in the axes that exporters give this."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.frames.rescale import metadata_in_world
+from rigtri.maths.matrices import decompose, inverse, multiply, nearest_rotation
+from rigtri.maths.quaternions import IDENTITY, from_axes
+from rigtri.maths.similarity_fit import nearest_axis_turn
+from rigtri.model.metadata import ConstraintRecord, GroupRecord, references
+from rigtri.model.rig import Rig
+from rigtri.operations.rigtri_nodes import add
+from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.report import Report
+from rigtri.text import list_names
+
+
+def with_group(rig: Rig, described: Rig, both: Counterparts) -> tuple[Rig, dict[int, int]]:
+    """The rig with the group of the other file where constraints follow it as the world; and all pairs.
+
+    Exporters leave out what holds nothing visible.
+    """
+    (group, *_) = described.nodes_of("group") or [-1]
+    if group < 0 or group in both.of or group not in _needed(described, both.of):
+        return rig, both.of
+    rig, node = add(rig, described.names[group], rig.rules.group_parent, GroupRecord())
+    place, parent = multiply(described.world[group], inverse(both.space)), int(rig.parents[node])
+    place = multiply(place, inverse(rig.world[parent])) if parent >= 0 else place
+    translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
+    translation[node], rotation[node], scale[node] = decompose(place)
+    return replace(rig, translation=translation, rotation=rotation, scale=scale), {**both.of, group: node}
+
+
+def in_world(both: Counterparts) -> Rig:
+    """The first rig with what its constraints and pose readers count in the world and in objects, as the
+    other has these: exporters turn objects in their own axes where up is another there, but not bones.
+    """
+    rig = both.rig
+    turns = np.tile(IDENTITY, (len(rig), 1))
+    objects = [node for node in both.turns if node not in rig.own and not rig.is_joint[node]]
+    found_turns = nearest_rotation(np.reshape([both.turns[node] for node in objects], (-1, 4, 4)))
+    found_turns = np.where(np.isfinite(found_turns).all(axis=(1, 2), keepdims=True), found_turns, np.eye(3))
+    # What somebody has turned by hand is no such turn.
+    common = nearest_axis_turn(found_turns)
+    for node, found in zip(objects, found_turns, strict=True):
+        if np.abs(found - common).max() < np.abs(found - np.eye(3)).max():
+            turns[node] = from_axes(common.T)
+    if (turns == IDENTITY).all() and (both.space == np.eye(4)).all():
+        return rig
+    _, rotation, scale = decompose(inverse(both.space))
+    return replace(rig, metadata=metadata_in_world(rig, rotation, float(scale[0]), turns))
+
+
+def check_constraints(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> None:
+    """GeometryError where constraints of both files need a node that this one has not.
+
+    A warning where such a node is an object that moves there in clips, and stands still here.
+    """
+    lost = sorted(_needed(described, of).difference(of))
+    if lost:
+        called = list_names(described.names[node] for node in lost)
+        raise GeometryError(
+            f"Constraints of the file of --rig follow {called}, which this file does not have: they would be "
+            "left out. Export these nodes too, or: rigtri take-clips RIG --from IN"
+        )
+    moving, still = ({t.node for clip in each.clips for t in clip.tracks} for each in (described, rig))
+    lost = [
+        node
+        for node in sorted(_needed(described, of))
+        if node in moving.difference(described.own) and not described.is_joint[node] and of[node] not in still
+    ]
+    if lost and rig.clips:
+        names = [described.names[node] for node in lost]
+        report.warn(
+            "keys-lost",
+            f"Constraints follow {list_names(names)}, which the file of --rig has keys of, and this file has "
+            "none. To keep them: rigtri take-clips RIG --from IN",
+            geometry=True,
+            names=names,
+        )
+
+
+def _needed(described: Rig, of: Mapping[int, int]) -> set[int]:
+    """What constraints that both files have, with their children, name besides: drivers, weights, joints."""
+    named = {
+        described.known(name)
+        for node, record in described.records(ConstraintRecord).items()
+        if node in of and described.known(record.child) in of
+        for name in references(record.to_dict())
+    }
+    return {node for node in named if node is not None}
