@@ -125,7 +125,9 @@ def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
         at = float("nan")
     if not mark or not np.isfinite(at):
         units = "seconds" if rig.rules.per_second == 1.0 else f"time codes, {rig.rules.per_second:g} a second"
-        raise UsageError(f"'{text}' is not a valid pose: use CLIP@TIME in {units}, e.g. walk@0.5, or rest")
+        # A USD animation's values without time are the clip NAME@default.
+        example = f"{text}@0" if any(clip.name == text for clip in rig.shown_clips) else "walk@0.5"
+        raise UsageError(f"'{text}' is not a valid pose: use CLIP@TIME in {units}, e.g. {example}, or rest")
     clip = rig.clip(name)
     number = next((k for k, known in enumerate(rig.clips) if known is clip or known.without_idle is clip), -1)
     found = next((t for t in timelines(rig) if number in t.members), None)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from builders.rigs import random_rig
 
-from rigtri.evaluation.timelines import put_tracks, timelines
+from rigtri.errors import UsageError
+from rigtri.evaluation.timelines import put_tracks, timeline_and_time, timelines
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 
@@ -42,3 +44,14 @@ def test_tracks_that_are_there_already_leave_the_rig_itself() -> None:
     assert put_tracks(rig, timeline, [moved(1, 1.0)]) is rig
     assert timeline.track(1, "translation") is rig.clips[0].tracks[0]
     assert timeline.track(1, "rotation") is None
+
+
+@pytest.mark.parametrize(
+    ("text", "example"), [("walk@default", "walk@default@0, or rest"), ("walk", "walk@0.5, or rest")]
+)
+def test_a_clip_without_a_time_is_told_how_to_name_one(text: str, example: str) -> None:
+    """Values of a USD animation without time are a clip with an @ in its name."""
+    rig = replace(random_rig(1), clips=(Clip("walk@default", (moved(1, 1.0),), key=0),))
+    with pytest.raises(UsageError, match=example):
+        timeline_and_time(rig, text)
+    assert timeline_and_time(rig, "walk@default@0.25")[1] == 0.25
