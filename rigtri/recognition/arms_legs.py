@@ -127,7 +127,7 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         kind, sure = "leg", _HALF if limbs.kind == "leg" else _LEAST
     elif body is not None and limbs in (body.legs, body.arms) and (not named or _is_clear(body)):
         kind, sure = _shaped(body, limbs), _shape_confidence(draft, body, limbs)
-    elif body is not None and is_further(body, limbs):
+    elif body is not None and is_further(draft.tree, body, limbs):
         kind = "arm"
     named_well = limbs.named >= _NAMED or (limbs.named >= 0.0 and limbs.lead > TIE)
     if limbs.kind in ("arm", "leg") and (kind or (named_well and len(limbs.at) == 3)):

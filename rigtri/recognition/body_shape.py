@@ -101,7 +101,7 @@ def _longest(limbs: Limbs, others: Sequence[Limbs]) -> float:
 def _with_arms(tree: Tree, legs: Limbs, others: Sequence[Limbs]) -> list[Body]:
     """A pair as legs, with each other that is apart from it as arms."""
     longest = _longest(legs, others)
-    arms = [k for k in others if k is not legs and _are_disjoint(tree, legs, k)]
+    arms = [k for k in others if k is not legs and are_disjoint(tree, legs, k)]
     return [_both(tree, legs, k, others, longest) for k in arms]
 
 
@@ -179,7 +179,7 @@ def _has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
     return max(behind, default=0.0) > _TAIL * legs.size
 
 
-def _are_disjoint(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
+def are_disjoint(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
     """Whether neither pair is a part of the other."""
     if legs.pair.nodes & arms.pair.nodes:
         return False

@@ -10,7 +10,7 @@ from dataclasses import replace
 from math import inf
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.body_shape import LEG, SIMILAR, Body
+from rigtri.recognition.body_shape import LEG, SIMILAR, Body, are_disjoint
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import TIE
@@ -24,10 +24,15 @@ _OVER = 0.3
 _NEAR, _FAR, _BROADER = 0.1, 0.25, 1.5
 
 
-def is_further(body: Body, limbs: Limbs) -> bool:
-    """Whether a pair may be the arms of a body that stands on four legs: they begin above the front ones."""
+def is_further(tree: Tree, body: Body, limbs: Limbs) -> bool:
+    """Whether a pair may be the arms of a body that stands on four legs: they begin above the front ones.
+
+    No leg hangs from an arm.
+    """
     front, hind = body.arms, body.legs
     if body.form != "quadruped" or not front or not hind or len(limbs.at) < 3 or limbs.kind == "other":
+        return False
+    if not all(are_disjoint(tree, pair, limbs) for pair in (front, hind)):
         return False
     high, least = (limbs.starts - front.starts).dot(body.up) > 0.0, SIMILAR * min(front.size, hind.size)
     return high and limbs.quality > LEG and limbs.size > least and limbs.lead > TIE
@@ -45,7 +50,7 @@ def turned(
         return []
     best, *others = ways
     led = _is_led_by_hind_legs(tree, best, plane, poses)
-    if not led and not any(_over_hind_legs(best, each) for each in limbs):
+    if not led and not any(_over_hind_legs(tree, best, each) for each in limbs):
         return list(ways)
     for other in others:
         if other.form == best.form and other.legs is best.arms and other.arms is best.legs:
@@ -58,11 +63,14 @@ def turned(
 def _is_led_by_hind_legs(tree: Tree, body: Body, plane: Plane, poses: Poses) -> bool:
     """Whether a head is beyond what is taken for hind legs, and a tail or nothing beyond the front ones.
 
-    A head has jaws and ears; where it has none, it is broader than a tail and hangs no lower.
+    What names call arms is in front of what they call legs. A head has jaws and ears; where it has none, it
+    is broader than a tail and hangs no lower.
     """
     hind, front = body.legs, body.arms
     if body.form != "quadruped" or hind is None or front is None or hind.place or front.place:
         return False
+    if {hind.kind, front.kind} == {"arm", "leg"}:
+        return hind.kind == "arm"
     back, ahead = hind.starts - front.starts, front.starts - hind.starts
     tips, others = (_tips(tree, _beyond(tree, body, way, _FAR)) for way in (back, ahead))
     if tips != others and max(tips, others) > 1:
@@ -99,13 +107,13 @@ def _breadth(tree: Tree, nodes: Sequence[int], plane: Plane, poses: Poses) -> fl
     return broad
 
 
-def _over_hind_legs(body: Body, limbs: Limbs) -> bool:
+def _over_hind_legs(tree: Tree, body: Body, limbs: Limbs) -> bool:
     """Whether a pair that may be arms begins over what is taken for hind legs."""
     if (
         body.legs is None
         or body.arms is None
         or limbs in (body.legs, body.arms)
-        or not is_further(body, limbs)
+        or not is_further(tree, body, limbs)
     ):
         return False
     spine = body.arms.starts - body.legs.starts

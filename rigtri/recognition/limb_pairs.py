@@ -18,7 +18,7 @@ from rigtri.recognition.limb_triples import (
     sharpest_of,
     triple_of,
 )
-from rigtri.recognition.limb_words import LimbWords, Place
+from rigtri.recognition.limb_words import NO_WORDS, LimbWords, Place
 from rigtri.recognition.naming_schemes import NO_LIMB, roles_in_name
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair
@@ -75,7 +75,9 @@ def limbs_of(
         if bend is not None or len(pair.paths[0]) > 1:
             limbs = _limbs(tree, pair, bend)
             words = [names[k] for k in (*limbs.joints(0), *limbs.joints(1)) if k in names]
-            found.append(replace(limbs, kind=_kind_of(tree, limbs, words, poses), place=_place_of(words)))
+            found.append(
+                replace(limbs, kind=_kind_of(tree, limbs, words, poses), place=_place_of(limbs, names))
+            )
     return found
 
 
@@ -109,9 +111,16 @@ def _kind_of(
     return "other" if any(word.trunk for word in words) else kind
 
 
-def _place_of(words: Sequence[LimbWords]) -> Place:
-    """Whether names say that a limb is one in front or behind."""
-    places = {word.place for word in words if word.place}
+def _place_of(limbs: Limbs, names: Mapping[int, LimbWords]) -> Place:
+    """Whether names say that a limb is one in front or behind.
+
+    A foreleg that follows a leg is a shin, as a forearm follows an arm.
+    """
+    places = set[Place]()
+    for joints in (limbs.joints(0), limbs.joints(1)):
+        start, *rest = (names.get(k, NO_WORDS) for k in joints)
+        shin = start.kind == "leg" and not start.place and rest[0].place == "front"
+        places.update(word.place for word in (start, *rest[shin:]) if word.place)
     return places.pop() if len(places) == 1 else ""
 
 

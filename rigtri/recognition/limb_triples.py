@@ -325,7 +325,8 @@ def offset(start: Floats, middle: Floats, end: Floats) -> Floats:
 def loose_ends(tree: Tree, pair: Pair, poses: Poses) -> Pair:
     """A pair of two joints each, with the joints elsewhere that end it; as it is where none do.
 
-    Only joints that move points, or have such below, are taken: a control stands in the same place.
+    Only joints that move points, or have such below, are taken: a control stands in the same place. And no
+    joint that more hangs from than from a hand or a foot: another limb begins there.
     """
     ends = [_loose_end(tree, path[:2], poses) if len(path) >= 2 else -1 for path in pair.paths]
     if min(ends) < 0 or ends[0] == ends[1] or pair.nodes.intersection(ends):
@@ -343,7 +344,7 @@ def _loose_end(tree: Tree, path: tuple[int, ...], poses: Poses) -> int:
     bone = middle - tree.at[path[0]]
     top = tree.way(-1, path[0])[0]
     nodes = [k for k in tree.nodes if tree.depth[k] <= 2 and k != top and not tree.is_below(k, path[0])]
-    nodes = [k for k in nodes if not tree.is_below(path[0], k)]
+    nodes = [k for k in nodes if not tree.is_below(path[0], k) and tree.reach[k] < bone.length]
     far = {k: tree.at[k] - middle for k in nodes}
     size, on = bone.length, bone.unit
     found = [

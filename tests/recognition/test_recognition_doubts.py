@@ -239,7 +239,7 @@ def test_names_that_a_program_has_numbered_say_nothing(called: str) -> None:
     [
         (618, 8, False, "may be a twist joint, like that of the upper bone"),
         (820, 0, False, "another joint of its chain"),
-        (1240, 0, False, "both may be a skirt"),
+        (27, 5, False, "both may be a skirt"),
         (9001, 2, True, "its bones are counted from"),
         (9001, 6, True, "is called as a lower bone is"),
         (6, 4, False, "its middle may be a twist joint of its upper bone"),

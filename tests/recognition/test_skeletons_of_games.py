@@ -189,3 +189,45 @@ def test_a_thigh_of_two_bones() -> None:
     assert set(limbs) == {"left arm", "right arm"}
     _, limbs = sure_limbs(joints, named=True)
     assert limbs["left leg"] == "upperleg01.L lowerleg01.L foot.L"
+
+
+# Front legs by themselves below the root, and ribs at the flanks of the trunk that point to their blades.
+PARTED = [
+    ("all", "", (0.0, 0.0, 0.0)),
+    ("hips", "all", (0.0, 1.4, -0.7)),
+    *line("spine chest neck head", "hips", (0, 1.5, -0.2), (0, 1.6, 0.3), (0, 1.7, 0.8), (0, 1.8, 1.2)),
+    *both(line("flank.L rib.L", "spine", (0.3, 1.6, -0.2), (0.3, 1.55, 0.4))),
+    *both(
+        line(
+            "blade.L arm.L forearm.L carpus.L hoof.L",
+            "all",
+            (0.25, 1.3, 0.7),
+            (0.3, 0.95, 0.6),
+            (0.3, 0.5, 0.55),
+            (0.3, 0.1, 0.6),
+            (0.3, 0.05, 0.65),
+        )
+    ),
+    *both(
+        line(
+            "leg.L foreleg.L hock.L toe.L",
+            "hips",
+            (0.25, 1.0, -0.6),
+            (0.25, 0.6, -0.5),
+            (0.25, 0.1, -0.6),
+            (0.25, 0.02, -0.5),
+        )
+    ),
+]
+
+
+def test_front_legs_by_themselves_are_in_front() -> None:
+    """Before, ribs that point to their blades were arms, and a foreleg after a leg made it a front one."""
+    (found,) = recognise(rig_with(PARTED)).characters
+    assert found.form == "quadruped"
+    limbs = {chain.name: " ".join(PARTED[k][0] for k in chain.bend) for chain in found.chains if chain.bend}
+    for side in ("left", "right"):
+        end = side[0].upper()
+        assert limbs[f"{side} front leg"] == f"arm.{end} forearm.{end} carpus.{end}"
+        assert limbs[f"{side} hind leg"] == f"leg.{end} foreleg.{end} hock.{end}"
+    assert found.facing == pytest.approx((0, 0, 1), abs=1e-3)
