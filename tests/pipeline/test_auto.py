@@ -17,6 +17,7 @@ import pytest
 from places import SAMPLES, slow
 from recognition_bodies.bodies import Body
 from recognition_bodies.creatures import crane, two_characters, vehicle
+from recognition_bodies.skeletons import MAN, both, rig_with
 from second_opinions import validator
 
 from rigtri import auto, read
@@ -24,7 +25,7 @@ from rigtri.files import temp_dirs
 from rigtri.formats import read as document
 from rigtri.formats.document import ReadOptions
 from rigtri.model.rig import Rig
-from rigtri.pipeline.rigspec.spec_init import recognised_lines
+from rigtri.pipeline.rigspec.spec_init import plain_values, recognised_lines, starter
 from rigtri.recognition.layout import Character, Layout
 from rigtri.recognition.naming_schemes import Scheme
 from rigtri.recognition.recognise import recognise
@@ -414,3 +415,11 @@ def test_auto_of_a_file_without_a_mesh_does_not_report_that_one_moves(tmp_path: 
     (tmp_path / "bare.gltf").write_text(json.dumps(text), "utf-8")
     done = cli("auto", tmp_path / "bare.gltf", "-o", tmp_path / "out.gltf", code=0)
     assert "each moves its joint (the file has no mesh), and nothing else" in f"{done.stdout}{done.stderr}"
+
+
+def test_helpers_that_hang_from_no_joint_have_controls_that_the_root_control_carries() -> None:
+    """Before, they had none, so that they stayed behind and the rig was refused."""
+    helpers = [("elbow_helper.L", "", (0.3, 1.4, -0.05)), ("knee_helper.L", "shin.L", (0.1, 0.5, 0.05))]
+    spec = plain_values(starter(rig_with([*MAN, *both(helpers)]), "man.glb"))
+    (controls,) = (step for step in spec["steps"] if step["do"] == "add-controls")
+    assert controls["exclude"] == ["knee_helper.L", "knee_helper.R"]

@@ -12,7 +12,6 @@ from rigtri.evaluation.zero_pose import idle_ik
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
-from rigtri.maths.arrays import Booleans
 from rigtri.model.characters import characters
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import TwistRecord
@@ -65,7 +64,7 @@ def starter(
     layout = recognise(rig) if layout is None else layout
     toes = rolling_toes(tree, recognised_limbs(rig)).values()
     rolls = any(isinstance(toe, int) for toe in toes)
-    limbs = _Limbs(rig, layout, open_places, tree.carries, fixed_weights, rolls)
+    limbs = _Limbs(rig, layout, open_places, tree, fixed_weights, rolls)
     lines = [
         f"# A rig spec to start from, for {_quoted(file)}.",
         *(f"# {_visible(line)}" for line in recognised_lines(rig, layout)),
@@ -162,7 +161,7 @@ class _Limbs:
     rig: Rig
     layout: Layout
     open_places: bool
-    carries: Booleans
+    tree: Skeleton
     fixed_weights: str
     rolls: bool
 
@@ -170,7 +169,7 @@ class _Limbs:
         """All lines behind the preset of orient-joints."""
         open_limbs = unsure(self.layout) if self.open_places else []
         every = [chain for chain in _reaching(self.layout) if chain.is_sure]
-        idle = [idle_ik(self.rig, _triple(chain), self.carries) for chain in every]
+        idle = [idle_ik(self.rig, _triple(chain), self.tree.carries) for chain in every]
         sure = [chain for chain, why in zip(every, idle, strict=True) if not why]
         for chain, why in zip(every, idle, strict=True):
             if why:
@@ -286,10 +285,14 @@ class _Limbs:
         yield ""
 
     def _followers(self) -> Iterator[Part]:
-        """Joints that follow the bones by themselves; a control would only be in the way."""
+        """Joints that follow the bones by themselves; a control would only be in the way.
+
+        A root follows nothing, and the root control carries it by its own control.
+        """
         for one in self.layout.characters:
             for part in one.parts:
-                if part.role in ("twist", "helper") and part.confidence >= CONFIDENT:
+                follows = part.role in ("twist", "helper") and part.joint not in self.tree.roots
+                if follows and part.confidence >= CONFIDENT:
                     yield part
 
 
