@@ -3,13 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from builders.rigs import random_rig
+from builders.rigs import chain, random_rig
 
-from rigtri.errors import UsageError
-from rigtri.evaluation.timelines import put_tracks, timeline_and_time, timelines
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation.timelines import (
+    MOST_KEYS,
+    Timeline,
+    chosen_timelines,
+    jumps,
+    just_before,
+    keys_and_between,
+    matching_clips,
+    merged_weights,
+    put_tracks,
+    steps_only,
+    timeline_and_time,
+    timelines,
+    times_and_jumps,
+    times_within,
+    without_steps,
+)
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 
@@ -55,3 +72,143 @@ def test_a_clip_without_a_time_is_told_how_to_name_one(text: str, example: str) 
     with pytest.raises(UsageError, match=example):
         timeline_and_time(rig, text)
     assert timeline_and_time(rig, "walk@default@0.25")[1] == 0.25
+
+
+def keyed(*times: float, way: Any = "LINEAR", values: Any = None) -> Track:
+    rows = np.zeros((len(times), 3)) if values is None else np.array(values, dtype=np.float64)
+    return Track(0, "translation", way, np.array(times), rows)
+
+
+def timeline(*tracks: Track) -> Timeline:
+    return Timeline(Clip("walk", tracks), (0,))
+
+
+BEFORE_1 = float(np.nextafter(np.float32(1.0), np.float32(-1.0)))
+BEFORE_2 = float(np.nextafter(np.float32(2.0), np.float32(-1.0)))
+
+
+@pytest.mark.parametrize(
+    ("tracks", "fps", "per_second", "times"),
+    [
+        ([keyed(0.0, 1.0), keyed(0.5, 1.0)], None, 1.0, [0.0, 0.5, 1.0]),
+        ([keyed(0.0, 1.0), keyed(7.0)], None, 1.0, [0.0, 1.0]),  # one key is held at all times
+        ([keyed(7.0), keyed(3.0)], None, 1.0, [3.0]),
+        ([], None, 1.0, [0.0]),
+        ([keyed(0.0, np.inf, 2.0)], None, 1.0, [0.0, 2.0]),
+        ([keyed(0.0, 1.0)], 4.0, 1.0, [0.0, 0.25, 0.5, 0.75, 1.0]),
+        ([keyed(1.0, 1.3)], 4.0, 1.0, [1.0, 1.25, 1.3]),
+        ([keyed(0.0, 24.0)], 2.0, 24.0, [0.0, 12.0, 24.0]),
+    ],
+)
+def test_times_to_start_from_are_all_keys_and_so_many_a_second(
+    tracks: list[Track], fps: float | None, per_second: float, times: list[float]
+) -> None:
+    assert times_within(timeline(*tracks), fps, per_second).tolist() == times
+
+
+def test_more_times_than_anybody_wants_are_refused() -> None:
+    with pytest.raises(
+        UsageError, match=f"that would be 2e\\+06 keys in clip 'walk', and {MOST_KEYS} are the most"
+    ):
+        times_within(timeline(keyed(0.0, 200.0)), 10_000.0)
+    assert len(times_within(timeline(keyed(0.0, 200.0)), 10.0)) == 2001
+
+
+@pytest.mark.parametrize(
+    ("tracks", "times"),
+    [
+        ([keyed(0.0, 2.0), keyed(0.0, 1.0, 2.0, way="STEP")], [0.0, BEFORE_1, 1.0, BEFORE_2, 2.0]),
+        ([keyed(0.0, 1.0, way="STEP")], [0.0, 1.0]),  # nothing moves between
+        ([keyed(0.0, 2.0)], [0.0, 2.0]),
+        ([keyed(1.0, 3.0), keyed(0.5, 1.0, way="STEP")], [0.5, BEFORE_1, 1.0, 3.0]),
+    ],
+)
+def test_the_last_times_before_jumps_are_looked_at_where_something_moves_between(
+    tracks: list[Track], times: list[float]
+) -> None:
+    assert times_and_jumps(timeline(*tracks), None).tolist() == times
+
+
+def test_jumps_are_those_of_tracks_that_hold_their_values() -> None:
+    held = timeline(keyed(0.0, 2.0), keyed(0.0, 1.0, 3.0, way="STEP"), keyed(0.5, 1.0, way="STEP"))
+    assert jumps(held).tolist() == [1.0, 3.0]
+    assert not steps_only(held)
+    assert steps_only(timeline(keyed(0.0, 1.0, way="STEP"), keyed(4.0)))
+    assert just_before(np.array([1.0, 2.0])).tolist() == [BEFORE_1, BEFORE_2]
+
+
+def test_two_places_between_keys_are_looked_at_but_for_jumps() -> None:
+    found = keys_and_between(np.array([0.0, 1.0]))
+    assert found.tolist() == [0.0, float(np.float32(0.29)), 0.5, 1.0]
+    assert keys_and_between(np.array([BEFORE_1, 1.0])).tolist() == [BEFORE_1, 1.0]
+
+
+def test_held_values_become_keys_right_before_their_jumps() -> None:
+    held = keyed(0.0, 1.0, 2.0, way="STEP", values=[[1, 0, 0], [1, 0, 0], [5, 0, 0]])
+    line = without_steps(held)
+    assert line.interpolation == "LINEAR"
+    assert line.times.tolist() == [0.0, 1.0, BEFORE_2, 2.0]
+    assert line.values[:, 0].tolist() == [1, 1, 1, 5]
+    assert without_steps(keyed(0.0, 1.0)).times.tolist() == [0.0, 1.0]
+    one = keyed(0.0, way="STEP")
+    assert without_steps(one) is one
+
+
+def test_some_columns_of_weights_are_replaced_and_the_others_stay() -> None:
+    was = Track(0, "weights", "LINEAR", np.array([0.0, 2.0]), np.array([[0.0, 5.0], [2.0, 9.0]]))
+    found = merged_weights(was, np.array([1.0, 2.0]), [1], np.array([[1.0], [3.0]]))
+    assert found.times.tolist() == [0.0, 1.0, 2.0]
+    assert found.values.tolist() == [[0.0, 1.0], [1.0, 1.0], [2.0, 3.0]]
+    single = Track(0, "weights", "STEP", np.array([7.0]), np.array([[4.0, 5.0]]))
+    found = merged_weights(single, np.array([1.0]), [0], np.array([[2.0]]))
+    assert (found.times.tolist(), found.values.tolist(), found.interpolation) == ([1.0], [[2.0, 5.0]], "STEP")
+    spline = Track(0, "weights", "CUBICSPLINE", np.array([0.0, 1.0]), np.zeros((2, 3, 2)))
+    with pytest.raises(ValueError, match="splines"):
+        merged_weights(spline, np.array([0.0]), [0], np.zeros((1, 1)))
+
+
+def clips(*names: str) -> Rig:
+    tracks = (moved(1, 1.0),)
+    made = tuple(Clip(name, () if name == "empty" else tracks, key=k) for k, name in enumerate(names))
+    return replace(chain((0, 0, 0), (1, 0, 0)), clips=made)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "found"),
+    [
+        ("walk", {0}),
+        ("walk*", {0, 1, 3}),
+        ("#1", {1}),
+        ("w[a]lk", {4}),  # a clip's own name is no glob
+        ("[w]alk", {0}),
+        ("Walk", set()),
+        ("#9", set()),
+    ],
+)
+def test_a_glob_matches_clips_by_name_or_number(pattern: str, found: set[int]) -> None:
+    assert matching_clips(clips("walk", "walk2", "run", "walker", "w[a]lk"), pattern) == found
+
+
+def test_timelines_are_chosen_in_the_order_of_their_globs_and_once_each() -> None:
+    rig = clips("walk", "run", "walker", "empty")
+    names = [each.name for each in chosen_timelines(rig, ["run", "walk*", "#0"])]
+    assert names == ["run", "walk", "walker"]
+    assert [each.name for each in chosen_timelines(rig, [])] == ["walk", "run", "walker"]
+    with pytest.raises(NameNotFoundError, match="ru"):
+        chosen_timelines(rig, ["run", "ru"])
+
+
+def test_a_clip_and_a_time_are_split_at_the_last_mark() -> None:
+    rig = clips("walk", "me@home", "empty")
+    found, at = timeline_and_time(rig, "me@home@0.5")
+    assert found is not None
+    assert (found.name, at) == ("me@home", 0.5)
+    assert timeline_and_time(rig, "Rest") == (None, 0.0)
+    for text in ("walk", "walk@", "walk@nan", "walk@x"):
+        with pytest.raises(UsageError, match=f"'{text}' is not a valid pose: use CLIP@TIME in seconds"):
+            timeline_and_time(rig, text)
+    codes = replace(rig, rules=replace(rig.rules, per_second=24.0))
+    with pytest.raises(UsageError, match=r"in time codes, 24 a second, e\.g\. walk@0\.5"):
+        timeline_and_time(codes, "walk")
+    with pytest.raises(GeometryError, match="Clip 'empty' has no keys"):
+        timeline_and_time(rig, "empty@0")

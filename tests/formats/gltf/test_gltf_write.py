@@ -442,3 +442,49 @@ def test_the_cubic_file_is_more_exact_than_plain_rounding(tmp_path: Path) -> Non
     out = written(document, reframe(document.rig, random_turns(document.rig)), tmp_path / "a.glb")
     # Plain rounding moves its points by 1.6e-5.
     assert verify(document, GltfDocument.read(out)).deviation < 1e-6
+
+
+def test_a_clip_that_is_called_otherwise_is_called_so_in_the_file(tmp_path: Path) -> None:
+    document = GltfDocument.read(character().glb(tmp_path / "in.glb"))
+    first, *others = document.rig.clips
+    renamed = replace(document.rig, clips=(replace(first, name="stroll"), *others))
+    before, after = (
+        glb_json(path) for path in (tmp_path / "in.glb", written(document, renamed, tmp_path / "o.glb"))
+    )
+    assert after["animations"][0].pop("name") == "stroll"
+    before["animations"][0].pop("name", None)
+    assert after == before
+
+
+def test_a_track_with_other_times_gets_a_sampler_of_its_own_where_others_use_it(tmp_path: Path) -> None:
+    b = small()
+    times = b.accessor([0.0, 1.0], min=[0], max=[1])
+    values = b.accessor([[0.0, 0, 0], [1, 0, 0]])
+    sampler = {"input": times, "output": values, "interpolation": "LINEAR"}
+    targets = [{"node": node, "path": "translation"} for node in (1, 2)]
+    b.gltf["animations"] = [
+        {
+            "name": "both",
+            "samplers": [sampler],
+            "channels": [{"sampler": 0, "target": each} for each in targets],
+        },
+        {"name": "one", "samplers": [sampler], "channels": [{"sampler": 0, "target": targets[0]}]},
+    ]
+    document = GltfDocument.read(b.glb(tmp_path / "in.glb"))
+    moved = np.array([0.0, 0.5, 2.0])
+    clips = []
+    for clip in document.rig.clips:
+        track = replace(clip.tracks[0], times=moved, values=np.eye(3), interpolation="STEP")
+        clips.append(replace(clip, tracks=(track, *clip.tracks[1:])))
+    out = written(document, replace(document.rig, clips=tuple(clips)), tmp_path / "out.glb")
+    both, one = glb_json(out)["animations"]
+    assert both["samplers"][0] == sampler
+    assert [channel["sampler"] for channel in both["channels"]] == [1, 0]
+    assert both["samplers"][1]["interpolation"] == "STEP"
+    assert len(one["samplers"]) == 1
+    assert one["samplers"][0]["interpolation"] == "STEP"
+    again = GltfDocument.read(out).rig
+    for clip in again.clips:
+        assert clip.tracks[0].times.tolist() == moved.tolist()
+        assert clip.tracks[0].values.tolist() == np.eye(3).tolist()
+    assert again.clips[0].tracks[1].times.tolist() == [0.0, 1.0]
