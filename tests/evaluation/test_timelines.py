@@ -208,7 +208,7 @@ def test_a_clip_and_a_time_are_split_at_the_last_mark() -> None:
         with pytest.raises(UsageError, match=f"'{text}' is not a valid pose: use CLIP@TIME in seconds"):
             timeline_and_time(rig, text)
     codes = replace(rig, rules=replace(rig.rules, per_second=24.0))
-    with pytest.raises(UsageError, match=r"in time codes, 24 a second, e\.g\. walk@0\.5"):
+    with pytest.raises(UsageError, match="in time codes, 24 a second, "):
         timeline_and_time(codes, "walk")
     with pytest.raises(GeometryError, match="Clip 'empty' has no keys"):
         timeline_and_time(rig, "empty@0")
