@@ -167,8 +167,11 @@ def test_a_root_that_holds_no_turn_is_not_noted_as_blenders_own(
     assert Usd.Stage.Open(str(path)).GetPrimAtPath("/Root").HasCustomDataKey("Blender:generated")
     cli("freeze", path, "-o", out, code=0)
     assert dict(Sdf.Layer.FindOrOpen(str(out)).GetPrimAtPath("/Root").customData) == left
-    cli("freeze", path, "-o", other, "--scale", code=0)
+    cli("freeze", path, "-o", other, "--only", "joints", code=0)
     assert Usd.Stage.Open(str(other)).GetPrimAtPath("/Root").HasCustomDataKey("Blender:generated")
+    for options in (["--scale"], ["--unit", "0.1"]):  # nor does it convert units below
+        cli("freeze", path, "-o", other, "--overwrite", *options, code=0)
+        assert dict(Sdf.Layer.FindOrOpen(str(other)).GetPrimAtPath("/Root").customData) == left
 
 
 @pytest.mark.ci

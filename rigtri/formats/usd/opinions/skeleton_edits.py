@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from pxr import Sdf
+from pxr import Sdf, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.evaluation.timelines import without_steps
@@ -39,6 +39,21 @@ def joint_names(stage: Any, skeleton: Skeleton) -> list[str] | None:
     prim = stage.GetPrimAtPath(skeleton.path)
     names = prim.GetAttribute("jointNames").Get() if prim.HasAttribute("jointNames") else None
     return [str(name) for name in names] if names and len(names) == len(skeleton.tokens) else None
+
+
+def joint_primvars(stage: Any, skeleton: Skeleton, rows: Sequence[int]) -> Iterator[Edit]:
+    """Primvars that have a value for each joint, for other joints: from which row each gets its value.
+
+    Such are the bone lengths of Blender's exporter: its importer drops bones for which there are too few.
+    """
+    for primvar in UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(skeleton.path)).GetPrimvarsWithAuthoredValues():
+        attribute = primvar.GetAttr()
+        value = None if primvar.GetInterpolation() == UsdGeom.Tokens.constant else attribute.Get()
+        if value is None or primvar.IsIndexed() or len(value) != len(skeleton.tokens):
+            continue
+        uniform = attribute.GetVariability() == Sdf.VariabilityUniform
+        picked = type(value)([value[row] for row in rows])
+        yield set_value(skeleton.path, attribute.GetName(), attribute.GetTypeName(), picked, uniform=uniform)
 
 
 def check_joints_editable(stage: Any, skeleton: Skeleton, change: str) -> None:

@@ -21,6 +21,7 @@ from rigtri.formats.usd.opinions.skeleton_edits import (
     REST_ADDED,
     check_joints_editable,
     joint_names,
+    joint_primvars,
     set_joints,
 )
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, new_above
@@ -78,7 +79,9 @@ def _append(source: Source, skeleton: Skeleton, rig: Rig, nodes: Sequence[int]) 
     count, skin = len(skeleton.tokens), rig.skins[number]
     # A token of a joint whose parent is split holds that step, too; so parents go by their rows.
     tokens = dict(zip(skin.joints[:count].tolist(), skeleton.tokens, strict=True))
+    row_of = dict(zip(tokens, range(count), strict=True))
     for node in nodes:
+        row_of[node] = row_of.get(int(rig.parents[node]), 0)
         tokens[node] = child_token(tokens.get(int(rig.parents[node]), ""), rig.names[node])
     listed = [*skeleton.tokens, *(tokens[node] for node in nodes)]
     rows = [skin.joints.tolist().index(node) for node in nodes]
@@ -88,6 +91,7 @@ def _append(source: Source, skeleton: Skeleton, rig: Rig, nodes: Sequence[int]) 
     names = joint_names(source.stage, skeleton)
     names = None if names is None else [*names, *(rig.names[node] for node in nodes)]
     yield from set_joints(skeleton.path, listed, bind, rest, names)
+    yield from joint_primvars(source.stage, skeleton, list(row_of.values()))
     if not skeleton.has_rest:
         yield _mark_rest(skeleton.path)
 

@@ -15,6 +15,7 @@ from rigtri.formats.usd.opinions.skeleton_edits import (
     REST_ADDED,
     check_joints_editable,
     joint_names,
+    joint_primvars,
     set_array,
     set_joints,
 )
@@ -77,6 +78,7 @@ def _without_rows(source: Source, skeleton: Skeleton, keep: Booleans) -> Iterato
     names = joint_names(source.stage, skeleton)
     names = None if names is None else [names[k] for k in rows]
     yield from set_joints(path, [skeleton.tokens[k] for k in rows], skeleton.bind[rows], rest, names)
+    yield from joint_primvars(source.stage, skeleton, rows)
     if skeleton.has_rest and added:
         yield remove_properties(path, "restTransforms")
 

@@ -48,8 +48,8 @@ from rigtri.model.rig import Rig
 from rigtri.report import Notice
 
 _QUATD, _DOUBLE3 = Sdf.ValueTypeNames.Quatd, Sdf.ValueTypeNames.Double3
-# Blender's exporter notes so the root that it adds to turn the stage; its importer leaves out a root with the
-# note, whatever the value, and with it the turn from y up to z up.
+# Blender's exporter notes so the root that it adds to turn and scale the stage; its importer leaves out a
+# root with the note, whatever the value, and with it the turn from y up to z up and the conversion of units.
 _NOTE = ("Blender", "generated")
 # What a rotation may leave unexplained of a matrix, as a share of its largest number.
 SAME_POSITION = 1e-9
@@ -79,7 +79,7 @@ def reorient_xforms(edit: UsdEdit) -> None:
         found[node] = _delta(before, rig, node, above)
         edit.values += _prim_edits(edit, node, found[node], above)
         prim = edit.source.stage.GetPrimAtPath(rig.labels[node])
-        if (found[node].rotation != IDENTITY).any() and prim.HasCustomDataKey(":".join(_NOTE)):
+        if not found[node].is_same and prim.HasCustomDataKey(":".join(_NOTE)):
             edit.removals.append(_without_generated(prim.GetPath()))
     _check_instances(before, found)
 
@@ -98,7 +98,7 @@ def _check_instances(rig: Rig, found: Mapping[int, _Frame]) -> None:
 
 
 def _without_generated(path: Any) -> Edit:
-    """Take Blender's note off a prim that holds no conversion of axes any more."""
+    """Take Blender's note off a prim that does not hold its conversion of axes and units any more."""
 
     def change(layer: Any) -> None:
         spec = layer.GetPrimAtPath(path)

@@ -19,7 +19,12 @@ from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.variants import split_by, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
-from rigtri.formats.usd.opinions.skeleton_edits import joint_names, set_array, set_joints
+from rigtri.formats.usd.opinions.skeleton_edits import (
+    joint_names,
+    joint_primvars,
+    set_array,
+    set_joints,
+)
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, new_above, resting
 from rigtri.formats.usd.reading.animation_reader import NOTHING, Animation, Property
 from rigtri.formats.usd.reading.joint_tokens import split_token
@@ -167,6 +172,7 @@ def _skeleton_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Edi
         names = joint_names(source.stage, skeleton)
         names = None if names is None else _named(split, names)
         yield from set_joints(path, split.tokens, skeleton.bind[rows], rest, names)
+        yield from joint_primvars(source.stage, skeleton, rows)
 
 
 def _named(split: Split, names: list[str]) -> list[str]:
