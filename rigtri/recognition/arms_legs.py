@@ -31,6 +31,8 @@ _WORDS, _NAMED = 0.85, 0.5
 _NUMBERED = 0.45
 # A bone shorter than this part of the other is none: a joint is left out, or two stand in one place.
 _STUNTED = 0.25
+# And one that is shorter than this part of the next may be a clavicle.
+_COLLAR = 0.5
 # A joint within a bone bends no further than this, as a cosine (25°).
 _IN_LINE = 0.9
 # Below this, what says where a body faces contradicts itself or is little, so that sides are in doubt.
@@ -187,7 +189,8 @@ def _lacks_hand(draft: Draft, limbs: Limbs) -> bool:
     (start, middle, end), twin = limbs.joints(0), limbs.joints(1)[0]
     whole = limbs.at[0] == 0 and limbs.at[2] == len(limbs.pair.paths[0]) - 1
     apart = (draft.tree.at[start] - draft.tree.at[twin]).length
-    return (whole and apart < CLAVICLES * limbs.size) or not draft.tree.is_below(end, middle)
+    short = draft.tree.bone[middle] < _COLLAR * draft.tree.bone[end]
+    return (whole and (short or apart < CLAVICLES * limbs.size)) or not draft.tree.is_below(end, middle)
 
 
 def _words(body: Body | None, limbs: Limbs, kind: str) -> Iterator[str]:

@@ -17,7 +17,9 @@ from rigtri.recognition.shape_doubts import (
     arm_as_leg,
     later_start,
     may_be_a_thing,
+    middle_bone,
     other_bend,
+    other_end,
     points_ahead,
     rival,
     skirt,
@@ -75,6 +77,7 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or (not by_name and only_things(draft, each.joints))
         or (not by_name and (further_part(draft, each) or ankle_as_knee(draft, each)))
         or (not by_name and (skirt(draft, each) or rival(draft, each) or later_start(draft, each)))
+        or (not by_name and (middle_bone(draft, each) or other_end(draft, each)))
         or (not by_name and (points_ahead(draft, each) or may_be_a_thing(draft, each)))
         or (not by_name and _by_the_legs(draft, each, found))
         or ""

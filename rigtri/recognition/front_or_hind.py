@@ -49,7 +49,7 @@ def turned(
     if not ways:
         return []
     best, *others = ways
-    led = _is_led_by_hind_legs(tree, best, plane, poses)
+    led = head_end(tree, best, plane, poses) < 0
     if not led and not any(_over_hind_legs(tree, best, each) for each in limbs):
         return list(ways)
     for other in others:
@@ -60,26 +60,27 @@ def turned(
     return list(ways)
 
 
-def _is_led_by_hind_legs(tree: Tree, body: Body, plane: Plane, poses: Poses) -> bool:
-    """Whether a head is beyond what is taken for hind legs, and a tail or nothing beyond the front ones.
+def head_end(tree: Tree, body: Body, plane: Plane, poses: Poses) -> int:
+    """Where the head of a body on four legs is: 1 at its front ones, −1 at its hind ones, 0 unclear.
 
     What names call arms is in front of what they call legs. A head has jaws and ears; where it has none, it
-    is broader than a tail and hangs no lower.
+    is broader than a tail and hangs no lower. What is at one end alone is rather a head.
     """
     hind, front = body.legs, body.arms
     if body.form != "quadruped" or hind is None or front is None or hind.place or front.place:
-        return False
+        return 1
     if {hind.kind, front.kind} == {"arm", "leg"}:
-        return hind.kind == "arm"
+        return -1 if hind.kind == "arm" else 1
     back, ahead = hind.starts - front.starts, front.starts - hind.starts
     tips, others = (_tips(tree, _beyond(tree, body, way, _FAR)) for way in (back, ahead))
     if tips != others and max(tips, others) > 1:
-        return tips > others
+        return -1 if tips > others else 1
     one, other = (_beyond(tree, body, way, _NEAR) for way in (back, ahead))
     high, low = (max((tree.at[node].dot(body.up) for node in end), default=-inf) for end in (one, other))
-    return high > low > -inf and _breadth(tree, one, plane, poses) > _BROADER * _breadth(
-        tree, other, plane, poses
-    )
+    if not high > low:
+        return 1
+    broader = _breadth(tree, one, plane, poses) > _BROADER * _breadth(tree, other, plane, poses)
+    return -1 if broader and low > -inf else 0
 
 
 def _tips(tree: Tree, nodes: Sequence[int]) -> int:

@@ -10,6 +10,7 @@ from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import SIMILAR, Body, lowest
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import feet_ahead, long_feet
+from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import HAND, STRAIGHT, begin_as_one, beside, branches
@@ -105,6 +106,26 @@ def later_start(draft: Draft, each: Found) -> str:
         return ""
     hip = mine.pair.paths[0][1]
     return f"'{draft.tree.rig.title(hip)}' before it may be where it begins"
+
+
+def middle_bone(draft: Draft, each: Found) -> str:
+    """A limb of three joints that begins where its twin does: its first bone leads to the hip or shoulder."""
+    mine, tree = each.pair, draft.tree
+    if mine is None or len(mine.at) < 3 or mine.named > 0.0 or mine.fingers >= 2 or mine.at[0] > 0:
+        return ""
+    if mine.at[2] < len(mine.pair.paths[0]) - 1 or not begin_as_one(tree, mine.pair.paths):
+        return ""
+    return "its first bone leads from the middle, and nothing shows where it ends"
+
+
+def other_end(draft: Draft, each: Found) -> str:
+    """Legs of a body on four whose head may be at either end: front and hind ones are told by it."""
+    mine, body, plane = each.pair, draft.shape.body, draft.shape.plane
+    if mine is None or body is None or plane is None or mine not in (body.legs, body.arms):
+        return ""
+    if head_end(draft.tree, body, plane, draft.poses):
+        return ""
+    return "nothing shows which end of its trunk has the head"
 
 
 def skirt(draft: Draft, each: Found) -> str:

@@ -231,3 +231,42 @@ def test_front_legs_by_themselves_are_in_front() -> None:
         assert limbs[f"{side} front leg"] == f"arm.{end} forearm.{end} carpus.{end}"
         assert limbs[f"{side} hind leg"] == f"leg.{end} foreleg.{end} hock.{end}"
     assert found.facing == pytest.approx((0, 0, 1), abs=1e-3)
+
+
+SHEEP = [
+    ("root", "", (0.0, 1.5, 0.6)),
+    ("rump", "root", (0.0, 1.5, -0.6)),
+    *both([*FRONT, *HIND]),
+    *line("neck head", "root", (0, 1.6, 0.9), (0, 1.8, 1.1)),
+    *line("tail1 tail2", "rump", (0, 1.45, -0.9), (0, 1.3, -1.1)),
+]
+
+
+def test_which_end_of_a_body_has_the_head_is_not_sure_where_nothing_shows_it() -> None:
+    """Before, the hierarchy alone decided: legs of a sheep whose root is at its shoulders were surely called
+
+    those of the other end and side.
+    """
+    _, limbs = sure_limbs(SHEEP, named=False)
+    assert limbs == {}
+    (found,) = recognise(rig_with(SHEEP, named=False)).characters
+    legs = [chain for chain in found.chains if chain.kind == "leg"]
+    assert len(legs) == 4
+    assert all("which end of its trunk" in " ".join(chain.evidence) for chain in legs)
+
+
+LAST_THREE = {
+    "leg": line("hip.L up.L low.L", "hips", (0, 0.9, 0.01), (0.15, 0.84, -0.06), (0.11, 0.45, 0.04)),
+    "arm": line("collar.L up.L low.L", "chest", (0.09, 1.5, 0), (0.16, 1.5, 0), (0.41, 1.5, 0)),
+}
+
+
+@pytest.mark.parametrize("kind", LAST_THREE)
+def test_limbs_whose_last_joint_is_missing_are_not_sure(kind: str) -> None:
+    """Before, hip, thigh and shin, and collar, upper arm and forearm, were surely the bones after them."""
+    gone = {"leg": ("thigh", "shin", "foot", "toe"), "arm": ("clavicle", "upper_arm", "forearm", "hand")}[
+        kind
+    ]
+    joints = [joint for joint in MAN if joint[0].partition(".")[0] not in gone]
+    _, limbs = sure_limbs([*joints, *both(LAST_THREE[kind])], named=False)
+    assert not any(kind in name for name in limbs)
