@@ -238,6 +238,31 @@ def test_what_clips_do_with_morphs_counts_as_reach() -> None:
     assert np.allclose(LeverArm(played).exact, [14, 11, 6])
 
 
+def test_only_weights_of_the_mesh_itself_in_clips_count_as_reach() -> None:
+    rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
+    body = Mesh("body", 2, np.array([[0.0, 0, 0], [1, 0, 0]]), morphs=np.array([[[0.0, 4, 0], [0, 0, 0]]]))
+    rig = replace(rig, content=Content(read_outlines=lambda: [body]))
+    for node, path in ((1, "weights"), (2, "rotation")):
+        values = np.array([[0.0, 0, 0, 1]] * 2) if path == "rotation" else np.array([[0.0], [1.5]])
+        other = Track(node, path, "LINEAR", np.arange(2.0), values)  # type: ignore[arg-type]
+        assert np.allclose(LeverArm(replace(rig, clips=(Clip("c", (other,)),))).exact, [9, 6, 1])
+
+
+@pytest.mark.parametrize(
+    ("keys", "infinite"),
+    [([[2.0, 2, 2], [3, 3, 3]], False), ([[1.0, 1, 1], [-1, 1, 1]], True), ([[1.0, 1, 1], [3, -1, 1]], True)],
+)
+def test_a_scale_that_turns_over_in_a_clip_is_zero_in_between(keys: Any, infinite: bool) -> None:
+    """Then nobody can tell from the numbers of each node how far what is below gets, seen from there."""
+    rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
+    track = Track(1, "scale", "LINEAR", np.arange(2.0), np.array(keys))
+    found = LeverArm(replace(rig, clips=(Clip("c", (track,)),)))
+    assert (found.at_most >= found.exact - 1e-9).all()
+    body = Mesh("body", 2, np.array([[0.0, 0, 0], [1, 0, 0]]))
+    seen = replace(rig, clips=(Clip("c", (track,)),), content=Content(read_outlines=lambda: [body]))
+    assert np.isfinite(LeverArm(seen).at_most[0]) or infinite
+
+
 def test_the_same_noise_where_it_moves_little_is_uniform(tmp_path: Path) -> None:
     limb = Limb(rest={"finger": (1, 1 + NOISE, 1 - NOISE / 3)})
     source, out = made(tmp_path, limb, ".glb"), tmp_path / "out.glb"
