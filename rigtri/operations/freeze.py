@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
@@ -31,6 +31,7 @@ from rigtri.operations.joint_records import joint_record
 from rigtri.operations.joint_selection import warn_unread
 from rigtri.operations.operation import operation
 from rigtri.operations.options.freeze import FreezeOptions as FreezeOptions
+from rigtri.operations.skin_joints import placed_by_skin
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import and_more
@@ -76,17 +77,9 @@ def _with_plain_meshes(rig: Rig, before: Rig) -> Rig:
 
     In glTF their skin alone places these, and validators warn of a transform that is ignored.
     """
-    if rig.rules.sized_binding:
-        return rig
-    moved = {track.node for clip in rig.clips for track in clip.tracks if track.path != "weights"}
     translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
-    try:
-        meshes = before.content.read_outlines()
-    except FileError:  # which the comparison with the source reports
-        return rig
-    for node in {mesh.node for mesh in meshes if mesh.skin is not None}:
-        plain = not before.has_matrix[node] and (before.local[node] == np.eye(4)).all()
-        if plain and node not in moved and not rig.children[node] and not rig.is_joint[node]:
+    for node in placed_by_skin(rig, before.content):
+        if not before.has_matrix[node] and (before.local[node] == np.eye(4)).all():
             translation[node], rotation[node], scale[node] = 0.0, IDENTITY, 1.0
     return replace(rig, translation=translation, rotation=rotation, scale=scale)
 

@@ -19,6 +19,7 @@ from rigtri.model.animation import Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.ground_motion import WITHIN, rests
 from rigtri.operations.ik_bones import IK_BONES
+from rigtri.operations.skin_joints import placed_by_skin
 
 # What stands where the root does, and goes with it.
 _GROUPS = {name for bones in IK_BONES.values() for name, (_, bone) in bones.items() if not bone}
@@ -28,14 +29,19 @@ _PLACES: tuple[Path, ...] = ("translation", "rotation")
 
 
 def besides(rig: Rig, hips: int, root: int) -> tuple[list[int], list[int]]:
-    """What goes with a root: itself and groups of IK bones; and what stays, their children but the hips."""
+    """What goes with a root: itself and groups of IK bones; and what stays, their children but the hips.
+
+    A node that its skin places goes, too: nothing shows where it is.
+    """
     going, found = [root], list[int]()
+    drawn = any(rig.attachment[child] >= 0 for child in rig.children[root])
+    placed = placed_by_skin(rig, rig.content) if drawn else set()
     moving = {t.node for clip in rig.clips for t in clip.tracks if t.path != "weights" and not rests(t, rig)}
     for child in rig.children[root]:
         apart = np.abs(rig.local[child] - np.eye(4)).max(axis=1) * (1.0, 1.0, 1.0, 1.0 / skeleton_size(rig))
         group = rig.names[child] in _GROUPS and child not in moving and apart.max() <= _SAME
-        going += [child] if group else []
-        found += rig.children[child] if group else [child]
+        going += [child] if group or child in placed else []
+        found += rig.children[child] if group or child in placed else [child]
     return going, [child for child in found if child != hips]
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.errors import UsageError
+from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.sampling import world_of
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
@@ -15,6 +15,7 @@ from rigtri.maths.quaternions import from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Track
+from rigtri.model.content import Content
 from rigtri.model.metadata import Record
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -200,3 +201,19 @@ def _set_row(skin: Skin, row: int, inverse_bind: Floats) -> Skin:
 def _row(skin: Skin, node: int) -> int | None:
     found = np.flatnonzero(skin.joints == node)
     return int(found[0]) if len(found) else None
+
+
+def placed_by_skin(rig: Rig, content: Content) -> set[int]:
+    """Nodes without keys that show nothing but skinned meshes, and that glTF lets their skin alone place.
+
+    content: that of the file, for a rig that has another. Validators warn of transforms there.
+    """
+    if rig.rules.sized_binding:
+        return set()
+    try:
+        meshes = content.read_outlines()
+    except FileError:  # which the comparison with the source reports
+        return set()
+    moved = {track.node for clip in rig.clips for track in clip.tracks if track.path != "weights"}
+    shown = {mesh.node for mesh in meshes if mesh.skin is not None} - moved
+    return {node for node in shown if not rig.children[node] and not rig.is_joint[node]}

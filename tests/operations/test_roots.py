@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import pygltflib
 import pytest
 from morphs import arm_usd
 from places import SAMPLES, first
@@ -332,6 +333,23 @@ def test_what_hangs_beside_the_hips_stays_where_it_is(rooted: Path, yaw: bool) -
         for name in ("still", "same", "other", "hips", "foot_L"):
             node = made.find(name)
             assert np.abs(one[:, node] - other[:, node]).max() < 4e-6, (mode, name)
+
+
+@pytest.mark.parametrize("options", [[], ["--yaw"], ["--mode", "remove"]])
+def test_a_skinned_mesh_below_the_root_gets_no_keys(options: list[str], rooted: Path, tmp_path: Path) -> None:
+    """Its skin alone places it, and validators warn of keys that do nothing."""
+    gltf = pygltflib.GLTF2().load(str(rooted))
+    names = [node.name for node in gltf.nodes]
+    body, root, out = names.index("body"), names.index("root"), tmp_path / "out.glb"
+    for node in gltf.nodes:
+        node.children = [child for child in node.children or [] if child != body]
+    gltf.scenes[0].nodes = [node for node in gltf.scenes[0].nodes if node != body]
+    gltf.nodes[root].children.append(body)
+    gltf.save(str(tmp_path / "in.glb"))
+    cli("root-motion", tmp_path / "in.glb", "-o", out, *options, code=0)
+    made = rigtri.read(out)
+    assert made.find("root") in {track.node for track in made.clips[0].tracks} or "remove" in options
+    assert made.find("body") not in {track.node for clip in made.clips for track in clip.tracks}
 
 
 def test_motion_that_a_root_with_weight_would_take_along_is_refused(rooted: Path, tmp_path: Path) -> None:
