@@ -22,7 +22,8 @@ from .terminal_text import counted
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     if not report.added:
-        return "no vertex has more joints, or other weights; nothing was changed"
+        of = " of meshes that could be read" if report.warned("mesh-unread") else ""
+        return f"no vertex{of} has more joints, or other weights; nothing was changed"
     vertices, over = (sum(entry[word] for entry in report.added) for word in ("points", "over"))
     meshes, verb = counted(len(report.added), "mesh", "meshes"), "has" if vertices == 1 else "have"
     many = counted(vertices, "vertex", "vertices")

@@ -22,7 +22,8 @@ from .terminal_text import counted
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     if not report.joints:
-        return "every joint moves something or is needed; nothing was changed"
+        unread = ", as meshes that could not be read may need it" * report.warned("mesh-unread")
+        return f"every joint moves something or is needed{unread}; nothing was changed"
     names = ", ".join(entry["joint"] for entry in report.joints[:6])
     return f"{counted(len(report.joints), 'node')} removed: {names}{' …' * (len(report.joints) > 6)}"
 

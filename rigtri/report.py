@@ -90,6 +90,10 @@ class Report:
         """Note something that the user should know; the same words only once."""
         self.extend([Notice(code, text, joint, geometry, tuple(names))])
 
+    def warned(self, code: str) -> bool:
+        """Whether there is a warning of this code."""
+        return any(notice.code == code for notice in self.warnings)
+
     def extend(self, notices: Iterable[Notice]) -> None:
         """Take up notices that are not here yet."""
         if len(self._known) != len(self.warnings):

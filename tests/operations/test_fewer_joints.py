@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pygltflib
 import pytest
 from gltf_files import glb_bytes, glb_json, glb_parts, small
 from places import SAMPLES, real_files
@@ -357,3 +358,20 @@ def test_real_files_look_as_before(command: tuple[str, ...], path: Path, tmp_pat
     assert read(again, TRUST).rig.names == read(out, TRUST).rig.names
     if path.suffix == ".glb":
         assert glb_json(again)["nodes"] == glb_json(out)["nodes"]
+
+
+@pytest.mark.parametrize(
+    ("command", "said"), [("limit-weights", "of meshes that could be read"), ("prune-joints", "may need it")]
+)
+def test_what_compressed_meshes_hold_is_not_claimed(command: str, said: str, tmp_path: Path) -> None:
+    gltf = pygltflib.GLTF2().load(str(SAMPLES / "biped.glb"))
+    for mesh in gltf.meshes:
+        for primitive in mesh.primitives:
+            attributes = {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}
+            primitive.extensions = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": attributes}}
+    gltf.extensionsUsed = gltf.extensionsRequired = ["KHR_draco_mesh_compression"]
+    gltf.save(str(tmp_path / "in.glb"))
+    ran = cli(command, tmp_path / "in.glb", "-o", tmp_path / "out.glb", code=0)
+    assert said in ran.stdout + ran.stderr
+    plain = cli(command, SAMPLES / "biped.glb", "-o", tmp_path / "plain.glb", code=0)
+    assert said not in plain.stdout + plain.stderr
