@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.model.dataclass import dataclass
-from rigtri.model.joint_names import spread, words
+from rigtri.model.joint_names import Side, spread, words
 from rigtri.recognition.layout import LimbKind
 from rigtri.recognition.word_tables import our_table
 from rigtri.text import is_number
@@ -34,7 +34,8 @@ _VAGUE, _HALF = 0.5, 0.5
 class LimbWords:
     """levels: the places along a limb that a name may mean, with how far it says so, 0 to 1; none for a
     name without such words. kind: the limb that its words are of, "" where they do not say or disagree.
-    place: ``front`` or ``hind``, where it says one. plain: of vague words alone, the name without its
+    place: ``front`` or ``hind``, where it says one. corner: the side of an arm or leg that says it and its
+    place in two letters, ``leg_FL``. plain: of vague words alone, the name without its
     number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb. bends: a knee or
     an elbow. animal: of one. trunk: it is of the trunk or the head, and so of no limb
     (`name_readings.limb_names` says so)."""
@@ -47,6 +48,7 @@ class LimbWords:
     bends: bool = False
     animal: bool = False
     trunk: bool = False
+    corner: Side = ""
 
 
 NO_WORDS = LimbWords({}, "")
@@ -59,6 +61,7 @@ class _Table:
     kinds: Mapping[str, LimbKind]
     places: Mapping[str, Place]
     marks: Mapping[str, str]
+    corners: Mapping[str, Side]
 
 
 @lru_cache(_NAMES)
@@ -81,18 +84,26 @@ def limb_words(name: str) -> LimbWords:
     place = places.pop() if len(places) == 1 else ""
     marks = {table.marks[word] for word in found if word in table.marks}
     animal, bends = "animal" in marks, "bends" in marks
+    sides = {table.corners[word] for word in found if word in table.corners}
+    corner: Side = sides.pop() if len(sides) == 1 and kind else ""
     if not levels_of_words:
-        return LimbWords({}, kind, place, animal=animal)
+        return LimbWords({}, kind, place, animal=animal, corner=corner)
     common = frozenset[Level].intersection(*levels_of_words)
     if common:
         plain = " ".join(word for word in found if len(word) > 1 and not is_number(word))
         plain = plain if weight < 1.0 else ""
         middle = weight < 1.0 and not {"mid", "middle"}.isdisjoint(found)
         levels = dict.fromkeys(sorted(common, key=LEVELS.index), weight)
-        return LimbWords(levels, kind, place, plain, middle, bends, animal)
+        return LimbWords(levels, kind, place, plain, middle, bends, animal, corner=corner)
     # ``hand_end`` is what follows a hand, or the hand where nothing else is called so.
     last = {level: _HALF for each in levels_of_words for level in each}
-    return LimbWords(last | ({"after": 1.0} if "after" in last else {}), kind, place, animal=animal)
+    levels = last | ({"after": 1.0} if "after" in last else {})
+    return LimbWords(levels, kind, place, animal=animal, corner=corner)
+
+
+def is_corner(word: str) -> bool:
+    """Whether a word of two letters is one of front and hind, and one of left and right."""
+    return word in _table().corners
 
 
 def agreement(names: Sequence[LimbWords], at: tuple[int, int, int]) -> float:
@@ -193,5 +204,5 @@ def _table() -> _Table:
         return {word: meaning for meaning, line in lines.items() for word in line.split()}
 
     plain = {level: line for level, line in text.items() if isinstance(line, str)}
-    kinds, places, marks = (turned(text[table]) for table in ("kinds", "places", "marks"))
-    return _Table(by_word(plain), by_word(text["vague"]), kinds, places, marks)
+    further = (turned(text[table]) for table in ("kinds", "places", "marks", "corners"))
+    return _Table(by_word(plain), by_word(text["vague"]), *further)

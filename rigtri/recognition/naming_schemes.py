@@ -22,7 +22,7 @@ from rigtri.errors import FileError, did_you_mean
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import SIDES, Side, side, spread, words
 from rigtri.recognition.layout import BENDS, FINGERS, MIDDLE, SIDED, LimbKind
-from rigtri.recognition.limb_words import limb_words
+from rigtri.recognition.limb_words import is_corner, limb_words
 from rigtri.recognition.word_tables import our_table, role_words
 from rigtri.text import is_number
 
@@ -118,13 +118,14 @@ def parse_name(name: str) -> ParsedName:
     ('upperarm', 'spine1', 'shin')
     """
     apart = _split(spread(unicodedata.normalize("NFKC", name)))
-    found = words(apart)
+    found, corner = words(apart), limb_words(name).corner
     kept = []
     for before, word in zip(["", *found], found, strict=False):
         if word in SIDES or word in _SILENT or (is_number(word) and before in _NUMBERED):
             continue
-        kept.append(word)
-    return _parsed(side(apart), tuple(kept), frozenset(found))
+        if not (corner and is_corner(word)):
+            kept.append(word)
+    return _parsed(side(apart) or corner, tuple(kept), frozenset(found))
 
 
 def _parsed(which: Side, kept: tuple[str, ...], found: frozenset[str]) -> ParsedName:

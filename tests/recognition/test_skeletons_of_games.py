@@ -270,3 +270,28 @@ def test_limbs_whose_last_joint_is_missing_are_not_sure(kind: str) -> None:
     joints = [joint for joint in MAN if joint[0].partition(".")[0] not in gone]
     _, limbs = sure_limbs([*joints, *both(LAST_THREE[kind])], named=False)
     assert not any(kind in name for name in limbs)
+
+
+@pytest.mark.parametrize("corners", ["fl fr bl br", "LF RF LR RR", "FL FR RL RR"])
+def test_letters_for_a_corner_of_the_body_say_side_and_place(corners: str) -> None:
+    """Before, they said nothing, so that legs of animals that stand askew had no side or the other one."""
+    front_left, front_right, hind_left, hind_right = corners.split()
+
+    legs = {"upper_arm": "thigh", "forearm": "shin", "hand": "foot", "finger": "toe"}
+
+    def called(name: str) -> str:
+        part, _, side = name.partition(".")
+        if not side:
+            return part
+        front, hind = (front_left, hind_left) if side == "L" else (front_right, hind_right)
+        return f"{legs[part]}_{front}" if part in legs else f"{part}_{hind}"
+
+    mirrored = [(called(name), called(above), (-x, y, z)) for name, above, (x, y, z) in HORSE]
+    (found,) = recognise(rig_with(mirrored)).characters
+    limbs = {chain.name: mirrored[chain.bend[0]][0] for chain in found.chains if chain.bend and chain.is_sure}
+    assert limbs == {
+        "left front leg": f"thigh_{front_left}",
+        "right front leg": f"thigh_{front_right}",
+        "left hind leg": f"thigh_{hind_left}",
+        "right hind leg": f"thigh_{hind_right}",
+    }
