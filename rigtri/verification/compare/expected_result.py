@@ -205,7 +205,11 @@ def declared_differences(
         clips = result.motion.per_clip if result.motion and expected.keeps_clips else {}
         # What a USD animation holds without time is no motion, but what is seen at rest.
         played = {name: far for name, far in clips.items() if not name.endswith("@default")}
-        moved = [f"clip '{name}' moves otherwise" for name, far in played.items() if not far <= tolerance]
+        moved = [
+            f"clip '{name}' moves otherwise by up to {far:.2g}"
+            for name, far in played.items()
+            if not far <= tolerance
+        ]
         result = replace(result, different=(*result.different, *moved))
     return result
 
