@@ -164,6 +164,30 @@ def test_an_instance_inside_another_is_edited_through_both_classes(tmp_path: Pat
     assert prototypes(out) == prototypes(source) == 2
 
 
+def army(folder: Path) -> Path:
+    """Two instances of a team that holds two instances of a hero, which stand differently."""
+    save(folder, ACTOR, "parts/hero.usda")
+    team = shot(instance("Left", "./hero.usda", x=1), instance("Right", "./hero.usda", x=3))
+    save(folder, team, "parts/team.usda")
+    teams = [
+        instance(name, "./parts/team.usda", x).replace("</Root>", "") for name, x in (("A", 0), ("B", 8))
+    ]
+    return save(folder, shot(*teams), "army.usda")
+
+
+def test_instances_inside_others_keep_places_of_their_own_in_another_unit(tmp_path: Path) -> None:
+    source, out, again = army(tmp_path), tmp_path / "out.usda", tmp_path / "again.usda"
+    cli("freeze", source, "-o", out, "--unit", 1, code=0)
+    cli("orient-joints", out, "-o", again, code=0)
+    before = skinned(Usd.Stage.Open(str(source)), Usd.TimeCode(3))
+    assert len(before) == 4
+    for file in (out, again):
+        assert prototypes(file) == 2
+        after = skinned(Usd.Stage.Open(str(file)), Usd.TimeCode(3))
+        for name, points in before.items():
+            assert np.abs(100 * after[name] - points).max() < 1e-4
+
+
 @pytest.mark.ci
 def test_a_crowd_holds_in_a_shot_that_sublayers_or_references_it(tmp_path: Path) -> None:
     source = crowd(tmp_path)

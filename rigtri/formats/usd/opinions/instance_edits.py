@@ -76,7 +76,7 @@ class _Classes:
             inherited = [path for path in prim.GetInherits().GetAllDirectInherits() if path in known]
             if inherited:
                 own[prototype] = inherited[0]
-                _copy(self.layer, inherited[0], scratch, prim.GetPath())
+                _copy_below(self.layer, inherited[0], scratch, prim.GetPath())
         with Sdf.ChangeBlock():
             for edit in self.edits:
                 edit(scratch)
@@ -90,17 +90,18 @@ class _Classes:
             path = free_path(
                 root, name, lambda one: self.stage.GetPrimAtPath(one) or self.layer.GetPrimAtPath(one)
             )
-        _copy(scratch, shown, self.layer, path)
+        _copy_below(scratch, shown, self.layer, path)
         spec = self.layer.GetPrimAtPath(path)
         spec.specifier, spec.customData = Sdf.SpecifierClass, CLASS
         with Sdf.ChangeBlock():
             for instance in self.outer.get(prototype, ()):
                 _inherit(self.layer, instance, path)
         for holder, within in self.nested.get(prototype, ()):
-            # The outer instance's class is written later, from what the scratch layer holds then.
+            # The outer instance's class is written later, from what the scratch layer holds then: where
+            # the inner one stands is its own.
             place = self.shown[holder].AppendPath(within)
             if scratch.GetPrimAtPath(place) is not None:
-                _empty(scratch.GetPrimAtPath(place))
+                _remove_children(scratch.GetPrimAtPath(place))
             _inherit(scratch, place, path)
 
     def _add_instances(self, edit: Edit) -> None:
@@ -147,21 +148,33 @@ def _inherit(layer: Any, path: Any, base: Any) -> None:
         items.prependedItems = [base, *(item for item in items.prependedItems if item != base)]
 
 
-def _empty(spec: Any) -> None:
+def _remove_children(spec: Any) -> None:
     for child in list(spec.nameChildren):
         del spec.nameChildren[child.name]
-    for item in list(spec.properties):
-        spec.RemoveProperty(item)
 
 
-def _copy(source: Any, start: Any, target: Any, end: Any) -> None:
-    """Copy a prim and all below it; targets that pointed below it follow."""
-    Sdf.CreatePrimInLayer(target, end)
-    Sdf.CopySpec(source, start, target, end)
-    spec = target.GetPrimAtPath(end)
+def _copy_below(source: Any, start: Any, target: Any, end: Any) -> None:
+    """Copy what lies below a prim; targets that pointed there follow.
+
+    The properties and arcs of the prim itself stay what they are in the target: they are those of one
+    instance, and what all share lies below.
+    """
+    moved = layers.empty()
+    Sdf.CreatePrimInLayer(moved, end)
+    Sdf.CopySpec(source, start, moved, end)
+    spec = moved.GetPrimAtPath(end)
     spec.specifier = Sdf.SpecifierOver
+    spec.inheritPathList.ClearEdits()
     if "customData" in spec.ListInfoKeys():
         spec.ClearInfo("customData")
+    for item in list(spec.properties):
+        spec.RemoveProperty(item)
+    held = Sdf.CreatePrimInLayer(target, end)
+    for key in held.ListInfoKeys():
+        spec.SetInfo(key, held.GetInfo(key))
+    for item in held.properties:
+        Sdf.CopySpec(target, item.path, moved, item.path)
+    Sdf.CopySpec(moved, end, target, end)
 
 
 def _own_classes(layer: Any) -> set[Any]:
