@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
-from rigtri.export.conversion.usd_unread import _says_something
+from rigtri.export.conversion.usd_unread import _has_meaning
 from rigtri.formats.usd.reading.scene_facts import _below, _bound_materials
 
 
@@ -60,23 +60,23 @@ def test_what_is_below_inherits_what_is_not_said() -> None:
         ("visibility", Sdf.ValueTypeNames.Token, "invisible", True),
     ],
 )
-def test_a_value_says_something_where_it_is_not_what_nothing_says(
+def test_a_value_has_meaning_where_it_is_not_what_nothing_says(
     name: str, kind: Any, value: Any, says: bool
 ) -> None:
     made = Usd.Stage.CreateInMemory()
     prim = UsdGeom.Xform.Define(made, "/x").GetPrim()
     attribute = prim.CreateAttribute(name, kind)
-    assert not _says_something(prim, attribute)
+    assert not _has_meaning(prim, attribute)
     attribute.Set(value)
-    assert _says_something(prim, attribute) is says
+    assert _has_meaning(prim, attribute) is says
     attribute.Set(value, 1.0)
-    assert _says_something(prim, attribute)
+    assert _has_meaning(prim, attribute)
 
 
-def test_a_connection_says_something() -> None:
+def test_a_connection_has_meaning() -> None:
     made = Usd.Stage.CreateInMemory()
     shader = UsdShade.Shader.Define(made, "/s")
     other = UsdShade.Shader.Define(made, "/t").CreateOutput("out", Sdf.ValueTypeNames.Float)
     given = shader.CreateInput("in", Sdf.ValueTypeNames.Float)
     given.ConnectToSource(other)
-    assert _says_something(shader.GetPrim(), given.GetAttr())
+    assert _has_meaning(shader.GetPrim(), given.GetAttr())
