@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from program import cli
 from pxr import Usd
 from test_usd_variants import TALL, apart, choosing, edited, over, selecting, variant_set
-from usd_files import MESH, animation, save, scene, skeleton
+from usd_files import MESH, animation, save, scene, skeleton, skinned
 
 from rigtri.formats.usd.composition.variants import each_choice
 
@@ -106,6 +107,16 @@ def test_scale_is_not_frozen_above_a_prim_that_another_variant_has(tmp_path: Pat
     source = save(tmp_path, text.replace("def Skeleton", f"{scaled}def Skeleton", 1))
     printed = cli("freeze", source, "-o", tmp_path / "out.usda", code=3).output
     assert "Variant 'lo' of the variant set 'lod' on </Root> has </Root/Proxy> of its own" in printed
+
+
+def test_scale_is_frozen_where_another_variant_deactivates_a_mesh(tmp_path: Path) -> None:
+    """A deactivated prim has a path on the stage, and no place."""
+    without = variant_set("lod", hi="", lo='over "Skin" (active = false)\n{\n}')
+    source = save(tmp_path, choosing(scene(skeleton(), animation(), MESH, without), lod="hi"))
+    out = tmp_path / "out.usda"
+    cli("freeze", source, "-o", out, "--unit", 1, code=0)
+    before, after = (skinned(Usd.Stage.Open(str(path)), Usd.TimeCode(3)) for path in (source, out))
+    assert np.abs(before["/Root/Skin"] - 100 * after["/Root/Skin"]).max() < 1e-4
 
 
 def test_sets_within_a_variant_are_tried_with_it(tmp_path: Path) -> None:

@@ -22,6 +22,8 @@ from rigtri.model.dataclass import dataclass
 VALUES = ("joints", "bindTransforms", "restTransforms", "translations", "rotations", "scales")
 # What says where a thing is and how large, besides transforms.
 _PLACES = (*VALUES, "points", BIND)
+# Prims that are there: a deactivated one still has a path.
+_SHOWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # More ways than this to show one skeleton are more than anyone can look through.
 LIMIT = 64
 
@@ -329,7 +331,9 @@ def why_placed_otherwise(stage: Any) -> str:
         if not title:
             before = found
             continue
-        there = {path for path in _differing(before, found) if trial.GetPrimAtPath(path.GetPrimPath())}
+        there = {
+            path for path in _differing(before, found) if _SHOWN(trial.GetPrimAtPath(path.GetPrimPath()))
+        }
         if there:
             return f"{title} has <{min(there)}> of its own. Give each variant a file of its own"
     return ""
@@ -338,7 +342,7 @@ def why_placed_otherwise(stage: Any) -> str:
 def _placing(stage: Any) -> Origins:
     """What says where things are and how large: the origins of such attributes, and the types of prims."""
     found: Origins = {}
-    for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
+    for prim in Usd.PrimRange.Stage(stage, _SHOWN):
         if prim.IsA(UsdGeom.Xformable):
             found[prim.GetPath()] = str(prim.GetTypeName())
         for attribute in prim.GetAuthoredAttributes():
