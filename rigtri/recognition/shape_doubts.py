@@ -69,8 +69,10 @@ def arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     arms = body.arms if body is not None and body.form == "biped" else None
     if each.kind != "leg" or mine is None or arms is None or arms is mine or arms.fingers >= 2:
         return ""
-    fingers = [k for k in tree.below[each.joints[-1]] if len(tree.paths[k]) >= _PHALANGES]
-    if len(fingers) >= _DIGITS:
+    at, _ = branches(tree, mine.pair.paths[0])
+    hand = mine.pair.paths[0][at]
+    tips = [k for k in tree.branch(hand) if not tree.below[k] and len(tree.way(hand, k)) > _PHALANGES]
+    if len(tips) >= _DIGITS:
         return "it ends in a hand, and the arms do not"
     if any(rival(draft, k) or not k.is_sure for k in found if k.pair is arms):
         if mine.at[0] == 1:

@@ -295,3 +295,46 @@ def test_letters_for_a_corner_of_the_body_say_side_and_place(corners: str) -> No
         "left hind leg": f"thigh_{hind_left}",
         "right hind leg": f"thigh_{hind_right}",
     }
+
+
+# The upper half of MakeHuman's Rigify rig, whose palms hold the fingers and one the thumb, too, and its ears.
+EARS = line("ear1.L ear2.L ear3.L", "head", (0.07, 1.515, 0.058), (0.07, 1.541, 0.057), (0.079, 1.554, 0.041))
+CHEEKS = line(
+    "jaw.L jaw1.L chin.L", "head", (0.065, 1.515, 0.066), (0.056, 1.483, 0.077), (0.026, 1.456, 0.125)
+)
+UPPER_BODY = [
+    *line("chest neck head", "", (0, 1.239, -0.019), (0, 1.414, 0.005), (0, 1.515, 0.044)),
+    *both(
+        [
+            *EARS,
+            *CHEEKS,
+            *line(
+                "shoulder.L upper_arm.L forearm.L hand.L",
+                "chest",
+                (0.023, 1.342, 0.022),
+                (0.17, 1.32, 0.019),
+                (0.331, 1.14, 0.02),
+                (0.453, 1.016, 0.183),
+            ),
+            *(
+                joint
+                for k in range(4)
+                for joint in line(
+                    f"palm{k}.L a{k}.L b{k}.L c{k}.L",
+                    "hand.L",
+                    (0.454 + 0.008 * k, 1.008 - 0.007 * k, 0.227 - 0.011 * k),
+                    (0.481 + 0.008 * k, 0.975 - 0.009 * k, 0.278 - 0.018 * k),
+                    (0.484 + 0.01 * k, 0.96 - 0.01 * k, 0.298 - 0.022 * k),
+                    (0.484 + 0.01 * k, 0.944 - 0.01 * k, 0.315 - 0.026 * k),
+                )
+            ),
+            *line("t1.L t2.L t3.L", "palm0.L", (0.46, 1.0, 0.25), (0.45, 0.98, 0.27), (0.44, 0.97, 0.29)),
+        ]
+    ),
+]
+
+
+def test_arms_of_half_a_body_are_no_legs() -> None:
+    """Before, shoulder, upper arm and forearm were surely a leg, and ears or cheeks its arms."""
+    _, limbs = sure_limbs(UPPER_BODY, named=False)
+    assert not any("leg" in name for name in limbs)
