@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, random_rig, rig_of
 
-from rigtri.errors import AmbiguousNameError, NameNotFoundError
+from rigtri.errors import AmbiguousNameError, GeometryError, NameNotFoundError
+from rigtri.maths.matrices import compose
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.animation import Clip
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.rig import Rig
@@ -129,3 +133,50 @@ def test_rules_and_edits_follow_nodes_to_their_new_numbers_the_first_one_too() -
     assert FormatRules().reordered([1, 0]).group_parent == -1
     edits = PendingEdits(removed=frozenset({0, 1, 2})).reordered([2, 0, -1])
     assert edits.removed == {0, 2}
+
+
+def with_matrices(*matrices: Any) -> Rig:
+    rig = chain(*((float(k), 0.0, 0.0) for k in range(len(matrices))))
+    for node, matrix in enumerate(matrices):
+        rig.has_matrix[node] = matrix is not None
+        rig.matrix[node] = np.eye(4) if matrix is None else matrix
+    return rig
+
+
+PLACED = compose(np.array([4.0, 5, 6]), from_axis_angle(np.array([0.0, 0, 1]), 0.7), np.array([2.0, -3, 4]))
+SHEARED = np.array([[1.0, 0, 0, 0], [0.5, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+
+
+def test_a_matrix_is_taken_apart_where_a_clip_is_to_move_its_node() -> None:
+    rig = with_matrices(None, PLACED, PLACED)
+    found = rig.with_parts([0, 1])
+    assert found.has_matrix.tolist() == [False, False, True]
+    assert_allclose(found.local, rig.local, atol=1e-12)
+    assert_allclose(found.translation[1], [4, 5, 6])
+    assert rig.has_matrix.tolist() == [False, True, True]
+    assert rig.with_parts([0]) is rig
+    raw = replace(rig, rules=replace(rig.rules, raw_quaternions=True))
+    assert raw.with_parts([1]) is raw
+
+
+@pytest.mark.parametrize("broken", [SHEARED, np.diag([1.0, 0, 0, 1]) + np.eye(4, k=1) * 0.3])
+def test_a_matrix_that_has_no_parts_is_refused(broken: Any) -> None:
+    rig = with_matrices(None, broken)
+    with pytest.raises(GeometryError, match="'b' has a matrix that is sheared or flat"):
+        rig.with_parts([1])
+    assert rig.with_parts([0]) is rig
+
+
+def test_a_rig_says_how_much_is_in_it() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0))
+    assert repr(rig) == "<Rig: 2 nodes, 2 joints, 1 skin, 0 clips>"
+    assert repr(replace(chain((0, 0, 0)), clips=(Clip("a", ()),))) == "<Rig: 1 node, 1 joint, 1 skin, 1 clip>"
+
+
+def test_new_nodes_come_in_between_right_before_the_nodes_below_them() -> None:
+    rig = chain((0, 0, 0), (1, 2, 0), (3, 0, 0))
+    found = rig.insert_above({0: "top", 2: "mid"})
+    assert found.names == ("top", "a", "b", "mid", "c")
+    assert found.parents.tolist() == [-1, 0, 1, 2, 3]
+    assert found.skins[0].joints.tolist() == [1, 2, 4]
+    assert_allclose(found.world[[1, 2], 3, :3], rig.world[[0, 1], 3, :3])
