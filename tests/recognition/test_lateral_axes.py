@@ -1,4 +1,4 @@
-"""Names of one character among several, and the directions that its pairs of limbs give."""
+"""Names of one character among several, and the lateral axes that its pairs of limbs give."""
 
 from __future__ import annotations
 
