@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from crowds import alike, contents, instance, prototypes, shot
 from places import every_other
+from program import cli
 from pxr import Usd, UsdSkel
 from usd_files import MESH, animation, at, moments, read, save, scene, skeleton, skinned, turned, write
 
@@ -150,6 +151,16 @@ def test_every_variant_looks_as_before(name: str, edit_target: str, arc: str, tm
         stages = [selecting(path, "/Root", {"clip": variant}) for path in (source, out)]
         one, other = (s.GetPrimAtPath(skel).GetAttribute("restTransforms").Get() for s in stages)
         assert one != other
+
+
+def test_a_skeleton_that_variants_bind_apart_gets_notes_and_no_other_size(tmp_path: Path) -> None:
+    """Twist joints bind nothing; another unit would have to reach what other variants play."""
+    source, out = save(tmp_path, choosing(SCENES["binding"], clip="a")), tmp_path / "out.usda"
+    cli("add-twist", source, "-o", out, "--joint", "a/b", "--to", "a/b/c", code=0)
+    for variant in "ab":
+        assert apart(source, out, {"clip": variant}) < 1e-5
+    printed = cli("freeze", source, "-o", tmp_path / "no.usda", "--unit", 1, code=3).output
+    assert "</Root/Skel.skel:animationSource> is not the same in all variants of 'clip' on </Root>" in printed
 
 
 def test_a_binding_above_a_skeleton_whose_own_has_no_target_differs_by_variant(tmp_path: Path) -> None:

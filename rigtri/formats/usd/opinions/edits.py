@@ -49,6 +49,13 @@ class Setting(Edit):
         return arrays({None: self.value} | dict(self.samples))
 
 
+@dataclass(frozen=True, eq=False)
+class Binding(Edit):
+    """A relationship that gets targets; name: its name."""
+
+    name: str
+
+
 def arrays(values: Mapping[Any, Any]) -> dict[Any, np.ndarray]:
     """Values by time as arrays; what is blocked has none."""
     return {time: np.array(value) for time, value in values.items() if value is not None}
@@ -186,7 +193,7 @@ def _bind(path: str, name: str, targets: Sequence[str]) -> list[Edit]:
         relation.targetPathList.ClearEditsAndMakeExplicit()
         relation.targetPathList.explicitItems = list(targets)
 
-    return [Edit(Sdf.Path(path), edit), apply_schema(path, "SkelBindingAPI")]
+    return [Binding(Sdf.Path(path), edit, name), apply_schema(path, "SkelBindingAPI")]
 
 
 def free_path(parent: Any, name: str, taken: Callable[[Any], Any]) -> Any:

@@ -17,6 +17,7 @@ from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
+from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.variants import (
     VALUES,
@@ -26,7 +27,7 @@ from rigtri.formats.usd.composition.variants import (
     why_placed_otherwise,
 )
 from rigtri.formats.usd.opinions.composition_check import Expected, agree
-from rigtri.formats.usd.opinions.edits import Edit, Setting
+from rigtri.formats.usd.opinions.edits import Binding, Edit, Setting
 from rigtri.formats.usd.opinions.variant_paths import inside_variants
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import kind, parts
@@ -38,6 +39,8 @@ from rigtri.frames.rescale import SAME_SIZE
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
 
+_UNSIZED = "The unit, the up axis and scales cannot be changed"
+
 
 def route_variants(edit: UsdEdit) -> None:
     """Set the opinions of an edit, from its values in the selected variants and those in all others.
@@ -45,9 +48,10 @@ def route_variants(edit: UsdEdit) -> None:
     FileError, naming layer and path, where a variant cannot be edited from the root layer.
     """
     source = edit.source
-    if edit.rig.pending.conversion is not None or _resized(edit):
+    resized = edit.rig.pending.conversion is not None or _resized(edit)
+    if resized:
         # Other variants would have to be sized and placed as the selected ones are.
-        refuse(why_placed_otherwise(source.stage), "The unit, the up axis and scales cannot be changed")
+        refuse(why_placed_otherwise(source.stage), _UNSIZED)
     changing: list[tuple[Skeleton, SkeletonVariants]] = []
     for skeleton in source.skeletons.values():
         about = {Sdf.Path(path) for path in (skeleton.path, *skeleton.animations)}
@@ -60,6 +64,8 @@ def route_variants(edit: UsdEdit) -> None:
     settings = {v.path: v for v in edit.values if isinstance(v, Setting) and v.name in VALUES}
     others = [v for v in edit.values if not (isinstance(v, Setting) and v.name in VALUES)]
     for skeleton, variants in changing:
+        if resized:  # so would the animations that others play
+            variants.refuse_dependent([Sdf.Path(skeleton.path).AppendProperty(SOURCE)], _UNSIZED)
         _refuse_new_bindings(variants, others)
         _route(_Reorientation(edit, skeleton), variants, settings, edit.expected)
     edit.opinions = [*settings.values(), *others]
@@ -124,8 +130,8 @@ class _Reorientation:
 def _refuse_new_bindings(variants: SkeletonVariants, others: Sequence[Edit]) -> None:
     """FileError where a skeleton would be bound anew although its variants bind it, each its own way."""
     path = Sdf.Path(variants.skeleton)
-    bound_apart = path.AppendProperty("skel:animationSource") in variants.depends
-    if bound_apart and any(edit.prim == path for edit in others):
+    bound_apart = path.AppendProperty(SOURCE) in variants.depends
+    if bound_apart and any(isinstance(edit, Binding) and edit.prim == path for edit in others):
         raise FileError(
             f"<{path}> needs a copy of the animation <{variants.animation}>, and variants bind it "
             "to different animations. Re-orient the skeletons alike, or give each variant a file of its own."
