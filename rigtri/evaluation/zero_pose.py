@@ -153,12 +153,24 @@ class ControlsAtZero:
                 world[node] = moved[node]
             else:
                 world[node] = multiply(rig.normalised_local[node], parent)
+                # It rests where its offset is, and what is above it does not.
+                if node in self.fk and self._apart(world[node], rig.normalised_world[node]):
+                    world[node] = rig.normalised_world[node]
         return world
+
+    def _apart(self, a: Floats, b: Floats) -> bool:
+        """Whether two matrices, (4, 4), differ by more than rounding."""
+        axes = np.abs(a - b)[:3, :3].max() / np.abs(b[:3, :3]).max(initial=1e-30)
+        apart = float(length(a[3, :3] - b[3, :3])) > SAME_POSITION * self._size
+        return apart or bool(axes > 4.0 * SAME_POSITION)
+
+    @cached_property
+    def _size(self) -> float:
+        return float(np.abs(self.rig.normalised_world[:, 3, :3]).max(initial=0.0)) or 1.0
 
     def _posed(self, controls: set[int]) -> dict[int, Floats]:
         """Where joints stand by their offsets that do not stand there by themselves."""
         rig, found = self.rig, {}
-        size = float(np.abs(rig.normalised_world[:, 3, :3]).max(initial=0.0)) or 1.0
         for joint, own in self.fk.items():
             there = world_at_zero(rig, own.offset, controls)
             here = rig.normalised_world[joint]
@@ -166,7 +178,7 @@ class ControlsAtZero:
             turned = unsheared_axes(there)
             if own.axes is not None:
                 turned = to_axes(product(from_axes(turned), np.array(own.axes)))
-            apart = float(length(there[3, :3] - here[3, :3])) > SAME_POSITION * size
+            apart = float(length(there[3, :3] - here[3, :3])) > SAME_POSITION * self._size
             if apart or np.abs(turned - axes).max() > 4.0 * SAME_POSITION:
                 stretch = multiply(here, inverse(from_frame(axes, here[3, :3])))
                 found[joint] = multiply(stretch, from_frame(turned, there[3, :3]))

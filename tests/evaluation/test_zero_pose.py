@@ -107,6 +107,16 @@ def test_joints_have_the_scales_that_are_stored_with_their_offsets(controlled: R
     assert_allclose(zero.local[2], rig.local[2])
 
 
+def test_a_joint_that_rests_in_its_place_stands_there_though_what_is_above_it_does_not(
+    controlled: Rig,
+) -> None:
+    rig, b, c = controlled, controlled.find("b"), controlled.find("c")
+    places = rig.world[[b, c]].copy()
+    rig.translation[b] += (0, 5, 0)
+    rig.translation[c] -= (0, 5, 0)
+    assert_allclose(ControlsAtZero(replace(rig)).world[[b, c]], places, atol=1e-12)
+
+
 # --- what shears
 
 
