@@ -17,6 +17,7 @@ from engines import Shown, blender_scenes, blender_setup, blender_trip
 from gltf_files import glb_bytes, glb_parts
 from places import NO_ASSETS, ROOT, SAMPLES, asset_files, slow
 from program import cli
+from pxr import Usd, UsdGeom
 
 import rigtri
 from rigtri.evaluation.active_controls import controls_at_work, skeleton_size
@@ -831,6 +832,54 @@ def test_a_usd_character_that_rests_otherwise_than_it_is_bound_comes_home_by_bak
             places = np.stack((x, y, z) if y_up else (x, z, -y), axis=1)
             off = np.abs(places - before.world(joint)[:, 3, :3]).max()
             assert off <= SEEN * skeleton_size(was), (suffix, was.names[joint], off)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("child", "rule"),
+    [
+        ("hand_L_ik_ctl", ["--space", "chest", "--space", "world", "--switch", "walk@8=world", "--match"]),
+        ("head_ctl", ["--driver", "prop"]),
+        ("head_ctl", ["--type", "point", "--driver", "hand_R", "--driver", "prop"]),
+    ],
+    ids=["world", "object", "point"],
+)
+def test_constraints_of_usd_mean_the_same_once_blender_has_turned_the_world(
+    child: str, rule: list[str], rigged: dict[str, Path], tmp_path: Path
+) -> None:
+    """With an Xform above a single mesh, which Blender's import merges unless it is told not to."""
+    plain, keyed, animate, right = (
+        str(tmp_path / f"{k}.usda") for k in ("plain", "keyed", "animate", "right")
+    )
+    shutil.copy(rigged["biped.usda"], plain)
+    stage = Usd.Stage.Open(plain)
+    prop = UsdGeom.Xform.Define(stage, "/biped/prop")
+    prop.AddTranslateOp().Set((0.6, 1.2, 0.3))
+    prop.AddRotateXYZOp().Set((30.0, 40.0, 50.0))
+    UsdGeom.Cube.Define(stage, "/biped/prop/box").GetSizeAttr().Set(0.1)
+    plain, keyed, animate, right = (
+        str(tmp_path / f"{k}.usda") for k in ("plain", "keyed", "animate", "right")
+    )
+    stage.Export(plain)
+    cli("bake", plain, "-o", keyed, "--to", "controls", "-q", code=0)
+    cli("constrain", keyed, "-o", animate, "--child", child, *rule, "-q", code=0)
+    cli("bake", animate, "-o", right, "-q", code=0)
+    cli("export-blender", animate, "-o", tmp_path / "setup.py", "-q", code=0)
+    was, times = read(Path(right)).rig, np.arange(0.0, 24.0, 0.5)
+    before = PoseCache(was, sample_parts(was, was.clips[0], times))
+    for suffix, second, y_up in ((".usdc", 1.0, False), (".glb", 24.0, True)):
+        edited, final = (str(tmp_path / f"{name}{suffix}") for name in ("edited", "final"))
+        job = {"script": str(tmp_path / "setup.py"), "target": edited, "clip": "walk", "keys": {}}
+        blender_trip(job, folder=tmp_path)
+        cli("bake", edited, "--rig", animate, "-o", final, "-q", code=0)
+        out = read(Path(final)).rig
+        (played,) = timelines(out)
+        there = PoseCache(out, sample_parts(out, played.clip, times / second))
+        for joint in np.flatnonzero(was.is_joint).tolist():
+            x, y, z = there.world(out.find(was.names[joint]))[:, 3, :3].T
+            places = np.stack((x, y, z) if y_up else (x, z, -y), axis=1)
+            off = np.abs(places - before.world(joint)[:, 3, :3]).max()
+            assert off <= BAKED * skeleton_size(was), (suffix, was.names[joint], off)
 
 
 @pytest.mark.slow

@@ -1032,7 +1032,10 @@ def bring(given: str | None) -> None:
     if RIG["gltf"]:
         bpy.ops.import_scene.gltf(filepath=str(found), disable_bone_shape=True)
     else:
-        bpy.ops.wm.usd_import(filepath=str(found), import_guide=True)
+        known = bpy.ops.wm.usd_import.get_rna_type().properties
+        # Else an Xform that constraints name is not in the scene where it has one mesh below it.
+        apart = {"merge_parent_xform": False} if "merge_parent_xform" in known else {}
+        bpy.ops.wm.usd_import(filepath=str(found), import_guide=True, **apart)
 
 
 def play_at(rate: float) -> None:
@@ -1058,7 +1061,9 @@ def set_up(given: str | None = None, drive: float | None = None) -> int:
             "nothing is set up, for the scene does not have all of the character:\n  "
             + "\n  ".join(wrong[:20])
             + more
-            + "\nImport the file again with the importer's own settings, or let the script do it"
+            + "\nImport the file again with the importer's own settings"
+            + ("" if RIG["gltf"] else " and without Merge Parent Xform")
+            + ", or let the script do it"
         )
     master = character(nodes)
     if text := elsewhere(nodes):
