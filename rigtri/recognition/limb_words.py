@@ -138,11 +138,12 @@ def _in_order(names: Sequence[LimbWords]) -> Iterator[Mapping[Level, float]]:
 
     Of joints that are only numbered, two are the upper and the lower bone, three end the limb, and more
     say nothing. After a ``leg_middle`` the ``leg_lower`` ends it, and so does the knee of a front leg after
-    its elbow: the wrist.
+    its elbow: the wrist. A shoulder or hip before an ``arm`` or ``thigh`` is no upper bone.
     """
     same = Counter(name.plain for name in names if name.plain)
     count, seen, middle, lower = max(same.values(), default=0), Counter[str](), False, False
-    for name in names:
+    upper = max((k for k, name in enumerate(names) if _is_upper(name) and same[name.plain] < 2), default=-1)
+    for k, name in enumerate(names):
         levels, row = name.levels, seen[name.plain]
         seen[name.plain] += 1
         if same[name.plain] in (2, 3):
@@ -153,9 +154,15 @@ def _in_order(names: Sequence[LimbWords]) -> Iterator[Mapping[Level, float]]:
             levels = {"end": 1.0} if middle else {"after": 1.0}
         elif lower and name.bends:
             levels = {"end": 1.0}
+        elif k < upper and {"before", "upper"} == levels.keys():
+            levels = {"before": levels["before"]}
         lower = lower or levels == {"lower": 1.0}
         middle = middle or name.is_middle
         yield levels
+
+
+def _is_upper(name: LimbWords) -> bool:
+    return name.levels.keys() == {"upper"}
 
 
 def _split(found: Sequence[str]) -> list[str]:

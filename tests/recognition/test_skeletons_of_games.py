@@ -338,3 +338,13 @@ def test_arms_of_half_a_body_are_no_legs() -> None:
     """Before, shoulder, upper arm and forearm were surely a leg, and ears or cheeks its arms."""
     _, limbs = sure_limbs(UPPER_BODY, named=False)
     assert not any("leg" in name for name in limbs)
+
+
+@pytest.mark.parametrize("names", ["Shoulder Arm ForeArm Hand", "Shoulder UpperArm LowerArm Hand"])
+def test_a_shoulder_before_an_arm_is_none_of_the_three_joints_of_an_arm_by_itself(names: str) -> None:
+    """Before, a straight arm without a twin surely began at its clavicle."""
+    words = " ".join(f"Right{word}" for word in [*names.split(), "HandEnd"])
+    places = [(x, 1.4, 0) for x in (-0.03, -0.19, -0.46, -0.76, -0.83)]
+    joints = line(words, "", *places)
+    _, limbs = sure_limbs(joints, named=True)
+    assert limbs == {"right arm": " ".join(words.split()[1:4])}
