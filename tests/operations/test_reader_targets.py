@@ -1,0 +1,105 @@
+"""Targets of pose readers: what their words mean, and where drivers are seen from a frame, by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from rigs import chain
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, multiply
+from rigtri.model.animation import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal
+from rigtri.operations.add_posereader.targets import ReaderFrame, named_goals
+from rigtri.report import Report
+
+Z = np.array([0.0, 0.0, 1.0])
+
+
+def rig(names: tuple[str, ...] = ("a", "b", "c")) -> Rig:
+    made = replace(chain((0, 0, 0), (1, 0, 0), (2, 0, 0)), names=names)
+    made.rotation[0], made.rotation[1] = from_axis_angle(Z, 0.5), from_axis_angle(Z, 0.7)
+    keys = from_axis_angle(Z, np.array([0.7, 1.7]))
+    track = Track(1, "rotation", "LINEAR", np.array([0.0, 1.0]), keys)
+    return replace(made, clips=(Clip("bend", (track,)),))
+
+
+@pytest.mark.parametrize(
+    ("text", "goal"),
+    [
+        ("up=0,1,0", Goal("up", direction=(0.0, 1.0, 0.0))),
+        ("0,1,-2.5", Goal("target1", direction=(0.0, 1.0, -2.5))),
+        ("half=bend@0.5", Goal("half", pose="bend@0.5")),
+        ("bend@0.5", Goal("target1", pose="bend@0.5")),
+        ("start=Rest", Goal("start", pose="Rest")),
+        ("ball=c", Goal("ball", node="c")),
+        ("c", Goal("target1", node="c")),
+        ("x=0,1", Goal("x", node="0,1")),
+        ("x=a,b,c", Goal("x", node="a,b,c")),
+    ],
+)
+def test_a_target_is_a_direction_a_pose_or_a_node(text: str, goal: Goal) -> None:
+    options = AddPosereaderOptions(driver="b", reader="dot", target=(text,))  # type: ignore[arg-type]
+    assert named_goals(rig(), options) == (goal,)
+
+
+def test_the_name_of_a_node_that_is_there_wins() -> None:
+    made = rig(("a", "up=0,1,0", "1,2,3"))
+    options = AddPosereaderOptions(driver="a", target=("up=0,1,0", "x=1,2,3"))  # type: ignore[arg-type]
+    assert named_goals(made, options) == (Goal("target1", node="up=0,1,0"), Goal("x", node="1,2,3"))
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"target": ("x=0,1,0", "x=1,0,0")}, "each target needs a name of its own"),
+        ({"target": ("target2=0,1,0", "1,0,0")}, "each target needs a name of its own"),
+        (
+            {"target": ("x=0,1,0",), "morph": (("y", "Skin", "m"),)},
+            r"'y' \(Skin m\) is not a target: use one of x",
+        ),
+        ({"target": ("x=0,1,0",), "attribute": (("y", "ctl", "tx"),)}, r"'y' \(ctl tx\) is not a target"),
+        (
+            {"target": ("x=c",), "reader": "rbf"},
+            "rbf reads poses; a node is a target of dot and cone readers",
+        ),
+    ],
+)
+def test_targets_that_cannot_be_are_refused(given: dict[str, Any], said: str) -> None:
+    with pytest.raises(UsageError, match=said):
+        named_goals(rig(), AddPosereaderOptions(driver="b", **({"reader": "dot"} | given)))
+    fine = {"target": ("x=0,1,0", "y=1,0,0"), "morph": (("y", "Skin", "m"),)}
+    assert len(named_goals(rig(), AddPosereaderOptions(driver="b", reader="dot", **fine))) == 2  # type: ignore[arg-type]
+
+
+def test_a_driver_is_seen_from_its_frame_or_from_the_world() -> None:
+    made = rig()
+    local, world = ReaderFrame(made, 1, 0, Report()), ReaderFrame(made, 1, -1, Report())
+    assert_allclose(local.resting, from_axis_angle(Z, 0.7), atol=1e-12)
+    assert_allclose(world.resting, from_axis_angle(Z, 1.2), atol=1e-12)
+    up = np.array([0.0, 1.0, 0.0])
+    assert_allclose(world.direction_in_frame((0, 3, 0)), up)
+    assert_allclose(local.direction_in_frame((0, 3, 0)), [np.sin(0.5), np.cos(0.5), 0], atol=1e-12)
+    assert_allclose(local.rotation_in_pose("rest"), local.resting)
+    assert_allclose(local.rotation_in_pose("bend@0.5"), from_axis_angle(Z, 1.2), atol=1e-9)
+    assert_allclose(world.rotation_in_pose("bend@1"), from_axis_angle(Z, 2.2), atol=1e-9)
+    apart = multiply(conjugate(local.rotation_in_pose("bend@0")), from_axis_angle(Z, 0.7))
+    assert_allclose(apart, IDENTITY, atol=1e-9)
+
+
+@pytest.mark.parametrize("direction", [None, (0, 0, 0), (1, 2), (0, np.nan, 1), (np.inf, 0, 0)])
+def test_what_is_no_direction_is_refused(direction: Any) -> None:
+    with pytest.raises(UsageError, match="a target is a direction other than 0,0,0, a pose or a node"):
+        ReaderFrame(rig(), 1, 0, Report()).direction_in_frame(direction)
+
+
+def test_a_driver_without_axes_is_refused_by_name() -> None:
+    made = rig()
+    made.scale[1] = 0.0
+    with pytest.raises(GeometryError, match="'b' has no axes: a scale on or above it is zero"):
+        _ = ReaderFrame(made, 1, 0, Report()).resting
