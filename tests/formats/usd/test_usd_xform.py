@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from places import SAMPLES, slow
 from program import cli
 from pxr import Gf, Usd, UsdGeom
-from usd_files import MESH, animation, error_of, read, save, scene, skeleton, turned, write
+from usd_files import MESH, animation, error_of, read, save, scene, skeleton, skinned, turned, write
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
 from rigtri.evaluation import sampling
@@ -333,3 +333,20 @@ def test_the_notice_of_a_reset_stack_is_true_of_every_command(tmp_path: Path) ->
     joints = [read(tmp_path / "in.usda", root=root).rig.skins[0].joints for root in ("/Rig", "loose")]
     assert not set(joints[0]) & set(joints[1])
     assert "are not joints of --root /Rig. To have them as joints, run again with --root /Rig/thigh" in said
+
+
+@pytest.mark.parametrize("edit_target", ["root", "new"])
+def test_ops_of_other_layers_keep_the_types_that_those_state(edit_target: str, tmp_path: Path) -> None:
+    """An opinion of another type contradicts the asset, which UsdValidation reports."""
+    ops = "float3 xformOp:scale = (2, 2, 2)\nquatf xformOp:orient = (0.6, 0, 0.8, 0)\n"
+    order = 'uniform token[] xformOpOrder = ["xformOp:orient", "xformOp:scale"]\n'
+    save(tmp_path, scene(f"{ops}{order}", skeleton(), animation(), MESH), "hero.usda")
+    source = save(tmp_path, '#usda 1.0\ndef "Hero" (references = @./hero.usda@</Root>)\n{\n}\n', "shot.usda")
+    out = tmp_path / "out.usda"
+    cli("freeze", source, "-o", out, "--unit", 1, "--edit-target", edit_target, code=0)
+    stages = [Usd.Stage.Open(str(path)) for path in (source, out)]
+    for name in ("xformOp:scale", "xformOp:orient"):
+        stack = stages[1].GetAttributeAtPath(f"/Hero.{name}").GetPropertyStack()
+        assert len({str(spec.typeName) for spec in stack}) == 1
+    before, after = (skinned(stage, Usd.TimeCode(3)) for stage in stages)
+    assert np.abs(before["/Hero/Skin"] - 100 * after["/Hero/Skin"]).max() < 1e-4

@@ -6,6 +6,7 @@ Source: UsdGeomXformable, "Xform ops" and `xformOpOrder`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ OP_TYPES: Mapping[Path, Any] = {
 EULER = "xformOp:rotateXYZ"
 _VECTORS = {"double3": Gf.Vec3d, "float3": Gf.Vec3f, "half3": Gf.Vec3h}
 _QUATERNIONS = {"quatd": (Gf.Quatd, Gf.Vec3d), "quatf": (Gf.Quatf, Gf.Vec3f), "quath": (Gf.Quath, Gf.Vec3h)}
+_FLOAT_TYPES = ("float3", "quatf")
 # Two rotations that differ by less are one that went through a few products.
 SAME_ROTATION = 1e-12
 # What a division in float64, and what float32, leaves of a length of 1.
@@ -40,6 +42,21 @@ def op_value(type_name: Any, row: Floats) -> Any:
         return _VECTORS[str(type_name)](*row.tolist())
     quaternion, vector = _QUATERNIONS[str(type_name)]
     return quaternion(float(row[3]), vector(*row[:3].tolist()))
+
+
+def stated_types(prim: Any, edited: Any | None) -> dict[str, Any]:
+    """The types of ops that weaker layers state, by name: an opinion of another type contradicts them.
+
+    edited: the layer that gets the opinions, which may change its own types. Half floats are too coarse.
+    """
+    found: dict[str, Any] = {}
+    for name in OPS.values():
+        attribute = prim.GetAttribute(name)
+        stack = attribute.GetPropertyStack() if attribute else ()
+        stated = [spec.typeName for spec in stack if spec.layer != edited]
+        if stated and str(stated[0]) in _FLOAT_TYPES:
+            found[name] = stated[0]
+    return found
 
 
 def transform_ops(local: Floats) -> list[str]:
@@ -69,11 +86,17 @@ def _unit_rotations(rotations: Floats) -> Floats:
 
 
 def set_transform(
-    path: Any, local: Floats, tracks: Sequence[Track] = (), *, to_key: bool = False
+    path: Any,
+    local: Floats,
+    tracks: Sequence[Track] = (),
+    *,
+    to_key: bool = False,
+    types: Mapping[str, Any] = MappingProxyType({}),
 ) -> list[Setting]:
     """Edits that put a prim at a local matrix by translate, orient and scale ops, and move it by tracks.
 
     to_key: there are all three, for an animator to key; the rotation is Euler angles where it is still zero.
+    types: those of ops by name, where they are others than `OP_TYPES`.
     """
     rows = dict(zip(OPS, decompose(local), strict=True))
     moved = {track.path: track for track in tracks}
@@ -85,21 +108,20 @@ def set_transform(
         order["rotation"], double3 = EULER, OP_TYPES["scale"]
         still = set_value(path, EULER, double3, op_value(double3, np.zeros(3)), alone=True)
         names = set_tokens(path, "xformOpOrder", list(order.values()))
-        return [*_ops(path, rows, moved, {p: o for p, o in order.items() if o != EULER}), still, names]
-    return [*_ops(path, rows, moved, order), set_tokens(path, "xformOpOrder", list(order.values()))]
+        return [*_ops(path, rows, moved, {p: o for p, o in order.items() if o != EULER}, types), still, names]
+    return [*_ops(path, rows, moved, order, types), set_tokens(path, "xformOpOrder", list(order.values()))]
 
 
 def _ops(
-    path: Any, rows: Mapping[Path, Floats], moved: Mapping[Path, Track], order: Mapping[Path, str]
+    path: Any,
+    rows: Mapping[Path, Floats],
+    moved: Mapping[Path, Track],
+    order: Mapping[Path, str],
+    types: Mapping[str, Any],
 ) -> list[Setting]:
-    return [
-        set_value(
-            path,
-            name,
-            OP_TYPES[prop],
-            op_value(OP_TYPES[prop], rows[prop]),
-            samples=op_samples(moved.get(prop), OP_TYPES[prop]),
-            alone=True,
-        )
-        for prop, name in order.items()
-    ]
+    found = []
+    for prop, name in order.items():
+        type_name = types.get(name, OP_TYPES[prop])
+        value, samples = op_value(type_name, rows[prop]), op_samples(moved.get(prop), type_name)
+        found.append(set_value(path, name, type_name, value, samples=samples, alone=True))
+    return found

@@ -21,7 +21,13 @@ from rigtri.errors import FileError, GeometryError
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, tokens_of, why_locked
 from rigtri.formats.usd.composition.time_samples import ops_times
 from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_tokens, set_value
-from rigtri.formats.usd.opinions.xform_edits import SAME_ROTATION, op_value, set_transform, transform_ops
+from rigtri.formats.usd.opinions.xform_edits import (
+    SAME_ROTATION,
+    op_value,
+    set_transform,
+    stated_types,
+    transform_ops,
+)
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, sets_transform
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.xform_hierarchy import (
@@ -150,10 +156,10 @@ def _prim_edits(edit: UsdEdit, node: int, delta: _Frame, above: _Frame) -> list[
     refuse(why_locked(prim, ("xformOpOrder", FRAME, PARENT_INVERSE)))
     xformable = UsdGeom.Xformable(prim)
     if delta.size != 1.0 and not ops_times(xformable) and skew(local) < SKEW:
-        return _baked(prim, local)
+        return _baked(edit, prim, local)
     if edit.options.bake_xform:
         if not xformable.TransformMightBeTimeVarying() and skew(local) < SKEW:
-            return _baked(prim, local)
+            return _baked(edit, prim, local)
         edit.notices.append(
             Notice("not-baked", f"<{prim.GetPath()}> is animated or sheared; its ops stay, two are added.")
         )
@@ -181,8 +187,10 @@ def _prim_edits(edit: UsdEdit, node: int, delta: _Frame, above: _Frame) -> list[
     return [*edits, set_tokens(prim.GetPath(), "xformOpOrder", order)]
 
 
-def _baked(prim: Any, local: Floats) -> list[Edit]:
+def _baked(edit: UsdEdit, prim: Any, local: Floats) -> list[Edit]:
     """The local matrix as translate, orient, scale; the ops it had stay as unused attributes."""
     resets = UsdGeom.Xformable(prim).GetResetXformStack()
     order = (["!resetXformStack!"] if resets else []) + transform_ops(local)
-    return [*set_transform(prim.GetPath(), local), set_tokens(prim.GetPath(), "xformOpOrder", order)]
+    edited = edit.source.stage.GetRootLayer() if edit.options.edit_target == "root" else None
+    stands = set_transform(prim.GetPath(), local, types=stated_types(prim, edited))
+    return [*stands, set_tokens(prim.GetPath(), "xformOpOrder", order)]
