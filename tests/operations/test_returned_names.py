@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from places import every_other
 from program import cli
@@ -13,6 +14,8 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 import rigtri
 from rigtri.errors import GeometryError
 from rigtri.formats import read
+from rigtri.model.metadata import ControlRecord
+from rigtri.model.rig import Rig
 from rigtri.report import Report
 
 
@@ -85,13 +88,30 @@ def test_keys_of_nodes_that_nobody_knows_are_an_error(rig: Path, tmp_path: Path)
     assert "'hand_L_ik_ctl'" in printed
 
 
+def nameless(plain: Rig) -> tuple[Rig, tuple[str, ...]]:
+    """A rig with controls on joints without names, and the names that a DCC gives these."""
+    hips = plain.labels[plain.find("hips")]
+    names = tuple("" if joint else name for joint, name in zip(plain.is_joint, plain.names, strict=True))
+    rig = rigtri.add_controls(replace(plain, names=names), below=hips)
+    return rig, tuple(name or f"Bone_{k}" for k, name in enumerate(rig.names))
+
+
+def test_joints_without_names_are_found_by_their_places_in_files_that_are_built_alike(samples: Path) -> None:
+    rig, named = nameless(read(samples / "tpose.glb").rig)
+    report = Report()
+    found = rigtri.as_described(replace(rig, names=named), rig, report=report)
+    assert not report.warnings
+    joints = [rig.find(record.joint) for record in rig.records(ControlRecord).values()]
+    assert [found.find(record.joint) for record in found.records(ControlRecord).values()] == joints
+
+
 def test_joints_without_names_are_the_reason_why_no_control_finds_its_joint(samples: Path) -> None:
     plain = read(samples / "tpose.glb").rig
-    hips = plain.labels[plain.find("hips")]
-    rig = rigtri.add_controls(replace(plain, names=("",) * len(plain)), below=hips)
-    named = tuple(name or f"Bone_{k}" for k, name in enumerate(rig.names))
+    rig, _ = nameless(plain)
+    more = plain.with_nodes(["extra"], [-1], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    other, named = nameless(more)
     with pytest.raises(GeometryError, match=r"no names, and --rig finds joints by these.*take-clips RIG"):
-        rigtri.as_described(replace(rig, names=named), rig, report=Report())
+        rigtri.as_described(replace(other, names=named), rig, report=Report())
 
 
 def test_the_curve_of_a_control_has_its_name(rig: Path) -> None:
