@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 
 from rigtri.errors import FileError
-from rigtri.files.text_files import check_plain, rows_of
+from rigtri.files import text_files
+from rigtri.files.text_files import check_no_pointer, check_plain, check_utf8_path, json_of, rows_of, text_of
 
 
 @pytest.mark.parametrize(
@@ -50,3 +52,90 @@ def test_an_address_is_no_local_file_and_a_drive_is_no_address() -> None:
         check_plain(Path("s3:/bucket/a.glb"))
     with pytest.raises(FileError, match=r"There is no file c:/bucket/a\.glb"):
         check_plain(Path("c:/bucket/a.glb"))
+
+
+def test_a_text_has_so_many_bytes_at_most_and_no_byte_order_mark(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    path.write_bytes(b"\xef\xbb\xbf" + "größe".encode())
+    assert text_of(path) == "größe"
+    assert text_of(path, most=path.stat().st_size) == "größe"
+    with pytest.raises(
+        FileError, match=f"^--frames {path} has more than 9 bytes; it is not what this option takes"
+    ):
+        text_of(path, "--frames", most=9)
+    path.write_bytes(b"ab\xff")
+    with pytest.raises(FileError, match=f"^{path} is not UTF-8 text: byte 2"):
+        text_of(path)
+
+
+def test_a_name_stands_in_an_object_once(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    path.write_text('{"a": 1, "b": {"c": [1], "d": {}}}')
+    assert json_of(path) == {"a": 1, "b": {"c": [1], "d": {}}}
+    path.write_text('{"a": 1, "x": {"b": 1, "c": 2, "c": 3}}')
+    with pytest.raises(FileError, match="is not valid JSON: the name 'c' is there twice in one object"):
+        json_of(path)
+    path.write_text("{")
+    with pytest.raises(FileError, match="is not valid JSON: "):
+        json_of(path)
+
+
+@pytest.mark.parametrize(("more", "told"), [(0, True), (-1, True), (1, False)])
+def test_a_pointer_of_git_lfs_is_told_where_it_is_as_short_as_one(
+    monkeypatch: pytest.MonkeyPatch, more: int, told: bool, tmp_path: Path
+) -> None:
+    path = tmp_path / "a.glb"
+    path.write_bytes(text_files._POINTER + b"\noid 12\n")
+    monkeypatch.setattr(text_files, "_LONGEST_POINTER", path.stat().st_size + 1 - more)
+    if told:
+        with pytest.raises(FileError, match=f"^{path} is a Git LFS pointer, not the file itself"):
+            check_no_pointer(path)
+    else:
+        check_no_pointer(path)
+
+
+def test_what_is_no_pointer_or_no_file_is_left_to_its_reader(tmp_path: Path) -> None:
+    path = tmp_path / "a.glb"
+    path.write_bytes(b"glTF" + text_files._POINTER)
+    check_no_pointer(path)
+    check_no_pointer(tmp_path / "missing.glb")
+    check_no_pointer(tmp_path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with names")
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    check_no_pointer(tmp_path / "pipe")
+    with pytest.raises(FileError, match="is a device or a pipe; give a plain file"):
+        check_plain(tmp_path / "pipe")
+
+
+@pytest.mark.parametrize(
+    ("name", "what", "said"),
+    [
+        ("folder", "", "{folder}/folder is a folder, not a file"),
+        ("folder", "--mask", "--mask {folder}/folder is a folder, not a file"),
+        ("link", "", "{folder}/link is a link that leads to no file"),
+        ("gone.glb", "", "There is no file {folder}/gone.glb$"),
+        ("gone.glb", "--mask", r"There is no file {folder}/gone.glb \(--mask\)$"),
+        (
+            "hero",
+            "",
+            "There is no file {folder}/hero. Did you mean hero.glb and hero.usda\\?|hero.glb, hero.usda",
+        ),
+    ],
+)
+def test_what_is_no_plain_file_is_told_what_it_is(name: str, what: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "nowhere")
+    for other in ("hero.glb", "hero.usda", "heroine.glb"):
+        (tmp_path / other).touch()
+    with pytest.raises(FileError, match=said.format(folder=tmp_path)):
+        check_plain(tmp_path / name, what)
+    assert check_plain(tmp_path / "hero.glb") == tmp_path / "hero.glb"
+
+
+def test_a_path_that_is_no_utf_8_is_told() -> None:
+    check_utf8_path("größe.glb")
+    with pytest.raises(FileError, match="is not UTF-8, and USD and .gltf name files by text"):
+        check_utf8_path("a\udcff.glb")

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from rigs import rig_of
 
 from rigtri.recognition.body_hinges import _lateral
+from rigtri.recognition.character_joints import _BODY, _alike_bodies
 from rigtri.recognition.one_character import of_character
 
 NAMES = ["root", "man", "arm", "prop", "arm", "hand", "woman", "arm", "leg"]
@@ -75,3 +76,22 @@ def test_from_one_side_to_the_other_is_as_legs_and_arms_begin(limbs: list[Any], 
         assert found is None
     else:
         assert_allclose(found, lateral, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "reaches", "alike"),
+    [
+        ((100, 100), (2.0, 2.0), True),
+        ((100, 91), (2.0, 1.81), True),
+        ((91, 100), (1.81, 2.0), True),
+        ((100, 90), (2.0, 2.0), False),
+        ((100, 100), (2.0, 1.8), False),
+        ((80, 100), (2.0, 2.0), False),
+        ((100, 100), (1.0, 2.0), False),
+        ((_BODY, _BODY), (2.0, 2.0), True),
+        ((_BODY - 1, _BODY - 1), (2.0, 2.0), False),
+    ],
+)
+def test_two_branches_as_large_and_as_far_are_two_of_a_crowd(sizes: Any, reaches: Any, alike: bool) -> None:
+    tree: Any = SimpleNamespace(size=sizes, reach=reaches)
+    assert _alike_bodies(tree, 0, 1) is alike
