@@ -12,6 +12,7 @@ from rigs import rig_of
 from usd_files import MESH, animation, read, save, scene, skeleton
 
 from rigtri.errors import GeometryError
+from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -27,9 +28,14 @@ def shot(tmp_path: Path) -> Rig:
     save(tmp_path, scene(skeleton(), animation(), MESH), hero.name)
     cli("add-controls", hero, "-o", rigged, "--ik", "a", "b", "c", code=0)
     cli("bake", rigged, "--to", "controls", "-o", keyed, code=0)
-    both = "".join(f'def "{name}" (references = @./keyed.usda@)\n{{\n}}\n' for name in "AB")
+    return two_of(tmp_path, keyed)
+
+
+def two_of(folder: Path, asset: Path) -> Rig:
+    """A shot of two characters, A and B, that are one asset."""
+    both = "".join(f'def "{name}" (references = @./{asset.name}@)\n{{\n}}\n' for name in "AB")
     text = f'#usda 1.0\n(\n    upAxis = "Y"\n)\ndef Xform "W"\n{{\n{both}}}\n'
-    return read(save(tmp_path, text, "shot.usda")).rig
+    return read(save(folder, text, f"shot-{asset.name}")).rig
 
 
 def exported(rig: Rig) -> Rig:
@@ -132,6 +138,17 @@ def test_one_rig_describes_each_of_several_characters(shot: Rig, tmp_path: Path)
     assert done.records(ControlRecord).keys() == shot.records(ControlRecord).keys()
     shown, expected = (rig.clips[0].tracks for rig in (done, bake(shot)))
     assert {(track.node, track.path) for track in shown} == {(track.node, track.path) for track in expected}
+
+
+def test_constraints_of_one_of_several_characters_follow_its_own_nodes(shot: Rig, tmp_path: Path) -> None:
+    ruled = tmp_path / "ruled.usda"
+    spaces = ["--child", "c_ik_ctl", "--space", "world", "--space", "b_pole"]
+    cli("constrain", tmp_path / "keyed.usda", "-o", ruled, *spaces, code=0)
+    plain, asset = replace(two_of(tmp_path, ruled), metadata={}), read(ruled).rig
+    for name in "AB":
+        (rule,) = constraints_of(bake(plain, rig_=asset, character=name)).values()
+        nodes = (rule.child, *rule.drivers, *rule.weight_nodes)
+        assert all(plain.is_below(node, plain.find(f"/W/{name}", "node")) for node in nodes)
 
 
 def test_a_joint_below_a_skeleton_of_its_name_is_paired_with_the_joint() -> None:

@@ -67,7 +67,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
 from rigtri.operations.options.bake import BakeOptions as BakeOptions
 from rigtri.operations.pose import at_rest
-from rigtri.operations.rigtri_nodes import with_record
+from rigtri.operations.rigtri_nodes import readdressed, with_record
 from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warnings
 from rigtri.operations.take_clips.ik_switches import ik_ends
 from rigtri.operations.take_clips.rejoin_clips import joined
@@ -101,8 +101,10 @@ def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
         if options.character is not None:
             rig = of_character(rig, options.character)
         rig = joined(rig, rigged, names=options.as_, between=options.between, report=report)
-        rig = as_described(rig, rigged, report=report)
-        rig = replace(rig, names=(*names, *rig.names[len(names) :]))
+        seen = as_described(rig, rigged, report=report)
+        rig = replace(seen, names=(*names, *seen.names[len(names) :]))
+        # A name that other characters have, too, means one of them only by its path.
+        rig = readdressed(seen, rig, range(len(rig))) if options.character is not None else rig
     rig = _with_limits(rig, options)
     return in_rig_space(rig, lambda seen: _Baker(seen, options, report).baked())
 
