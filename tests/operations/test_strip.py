@@ -179,3 +179,14 @@ def test_nothing_in_a_stripped_layer_speaks_of_rigtri(samples: Path, tmp_path: P
     edit(samples / "biped.usda", tmp_path / "built.usda", controls)
     edit(tmp_path / "built.usda", tmp_path / "bare.usda", stripped)
     assert "rigtri:" not in (tmp_path / "bare.usda").read_text()
+
+
+def test_an_over_that_only_held_controls_goes_with_them(samples: Path, tmp_path: Path) -> None:
+    """The shot has no opinion on the character that its sublayer holds."""
+    (tmp_path / "biped.usda").write_bytes((samples / "biped.usda").read_bytes())
+    shot = tmp_path / "shot.usda"
+    shot.write_text("#usda 1.0\n(\n    subLayers = [@./biped.usda@]\n)\n")
+    edit(shot, tmp_path / "built.usda", controls)
+    assert 'over "' in (tmp_path / "built.usda").read_text()
+    edit(tmp_path / "built.usda", tmp_path / "bare.usda", stripped)
+    assert (tmp_path / "bare.usda").read_bytes() == shot.read_bytes()

@@ -79,7 +79,8 @@ class Output:
     ) -> None:
         """Write ``part`` with edits, as the file that ``target`` will be.
 
-        strips: something was removed, so what was put back as it lies in a weaker layer needs no opinion.
+        strips: something was removed, so what was put back as it lies in a weaker layer needs no opinion,
+        and an over that held nothing else goes, too.
         """
         stage = self.source.stage
         if self.is_new_layer:
@@ -99,6 +100,8 @@ class Output:
         apply_edits(stage, edits, layer)
         if strips and not (packed or self.is_sublayer or is_override(self.layer)):
             _drop_redundant(stage, layer, edits, self._composed_in_place)
+        if strips:
+            _drop_bare(self.layer, layer, edits)
         renamed = rename is not None and layers.rename_assets(layer, rename)
         if not edits and not renamed:
             shutil.copyfile(path, part)
@@ -228,6 +231,13 @@ def _drop_redundant(stage: Any, layer: Any, edits: Iterable[Edit], composed: Cal
             _remove(layer, path)
     for path in same:
         _prune(layer, path.GetPrimPath())
+
+
+def _drop_bare(before: Any, layer: Any, edits: Iterable[Edit]) -> None:
+    """Take away overs that only held prims which the edits have removed."""
+    for path in {Sdf.Path(edit.prim) for edit in edits}:
+        if before.GetPrimAtPath(path) and not layer.GetPrimAtPath(path):
+            _prune(layer, path.GetParentPath())
 
 
 def _lies_below(stage: Any, path: Any) -> bool:
