@@ -72,6 +72,12 @@ def test_a_vector_is_its_part_along_another_and_its_part_across(a: Floats, b: Fl
     assert_allclose(along + across, b, atol=1e-9)
 
 
+def test_the_nearest_point_of_a_line_that_passes_the_origin_by() -> None:
+    assert_allclose(v.project([4, 5, 1], [1, 1, 1], [3, 1, 1]), [4, 1, 1], rtol=0, atol=1e-15)
+    many = v.project([[4, 5, 1], [0, 0, 7]], [1, 1, 1], [[3, 1, 1], [1, 1, 2]])
+    assert_allclose(many, [[4, 1, 1], [1, 1, 7]], rtol=0, atol=1e-15)
+
+
 def test_a_vector_from_one_point_to_another_is_destination_minus_origin() -> None:
     """GDC 2018, slide "Subtracting two vectors": from [2,3,1] to [5,4,3]."""
     destination, origin = v.as_vectors([5, 4, 3]), v.as_vectors([2, 3, 1])
