@@ -1,6 +1,6 @@
 """rigtri conform
 
-The steps are freeze, rename-joints, set-rest, add-root and orient-joints; --save-spec writes them as a
+The steps are rename-joints, set-rest, freeze, add-root and orient-joints; --save-spec writes them as a
 rig spec that you can edit and build. Every clip looks as before. Characters that conform to one skeleton
 differ only in the lengths of their bones, so they can share clips.
 

@@ -107,13 +107,17 @@ def steps_of(options: ConformOptions, skeleton: Skeleton) -> Steps:
     """The steps, as a rig spec has them: names of operations and their options."""
     facing = {} if options.facing is None else {"facing": options.facing}
     pose, axes, root, profile = skeleton
+    rests = {"pose": pose, "straight_fingers": True, **facing}
     preset, frames = ("blender", axes) if axes == "godot" else (axes, pose)
     # How it rests before its axes, which are those at rest; and names before all that is recognised: a second
     # run reads the same names, and finds the same body.
     return (
-        ("freeze", {}),
         ("rename-joints", {"to": options.to}),
-        ("set-rest", {"pose": pose, "straight_fingers": True, **facing}),
+        # Before freeze, after which no node says any more in which space the skin is bound; and after it, as
+        # in a second run, for which a body that is turned in its scene by little is bound without that.
+        ("set-rest", rests),
+        ("freeze", {}),
+        ("set-rest", rests),
         *([("add-root", {"name": root})] if root else []),
         # The joints above the hips, which a skeleton has or not: without axes of their own, clips fit both.
         ("orient-joints", {"world": True}),
@@ -127,7 +131,7 @@ def steps_of(options: ConformOptions, skeleton: Skeleton) -> Steps:
 def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     """The rig with the standard skeleton of an engine; every clip looks as before.
 
-    FileError where no skin has joints; else as the steps do (`steps_of`): freeze, rename-joints, set-rest,
+    FileError where no skin has joints; else as the steps do (`steps_of`): rename-joints, set-rest, freeze,
     add-root, orient-joints.
     """
     if not rig.is_joint.any():

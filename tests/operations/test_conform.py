@@ -413,3 +413,30 @@ def test_without_a_skeleton_nothing_is_conformed() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     with pytest.raises(FileError, match="no skin lists joints"):
         rigtri.conform(replace(rig, skins=()), to="unreal")
+
+
+def test_a_body_that_leans_at_rest_below_a_turned_armature_stands_upright(tmp_path: Path) -> None:
+    """Converters from FBX bind with z up, below an armature that turns it; freeze takes that turn out."""
+    path, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    rig = replace(rigtri.read(SAMPLES / "biped.glb"), clips=())
+    armature, hips = rig.find("biped"), rig.find("hips")
+    turn = compose(np.zeros(3), from_axis_angle(np.array([1.0, 0.0, 0.0]), -np.pi / 2), np.ones(3))
+    lean = compose(np.zeros(3), from_axis_angle(np.array([1.0, 0.0, 0.0]), 0.6), np.ones(3))
+    there = compose(rig.world[hips, 3, :3], np.array([0.0, 0.0, 0.0, 1.0]), np.ones(3))
+    back = inverse(there)
+    world = multiply(rig.world[hips], multiply(back, multiply(lean, there)))
+    translation, rotation = rig.translation.copy(), rig.rotation.copy()
+    translation[armature], rotation[armature], _ = decompose(turn)
+    translation[hips], rotation[hips], _ = decompose(multiply(world, inverse(turn)))
+    (skin,) = rig.skins
+    bound = replace(skin, inverse_bind=multiply(turn, skin.inverse_bind))
+    rig = replace(rig, translation=translation, rotation=rotation, skins=(bound,))
+    rigtri.write(rig, path, verify=False)
+    cli("conform", path, "-o", out, "--to", "unity", code=0)
+    made = rigtri.read(out)
+    trunk = made.world[made.find("Head"), 3, :3] - made.world[made.find("Hips"), 3, :3]
+    assert trunk[1] / length(trunk) > 0.99
+    across = made.world[made.find("LeftUpperArm"), 3, :3] - made.world[made.find("RightUpperArm"), 3, :3]
+    assert across[0] / length(across) > 0.999
+    cli("conform", out, "-o", tmp_path / "again.glb", "--to", "unity", code=0)
+    assert (tmp_path / "again.glb").read_bytes() == out.read_bytes()
