@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -146,6 +147,26 @@ def test_processes_that_are_started_meanwhile_look_only_by_whole_paths(
     with import_path.no_working_folder_in_children():
         assert (os.environ["PYTHONSAFEPATH"], os.environ["PYTHONPATH"]) == ("1", str(BUILDERS))
     assert dict(os.environ) == before
+
+
+@pytest.mark.parametrize("before", [None, "", f"{os.sep}whole{os.pathsep}part"])
+@pytest.mark.parametrize("fails", [False, True])
+def test_thereafter_both_variables_are_as_they_were(
+    before: str | None, fails: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names, places = ("PYTHONSAFEPATH", "PYTHONPATH"), sys.path
+    for name in names:
+        if before is None:
+            monkeypatch.delenv(name, raising=False)
+        else:
+            monkeypatch.setenv(name, before)
+    with suppress(ValueError), import_path.no_working_folder_in_children():
+        assert os.environ["PYTHONSAFEPATH"] == "1"
+        assert os.environ["PYTHONPATH"] == (f"{os.sep}whole" if before else "")
+        if fails:
+            raise ValueError
+    assert [os.environ.get(name) for name in names] == [before, before]
+    assert sys.path is places
 
 
 def test_a_program_that_imports_the_command_line_keeps_its_search_path_and_interrupts(tmp_path: Path) -> None:
