@@ -22,6 +22,8 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.bake import BakeOptions
+from rigtri.report import Report
 
 SPACES = ("world", "left", "right")
 _TURN = (0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5))
@@ -61,6 +63,18 @@ def test_a_prop_changes_hands_at_its_offsets_of_the_rest_pose() -> None:
     assert_allclose(
         world(baked, "sword", 1.0)[0, 3, :3], [half + 4 * half, 5 + half - 4 * half, 0], atol=1e-6
     )
+
+
+@pytest.mark.parametrize(("node", "name"), [("left", "lost"), ("other", "left")])
+def test_a_constraint_on_a_node_that_was_renamed_is_named_as_it_is_left_out(node: str, name: str) -> None:
+    report, rig = Report(), hands()
+    rig = rig.with_nodes(["other"], [0], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    for child, driver in (("sword", "left"), ("right", "root")):
+        rig = rigtri.constrain(rig, child=child, driver=[driver])
+    called = tuple(name if each == node else each for each in rig.names)
+    rigtri.bake(replace(rig, names=called), options=BakeOptions(to="joints"), report=report)
+    (found,) = [notice for notice in report.warnings if notice.code == "constraint-lost"]
+    assert found.names == ("left",)
 
 
 @pytest.mark.ci

@@ -59,6 +59,7 @@ from rigtri.operations.bake.unbaked import UNBAKED, refuse_replaced
 from rigtri.operations.bake.warnings import (
     fidelity,
     refuse_overstretch,
+    warn_lost_constraints,
     warn_outside,
     warn_spline_swings,
     warn_undersampled,
@@ -249,6 +250,7 @@ class _Baker:
     def _warn(self) -> None:
         warn_undersampled(self.start, self.report, max(self.options.between, self.options.tolerance))
         warn_spline_swings(self.start, self.report)
+        warn_lost_constraints(self.start, self.report)
         if self.options.to == "joints":
             warn_outside(self.start, self.report)
 
