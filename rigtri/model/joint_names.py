@@ -22,8 +22,8 @@ _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W0-9_A-Za-z]+")
 # (``Luparm``, ``rloleg``). Not of ears: ``rear`` is none.
 _GLUED = re.compile(
     r"(?<![^\W\d_])[lLrR](?=(?:(?:up|upper|lo|low|lower|fore)?(?:arm|leg)|shldr|shoulder|collar|clavicle|humerus"
-    r"|radius|elbow|wrist|hand|fingers?|thumb|index|mid|middle|ring|pinky|hip|hipjoint|buttock|thigh|femur|knee"
-    r"|shin|calf|tibia|ankle|foot|toes?)(?![a-z]))"
+    r"|radius|elbow|wrist|hand|fingers?|thumb|index|mid|middle|ring|little|pinky|palm|hip|hipjoint|buttock|thigh|femur|knee"
+    r"|shin|calf|tibia|ankle|foot|heel|toes?)(?![a-z]))"
 )
 _LEFT = frozenset({"l", "left", "lft", "左"})
 _RIGHT = frozenset({"r", "right", "rgt", "右"})
