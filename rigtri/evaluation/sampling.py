@@ -83,7 +83,8 @@ class Motion:
         self.driven = np.flatnonzero(np.bincount(np.concatenate([_NONE, *nodes])))
         # What a clip does not drive, but another one, and no parts can say.
         kept = self.driven[rig.has_matrix[self.driven]].tolist()
-        self.still = [[node for node in kept if node not in mine] for mine in nodes]
+        driven = [set(mine.tolist()) for mine in nodes] if kept else [set[int]() for _ in nodes]
+        self.still = [[node for node in kept if node not in mine] for mine in driven]
         self.packs = [[_Pack.of(alike, self.driven) for alike in _together(columns)] for columns in moving]
 
     def locals_at(self, *times: ArrayLike, normalised: bool = True) -> Floats:

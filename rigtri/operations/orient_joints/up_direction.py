@@ -126,7 +126,8 @@ class UpLadder:
             clear = crossing(found.vector[some], self._targets.bone[some])
             taken = np.array(some, dtype=np.int64)[clear].tolist()
             self.normals.copy_from(found, taken)
-            joints = [joint for joint in joints if joint not in set(taken)]
+            left = set(joints).difference(taken)
+            joints = [joint for joint in joints if joint in left]
         for joint in joints:
             self._invent(joint)
 

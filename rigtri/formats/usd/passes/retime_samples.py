@@ -9,7 +9,7 @@ Source: UsdSkel, SkelAnimation (`joints`, and arrays of as many items; it plays 
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -75,10 +75,12 @@ def _retimed(source: Source, rig: Rig) -> list[str]:
         was = old.get(clip.key)
         known: dict[Any, Track] = {} if was is None else {(t.node, t.path, t.key): t for t in was.tracks}
         mine = [t for t in clip.tracks if t.node in places and t.path != "weights"]
+        held = any(track.key == HELD for track in mine)
+        defaults = _defaults(rig, parts(clip.key)[1]) if held else {}
         for track in mine:
             skeleton = source.skeletons[places[track.node][0]]
             before = known.get((track.node, track.path, track.key))
-            if before is None or (track is not before and _other_keys(rig, clip.key, before, track)):
+            if before is None or (track is not before and _other_keys(defaults, before, track)):
                 played = [path for path in skeleton.animations if path in parts(clip.key)]
                 found[(played or skeleton.animations or (skeleton.path,))[0]] = None
         there = {(t.node, t.path, t.key) for t in mine}
@@ -89,10 +91,10 @@ def _retimed(source: Source, rig: Rig) -> list[str]:
     return list(found)
 
 
-def _other_keys(rig: Rig, clip: Hashable, was: Track, now: Track) -> bool:
+def _other_keys(defaults: Tracks, was: Track, now: Track) -> bool:
     """Whether a track has other times or steps than it had: arrays that keep theirs need no second write."""
     if now.key == HELD:
-        return not _is_default(now, _defaults(rig, parts(clip)[1]))
+        return not _is_default(now, defaults)
     if was.times is not now.times and not np.array_equal(was.times, now.times):
         return True
     return len(now.times) > 1 and was.interpolation != now.interpolation
