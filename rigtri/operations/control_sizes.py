@@ -131,13 +131,18 @@ class SkinSections:
 
     def _near(self, joint: int) -> list[tuple[_Skinned, Integers]]:
         """As `_of` a joint, or where it has none its neighbours, or the nearest joint above that has some."""
-        above = self.rig.path_to_root(joint)[1:]
-        tries = ([joint], [*above[:1], *self.rig.children[joint]], *([node] for node in above[1:]))
-        return next(filter(None, map(self._of, tries)), [])
+        return next(filter(None, map(self._of, self._nearer_first(joint))), [])
+
+    def _nearer_first(self, joint: int) -> Iterator[list[int]]:
+        """A joint, its neighbours, and one by one those above, which few ask for."""
+        above = int(self.rig.parents[joint])
+        yield [joint]
+        yield [*([above] if above >= 0 else []), *self.rig.children[joint]]
+        yield from ([node] for node in self.rig.path_to_root(above)[1:])
 
     def _holds(self, near: list[tuple[_Skinned, Integers]]) -> bool:
-        """Whether meshes are held or worn: they have no skin."""
-        return all(skinned.mesh.skin is None for skinned, _ in near)
+        """Whether meshes are held or worn: there are some, and they have no skin."""
+        return bool(near) and all(skinned.mesh.skin is None for skinned, _ in near)
 
     def _of(self, joints: list[int]) -> list[tuple[_Skinned, Integers]]:
         """The meshes that have skin of joints, and which vertices of each, (v,).
