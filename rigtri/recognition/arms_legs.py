@@ -14,8 +14,8 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.front_or_hind import is_further
 from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
-from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_triples import CLAVICLES, TIE, triple_of
+from rigtri.recognition.limb_pairs import Limbs, like_clavicles
+from rigtri.recognition.limb_triples import TIE, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement
 from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.ranking import SAME_SCORE, ranked
@@ -31,8 +31,6 @@ _WORDS, _NAMED = 0.85, 0.5
 _NUMBERED = 0.45
 # A bone shorter than this part of the other is none: a joint is left out, or two stand in one place.
 _STUNTED = 0.25
-# And one that is shorter than this part of the next may be a clavicle.
-_COLLAR = 0.5
 # A joint within a bone bends no further than this, as a cosine (25°).
 _IN_LINE = 0.9
 # Below this, what says where a body faces contradicts itself or is little, so that sides are in doubt.
@@ -186,11 +184,9 @@ def _lacks_hand(draft: Draft, limbs: Limbs) -> bool:
     """
     if len(limbs.at) < 3 or limbs.named > 0:
         return False
-    (start, middle, end), twin = limbs.joints(0), limbs.joints(1)[0]
+    _, middle, end = limbs.joints(0)
     whole = limbs.at[0] == 0 and limbs.at[2] == len(limbs.pair.paths[0]) - 1
-    apart = (draft.tree.at[start] - draft.tree.at[twin]).length
-    short = draft.tree.bone[middle] < _COLLAR * draft.tree.bone[end]
-    return (whole and (short or apart < CLAVICLES * limbs.size)) or not draft.tree.is_below(end, middle)
+    return (whole and like_clavicles(draft.tree, limbs)) or not draft.tree.is_below(end, middle)
 
 
 def _words(body: Body | None, limbs: Limbs, kind: str) -> Iterator[str]:

@@ -11,6 +11,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
 from rigtri.recognition.limb_triples import (
+    CLAVICLES,
     Triple,
     branches,
     has_thumb,
@@ -25,6 +26,8 @@ from rigtri.recognition.symmetry import Pair
 
 # So many of the longest pairs are tried as legs and as arms.
 TRIED = 10
+# A first bone that is shorter than this part of the next may be a clavicle.
+_COLLAR = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +54,13 @@ class Limbs:
     def joints(self, which: int) -> tuple[int, ...]:
         """Start, middle and end of one of the two, or start and end."""
         return tuple(self.pair.paths[which][k] for k in self.at)
+
+
+def like_clavicles(tree: Tree, limbs: Limbs) -> bool:
+    """Whether the first bones of two arms are short, or begin as near to each other, as clavicles do."""
+    (start, middle, end), twin = limbs.joints(0), limbs.joints(1)[0]
+    short = tree.bone[middle] < _COLLAR * tree.bone[end]
+    return short or (tree.at[start] - tree.at[twin]).length < CLAVICLES * limbs.size
 
 
 def limbs_of(

@@ -59,10 +59,7 @@ from rigtri.operations.bake.unbaked import UNBAKED, refuse_replaced
 from rigtri.operations.bake.warnings import (
     fidelity,
     refuse_overstretch,
-    warn_lost_constraints,
-    warn_outside,
-    warn_spline_swings,
-    warn_undersampled,
+    warn_of_result,
 )
 from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
@@ -149,7 +146,7 @@ class _Baker:
             chosen = chosen_timelines(self.rig, self.options.clip)
             for timeline in counted(chosen, "clips"):
                 self._to_controls(timeline)
-            self._warn()
+            warn_of_result(self.start, self.options, self.report)
             return self.rig
         self.report.reposed = True
         held = rivets_of_constraints(self.rig)
@@ -162,7 +159,7 @@ class _Baker:
             del self.report.added[reported:]
             self._once()
             if not held or _same_motion(before, self.rig):
-                self._warn()
+                warn_of_result(self.start, self.options, self.report)
                 return self.rig
         names = ", ".join(f"'{self.rig.title(node)}'" for node in sorted(held))
         raise GeometryError(
@@ -246,13 +243,6 @@ class _Baker:
             return RefinedSamples(times, curve.at(times), 0.0, limited=False)
         bound = np.inf if self.options.fps else max(self.options.between, NOTHING) * self.size
         return refine_samples(curve, times, bound=bound, per_second=self.rig.rules.per_second)
-
-    def _warn(self) -> None:
-        warn_undersampled(self.start, self.report, max(self.options.between, self.options.tolerance))
-        warn_spline_swings(self.start, self.report)
-        warn_lost_constraints(self.start, self.report)
-        if self.options.to == "joints":
-            warn_outside(self.start, self.report)
 
     # --- to joints
 

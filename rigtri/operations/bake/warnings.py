@@ -23,6 +23,7 @@ from rigtri.model.animation import Track, key_values
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ConstraintRecord, ControlRecord, damage, references
 from rigtri.model.rig import Rig
+from rigtri.operations.options.bake import BakeOptions
 from rigtri.report import Notice, Report
 from rigtri.text import list_names
 
@@ -35,7 +36,16 @@ def _clips(report: Report) -> list[Mapping[str, Any]]:
     return [entry for entry in report.added if entry.get("type") == "clip"]
 
 
-def warn_undersampled(rig: Rig, report: Report, most: float) -> None:
+def warn_of_result(rig: Rig, options: BakeOptions, report: Report) -> None:
+    """The warnings that need all clips to be baked; rig: as it was before."""
+    _warn_undersampled(rig, report, max(options.between, options.tolerance))
+    warn_spline_swings(rig, report)
+    _warn_lost_constraints(rig, report)
+    if options.to == "joints":
+        warn_outside(rig, report)
+
+
+def _warn_undersampled(rig: Rig, report: Report, most: float) -> None:
     """One warning for all clips that are off by more than ``most`` of the size between samples."""
     far = [entry for entry in _clips(report) if entry.get("limited") and entry["between_samples"] > most]
     if not far:
@@ -159,7 +169,7 @@ def warn_outside(rig: Rig, report: Report) -> None:
         report.warn("uneven-above", text[0].upper() + text[1:])
 
 
-def warn_lost_constraints(rig: Rig, report: Report) -> None:
+def _warn_lost_constraints(rig: Rig, report: Report) -> None:
     """A warning of constraints that are left out: of what they name there is no node, or several."""
     for node, record in rig.records(ConstraintRecord).items():
         lost = [name for name in dict.fromkeys(references(record.to_dict())) if rig.known(name) is None]

@@ -61,8 +61,8 @@ def check_constraints(rig: Rig, described: Rig, of: Mapping[int, int], report: R
 
     A warning where such a node is an object that moves there in clips, and stands still here.
     """
-    lost = sorted(_needed(described, of).difference(of))
-    if lost:
+    needed = sorted(_needed(described, of))
+    if lost := [node for node in needed if node not in of]:
         called = list_names(described.names[node] for node in lost)
         raise GeometryError(
             f"Constraints of the file of --rig follow {called}, which this file does not have: they would be "
@@ -71,7 +71,7 @@ def check_constraints(rig: Rig, described: Rig, of: Mapping[int, int], report: R
     moving, still = ({t.node for clip in each.clips for t in clip.tracks} for each in (described, rig))
     lost = [
         node
-        for node in sorted(_needed(described, of))
+        for node in needed
         if node in moving.difference(described.own) and not described.is_joint[node] and of[node] not in still
     ]
     if lost and rig.clips:
