@@ -1,8 +1,9 @@
-"""A Dask cluster as the engine of a batch: each file is a task, and has a process of its own."""
+"""A Dask cluster as the engine of a batch: a task is some files, each done by a process beside its worker."""
 
 from __future__ import annotations
 
 import asyncio
+import itertools
 import logging
 import os
 import pickle
@@ -17,20 +18,32 @@ from uuid import uuid4
 from rigtri.errors import FileError, UsageError
 from rigtri.files.staged_output import recover
 from rigtri.files.worker_process import CrashError
+from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.batch import urls
-from rigtri.pipeline.batch.dask_worker import Event, Settings, do
+from rigtri.pipeline.batch.dask_worker import Event, Message, Settings, do
 from rigtri.pipeline.batch.file_task import Assignment, OnReady, Record
 from rigtri.pipeline.batch.inputs import Entry
 
 # Seconds to wait for the scheduler, and for a first worker.
 REACHED, STAFFED = 10.0, 60.0
 _STEP = 0.2
+# A task costs some 8 ms of processors in client, scheduler and worker, which small files share. Tasks shrink
+# towards the end, so that all workers end together: each takes this part of what waits for a worker.
+_MOST, _PART = 25, 2
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A task that is submitted. numbers: of its files."""
+
+    future: Any
+    numbers: tuple[int, ...]
 
 
 class Cluster:
     """The workers of a Dask scheduler, as an `rigtri.pipeline.batch.local_engine.Engine`.
 
-    jobs: how many files are submitted at once, None for as many as keep all workers busy. All else as
+    jobs: how many tasks are submitted at once, None for as many as keep all workers busy. All else as
     `local_engine.Local`; with max_errors, other workers end the file that they have begun.
     Used as a context, which connects and looks whether the workers can do what is to be done.
     """
@@ -52,11 +65,14 @@ class Cluster:
         self._at = os.getcwd()
         self._topic = f"rigtri-{uuid4().hex}"
         self._stopped = self._killed = False
-        self._inbox: queue.SimpleQueue[int | Exception] = queue.SimpleQueue()
+        # What a file has become, the number of a task that has ended, or what went wrong.
+        self._inbox: queue.SimpleQueue[tuple[int, Record] | int | Exception] = queue.SimpleQueue()
         self._client: Any = None
         self._assignments: list[Assignment] = []
         self._on_ready: OnReady = lambda *_: None
         self._begun: Counter[int] = Counter()  # how many workers have begun a file
+        self._done: set[int] = set()
+        self._names = itertools.count()
 
     def __enter__(self) -> Self:
         """Connect. UsageError without the extra, FileError where the scheduler does not answer."""
@@ -144,29 +160,26 @@ class Cluster:
             yield from self._run()
 
     def _run(self) -> Iterator[tuple[Assignment, Record]]:
-        waiting, sent = [*range(len(self._assignments))][::-1], dict[int, Any]()
+        waiting, sent = [*range(len(self._assignments))][::-1], dict[int, _Task]()
         try:
             while not self._killed:
                 self._submit(waiting, sent)
-                if not sent:
+                if not sent and self._inbox.empty():
                     return
                 with suppress(queue.Empty):
-                    number = self._inbox.get(timeout=_STEP)
-                    if isinstance(number, Exception):
-                        raise number
-                    if number not in sent:  # cancelled
-                        continue
-                    record = self._record(number, sent.pop(number))
-                    if record is None:
-                        waiting.append(number)
-                        continue
-                    self._failed += record.failed
-                    if self._max_errors is not None and self._failed > self._max_errors:
-                        self._stopped = True
-                    yield self._assignments[number], record
+                    message = self._inbox.get(timeout=_STEP)
+                    if isinstance(message, Exception):
+                        raise message
+                    if isinstance(message, tuple):
+                        number, record = message
+                        self._recover(number)
+                        yield self._assignments[number], record
+                    elif message in sent:  # and not cancelled
+                        for number, record in self._after(sent.pop(message), waiting):
+                            self._put_down(number, record)
         finally:
             with suppress(OSError):
-                self._client.cancel([*sent.values()])
+                self._client.cancel([task.future for task in sent.values()])
 
     def stop(self) -> None:
         """As `Engine.stop`."""
@@ -176,56 +189,85 @@ class Cluster:
         """As `Engine.kill`; workers see within a second that nobody waits for them."""
         self._stopped = self._killed = True
 
-    def _submit(self, waiting: list[int], sent: dict[int, Any]) -> None:
+    def _submit(self, waiting: list[int], sent: dict[int, _Task]) -> None:
         """Keep all workers busy, and no more, so that a million files need no memory there."""
         if self._stopped:
             waiting.clear()
-            idle = [number for number in sent if not self._begun[number]]
+            idle = [name for name, task in sent.items() if not self._begun.keys() & {*task.numbers}]
             if idle:
-                self._client.cancel([sent.pop(number) for number in idle])
+                self._client.cancel([sent.pop(name).future for name in idle])
         room = self._jobs or max(2, 2 * sum(self._client.nthreads().values()))
         while waiting and len(sent) < room:
-            number = waiting.pop()
+            count = min(_MOST, max(1, len(waiting) // (_PART * room)))
+            numbers = tuple(waiting.pop() for _ in range(count))
             # Packed, as the scheduler, which unpickles arguments, need not have rigtri.
             settings = Settings(self._topic, self._folder, self._at, urls.secrets(), self._limits)
-            packed = pickle.dumps((number, self._assignments[number], settings))
-            sent[number] = self._client.submit(do, packed, pure=False, retries=2)
-            sent[number].add_done_callback(lambda _, number=number: self._inbox.put(number))
+            packed = pickle.dumps(({number: self._assignments[number] for number in numbers}, settings))
+            future = self._client.submit(do, packed, pure=False, retries=2)
+            name = next(self._names)
+            sent[name] = _Task(future, numbers)
+            future.add_done_callback(lambda _, name=name: self._inbox.put(name))
 
     async def _received(self, event: tuple[float, bytes]) -> None:
-        """A worker begins a file, or waits until it is on record what that is about to become."""
-        from distributed import Event as Answer
+        """A worker reports something, and may wait for an answer."""
+        from distributed import Queue
 
-        message: Event = pickle.loads(event[1])
-        if message.record is None:
-            self._begun[message.number] += 1
+        message: Message = pickle.loads(event[1])
+        answer = await self._reply(message.about)
+        if message.answers:
+            answers = Queue(message.answers, client=self._client)
+            await answers.put(answer)
+            answers.close()
+
+    async def _reply(self, about: Event | tuple[int, ...]) -> list[int] | bool:
+        """Of the files of a task that begins: which are not done. Else whether more files are to be begun."""
+        if isinstance(about, tuple):
+            return [number for number in about if number not in self._done]
+        if about.record is None:
+            self._begun[about.number] += 1
+        elif about.done:
+            self._put_down(about.number, about.record)
+        else:
+            try:
+                await asyncio.to_thread(self._on_ready, self._assignments[about.number], about.record)
+            except Exception as error:
+                self._inbox.put(error)  # raised where records are waited for
+                raise
+        return not self._stopped
+
+    def _put_down(self, number: int, record: Record) -> None:
+        """Take what became of a file, once; where too many have failed no other is begun."""
+        if number in self._done:
             return
-        try:
-            await asyncio.to_thread(self._on_ready, self._assignments[message.number], message.record)
-        except Exception as error:
-            self._inbox.put(error)  # raised where records are waited for
-            raise
-        await Answer(message.answer, client=self._client).set()
+        self._done.add(number)
+        self._failed += record.failed
+        if self._max_errors is not None and self._failed > self._max_errors:
+            self._stopped = True
+        self._inbox.put((number, record))
 
-    def _record(self, number: int, future: Any) -> Record | None:
-        """What became of a file; None for one that is to be done again."""
-        from distributed.scheduler import KilledWorker
-
+    def _recover(self, number: int) -> None:
+        """Remove what a dead worker has left beside an output."""
         target = self._assignments[number].entry.target
         if self._begun[number] > 1 and not (self._limits["dry_run"] or urls.is_url(target)):
-            with suppress(OSError):  # what a dead worker has left beside the output
+            with suppress(OSError):
                 recover(Path(target), alone=True)
-        if future.status == "finished":
-            record: Record = future.result()
-            return record
-        error = future.exception() if future.status == "error" else None
-        if not isinstance(error, KilledWorker):
-            raise self._broken(f"{type(error).__name__}: {error}" if error else f"a task is {future.status}")
-        if self._begun[number] <= error.allowed_failures:  # it only waited for the workers that died
-            return None
-        name, deaths = self._assignments[number].entry.source, self._begun[number]
-        text = f"{name}: {deaths} workers of the cluster died on this file"
-        return Record("crashed", CrashError.kind, text, CrashError.exit_code)
+
+    def _after(self, task: _Task, waiting: list[int]) -> Iterator[tuple[int, Record]]:
+        """What became of the files that a task has left, where its workers died; others wait again."""
+        from distributed.scheduler import KilledWorker
+
+        left = [number for number in task.numbers if number not in self._done]
+        status = task.future.status
+        error = task.future.exception() if status == "error" else None
+        if status != "finished" and not isinstance(error, KilledWorker):
+            raise self._broken(f"{type(error).__name__}: {error}" if error else f"a task is {status}")
+        for number in reversed(left):
+            if error is None or self._begun[number] <= error.allowed_failures:
+                waiting.append(number)  # it only waited for workers that died
+                continue
+            name, deaths = self._assignments[number].entry.source, self._begun[number]
+            text = f"{name}: {deaths} workers of the cluster died on this file"
+            yield number, Record("crashed", CrashError.kind, text, CrashError.exit_code)
 
     @contextmanager
     def _alive(self) -> Iterator[None]:

@@ -1,4 +1,4 @@
-"""A file of a batch as a task of Dask: this machine's engine, and messages to the process that submitted it.
+"""Files of a batch as a task of Dask: this machine's engine, and messages to the process that submitted it.
 
 An output appears only when the submitter has its record in the manifest, as in a batch of one machine:
 a submitter that is killed finds in its manifest all that has appeared.
@@ -11,7 +11,7 @@ import pickle
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import field
 from typing import Any
 from uuid import uuid4
@@ -22,7 +22,7 @@ from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.file_task import Assignment, Record
 from rigtri.pipeline.batch.local_engine import FileProcess
 
-# A worker looks this often, in seconds, whether anybody still waits for the file.
+# A worker looks this often, in seconds, whether anybody still waits for a task.
 _LOOK = 0.5
 # A process ends that has had no file for so many seconds.
 _KEPT = 10.0
@@ -31,7 +31,7 @@ _PRELOADED = ("distributed.cli.dask_worker",)
 
 
 class AbandonedError(Exception):
-    """The submitter of a file is gone, or has cancelled it."""
+    """The submitter of a task is gone, or has cancelled it."""
 
 
 @dataclass(frozen=True)
@@ -50,46 +50,91 @@ class Settings:
 
 @dataclass(frozen=True)
 class Event:
-    """What a worker reports of a file: that it begins or, with a record, that its output is about to appear.
+    """What a worker reports of a file.
 
-    answer: the name of the `distributed.Event` that lets it appear.
+    record: None where the file begins; what it is about to become or, with ``done``, has become.
     """
 
     number: int
     record: Record | None = None
-    answer: str = ""
+    done: bool = False
 
 
-def do(packed: bytes) -> Record:
-    """Do one file. packed: its number, its `Assignment` and the `Settings`, pickled."""
-    from distributed import Event as Answer
-    from distributed import get_client, get_worker
+@dataclass(frozen=True)
+class Message:
+    """What the submitter receives: an event, or a task's numbers as it begins. answers: the name of the
+    `distributed.Queue` where an answer is waited for, "" for nowhere."""
 
-    number, assignment, settings = pickle.loads(packed)
+    about: Event | tuple[int, ...]
+    answers: str = ""
+
+
+class _Submitter:
+    """The process that has submitted a task, as the task speaks to it."""
+
+    def __init__(self, topic: str, worker: Any, task: str) -> None:
+        from distributed import Queue, get_client
+
+        self._topic, self._worker, self._task = topic, worker, task
+        self._name = f"{topic}-{uuid4().hex}"
+        self._answers = Queue(self._name, client=get_client())
+
+    def close(self) -> None:
+        """Let the scheduler forget the answers."""
+        self._answers.close()
+
+    def tell(self, about: Event, answers: str = "") -> None:
+        """Send it, and go on."""
+        self._worker.log_event(self._topic, pickle.dumps(Message(about, answers)))
+
+    def ask(self, about: Event | tuple[int, ...]) -> Any:
+        """Send it, and wait for the answer. AbandonedError where nobody is left to give one."""
+        self._worker.log_event(self._topic, pickle.dumps(Message(about, self._name)))
+        while True:
+            try:
+                return self._answers.get(timeout=_LOOK)
+            except TimeoutError:
+                self.check()
+
+    def check(self) -> None:
+        """AbandonedError where nobody waits for the task any more."""
+        if _abandoned(self._worker, self._task):
+            raise AbandonedError
+
+
+def do(packed: bytes) -> None:
+    """Do some files. packed: each with its number and its `Assignment`, and the `Settings`, pickled.
+
+    Each file is begun only when the submitter has said, of the one before, that it wants more.
+    """
+    from distributed import get_worker
+
+    files, settings = pickle.loads(packed)
     # Workers are children of Dask's nannies, which may have none of their own otherwise.
     multiprocessing.current_process().daemon = False
     leave_out_working_folder()
     urls.add_secrets(settings.secrets)
-    worker, client = get_worker(), get_client()
+    worker = get_worker()
     task = worker.get_current_task()
+    with closing(_Submitter(settings.topic, worker, task)) as submitter:
+        # A task is repeated whose worker has died, and then some of its files are done.
+        left = submitter.ask(tuple(files))
+        with _process(settings, worker, task) as process:
+            for number in left:
+                if not _do_one(number, files[number], process, submitter):
+                    return
 
-    def send(event: Event) -> None:
-        worker.log_event(settings.topic, pickle.dumps(event))
 
-    def ready(_: Assignment, record: Record) -> None:
-        answer = Answer(f"{settings.topic}-{uuid4().hex}", client=client)
-        send(Event(number, record, answer.name))
-        while not answer.wait(timeout=_LOOK):
-            if _abandoned(worker, task):
-                raise AbandonedError(assignment.entry.source)
-        answer.clear()
-
-    send(Event(number))
-    with _process(settings, worker, task) as process:
-        record = process.do(assignment, ready)
-        if _abandoned(worker, task):
-            raise AbandonedError(assignment.entry.source)
-        return record
+def _do_one(number: int, assignment: Assignment, process: FileProcess, submitter: _Submitter) -> bool:
+    """Do a file; whether the submitter wants more. It is asked once of most, as that takes milliseconds."""
+    answers: list[bool] = []
+    submitter.tell(Event(number))
+    record = process.do(assignment, lambda _, ready: answers.append(submitter.ask(Event(number, ready))))
+    submitter.check()
+    if not answers or record.failed:
+        return bool(submitter.ask(Event(number, record, done=True)))
+    submitter.tell(Event(number, record, done=True))
+    return answers[0]
 
 
 def _abandoned(worker: Any, task: str) -> bool:
@@ -113,7 +158,7 @@ _lock = threading.Lock()
 
 @contextmanager
 def _process(settings: Settings, worker: Any, task: str) -> Iterator[FileProcess]:
-    """A process for a file: one that has done another of the batch, or a new one."""
+    """A process for a task: one that has done another of the batch, or a new one."""
     with _lock:
         if settings.topic not in _batches:
             _batches[settings.topic] = _Processes()

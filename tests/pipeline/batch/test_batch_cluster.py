@@ -245,7 +245,7 @@ def test_a_worker_knows_the_secrets_of_urls_before_it_touches_a_file(monkeypatch
     monkeypatch.setattr(dask_worker, "leave_out_working_folder", lambda: None)
     secrets = {"s3://studio": "me:word"}, {"https://server/a.glb": "?sig=1"}
     with pytest.raises(ValueError, match="worker"):
-        dask_worker.do(pickle.dumps((1, None, SimpleNamespace(secrets=secrets))))
+        dask_worker.do(pickle.dumps(({}, SimpleNamespace(secrets=secrets))))
     assert urls.secrets() == secrets
 
 
@@ -259,6 +259,20 @@ def test_what_is_no_address_is_reported_at_once(tmp_path: Path, address: str) ->
     assert not [found for found in gc.get_objects() if type(found).__name__ == "Client"]
 
 
+ERROR, FINE = Record("error", "geometry", "no way up", 5), Record("ok")
+
+
+def unpacked(packed: bytes) -> tuple[list[tuple[int, Assignment]], Any]:
+    """The files of a task by their numbers, and the settings."""
+    files, settings = pickle.loads(packed)
+    return [*files.items()], settings
+
+
+def tell(engine: dask.Cluster, about: Event | tuple[int, ...]) -> object:
+    """What a worker reports arrives; the answer."""
+    return asyncio.run(engine._reply(about))
+
+
 class Dying:
     """A client of a cluster whose workers die on one file, while the others wait for them."""
 
@@ -269,13 +283,14 @@ class Dying:
         return {}
 
     def submit(self, _: object, packed: bytes, **__: object) -> Any:
-        number, assignment, _settings = pickle.loads(packed)
+        ((number, assignment),), _settings = unpacked(packed)
         self.submitted.append(assignment.entry.source)
         if assignment.entry.source == self._dies:
             for _ in range(4):
-                asyncio.run(self._engine._received((0.0, pickle.dumps(Event(number)))))
+                tell(self._engine, Event(number))
         elif self.submitted.count(assignment.entry.source) > 1:
-            return Ended(record=Record("ok"))
+            tell(self._engine, Event(number, FINE, done=True))
+            return Ended()
         return Ended(KilledWorker("a", WorkerState.__new__(WorkerState), 3))
 
     def cancel(self, _: object) -> None:
@@ -285,15 +300,14 @@ class Dying:
 class Ended:
     """A future that has ended."""
 
-    def __init__(self, error: Exception | None = None, *, record: Record | None = None) -> None:
-        self._error, self._record = error, record
-        self.status = "error" if error else "finished"
+    def __init__(self, error: Exception | None = None) -> None:
+        self._error, self.status = error, "error" if error else "finished"
 
     def add_done_callback(self, done: Callable[[object], None]) -> None:
         done(self)
 
-    def result(self, **_: object) -> Record | None:
-        return self._record
+    def result(self, **_: object) -> None:
+        pass
 
     def exception(self) -> Exception | None:
         return self._error
@@ -336,45 +350,51 @@ def test_what_a_dead_worker_has_left_is_removed_where_another_has_done_the_file(
 
 
 class Working:
-    """A client of a cluster, whose files end at once with these records; others are begun, or wait."""
+    """A client whose worker does files with these records one by one; others are begun, or wait."""
 
     def __init__(self, engine: dask.Cluster, records: dict[str, Record], begun: tuple[str, ...] = ()) -> None:
         self._engine, self._records, self._begun = engine, records, begun
-        self.futures, self.cancelled = dict[str, Future](), list[str]()
+        self.tasks, self.done, self.cancelled = dict[str, Future](), list[str](), list[str]()
 
     def submit(self, _: object, packed: bytes, **__: object) -> Future:
-        number, assignment, _settings = pickle.loads(packed)
-        name = assignment.entry.source
-        future = self.futures[name] = Future(name)
-        for _ in range(self._begun.count(name)):
-            asyncio.run(self._engine._received((0.0, pickle.dumps(Event(number)))))
-        if name in self._records:
-            future.end(self._records[name])
+        files, _settings = unpacked(packed)
+        future = Future(self._engine, *((number, a.entry.source) for number, a in files))
+        more: object = True
+        for number, assignment in files:
+            name = assignment.entry.source
+            self.tasks[name] = future
+            for _ in range(self._begun.count(name) if more else 0):
+                tell(self._engine, Event(number))
+            if more and name in self._records:
+                self.done.append(name)
+                more = future.end(self._records[name])
         return future
 
     def cancel(self, futures: list[Future]) -> None:
-        self.cancelled += [future.name for future in futures]
+        self.cancelled += [name for future in futures for name in future.names]
 
 
 class Future(Ended):
-    """One that ends when it is told to."""
+    """A task that has ended when its last file has, or no other is wanted."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, engine: dask.Cluster, *files: tuple[int, str]) -> None:
         super().__init__()
-        self.name, self._done = name, list[Callable[[object], None]]()
+        self._numbers, self.names = [number for number, _ in files], [name for _, name in files]
+        self._engine, self._done = engine, list[Callable[[object], None]]()
+        self._ended = False
 
     def add_done_callback(self, done: Callable[[object], None]) -> None:
         self._done.append(done)
-        if self._record is not None:
+        if self._ended:
             done(self)
 
-    def end(self, record: Record) -> None:
-        self._record = record
-        for done in self._done:
+    def end(self, record: Record) -> object:
+        """Its next file has become this; whether another one is wanted."""
+        more = tell(self._engine, Event(self._numbers.pop(0), record, done=True))
+        self._ended = not (more and self._numbers)
+        for done in self._done if self._ended else ():
             done(self)
-
-
-ERROR, FINE = Record("error", "geometry", "no way up", 5), Record("ok")
+        return more
 
 
 @pytest.mark.parametrize(
@@ -389,7 +409,7 @@ def test_no_file_is_submitted_once_more_have_failed_than_allowed(
     assignments = [Assignment(Entry(name, f"out/{name}"), Turn()) for name in records]
     found = [(a.entry.source, record) for a, record in engine.run(assignments, lambda *_: None)]
     assert found == [(name, records[name]) for name in done]
-    assert list(client.futures) == list(done)
+    assert client.done == list(done)
 
 
 def test_once_too_many_have_failed_what_waits_is_cancelled_and_what_is_begun_ends(tmp_path: Path) -> None:
@@ -398,10 +418,31 @@ def test_once_too_many_have_failed_what_waits_is_cancelled_and_what_is_begun_end
     assignments = [Assignment(Entry(k, f"out/{k}"), Turn()) for k in ("refused", "begun", "waits", "never")]
     run = engine.run(assignments, lambda *_: None)
     assert next(run)[1] == ERROR
-    client.futures["begun"].end(FINE)
+    client.tasks["begun"].end(FINE)
     assert [(a.entry.source, record) for a, record in run] == [("begun", FINE)]
-    assert list(client.futures) == ["refused", "begun", "waits"]
+    assert list(client.tasks) == ["refused", "begun", "waits"]
     assert client.cancelled == ["waits"]
+
+
+def test_small_files_share_tasks_which_shrink_towards_the_end(tmp_path: Path) -> None:
+    engine = dask.Cluster("", str(tmp_path), jobs=2)
+    names = [f"{k:03}" for k in range(260)]
+    engine._client = client = Working(engine, dict.fromkeys(names, FINE))
+    run = engine.run([Assignment(Entry(name, f"out/{name}"), Turn()) for name in names], lambda *_: None)
+    assert [a.entry.source for a, _ in run] == names
+    sizes = [len(task.names) for task in dict.fromkeys(client.tasks.values())]
+    assert sizes[:7] == [25] * 7
+    assert sizes[7:] == sorted(sizes[7:], reverse=True)
+    assert sizes[-8:] == [2, *[1] * 7]
+
+
+def test_a_task_that_is_repeated_does_what_is_left(tmp_path: Path) -> None:
+    engine = dask.Cluster("", str(tmp_path))
+    tell(engine, Event(4, FINE, done=True))
+    assert tell(engine, (3, 4, 5)) == [3, 5]
+    tell(engine, Event(4, ERROR, done=True))
+    assert engine._inbox.get_nowait() == (4, FINE)
+    assert engine._inbox.empty()
 
 
 class Asked:
