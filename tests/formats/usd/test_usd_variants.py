@@ -342,3 +342,31 @@ def test_an_output_is_edited_again_in_every_variant(name: str, tmp_path: Path) -
     second = write(again, turned(again.rig, seed=2), tmp_path / "second.usda")
     for variant in "ab":
         assert apart(source, second, {"clip": variant}) < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("edit", "token"),
+    [(["rename-joints", "--name", "b=knee"], "a/knee/c"), (["add-root", "--above", "a"], "root/a/b/c")],
+)
+def test_joints_get_other_paths_where_variants_decide_rotations_alone(
+    edit: list[str], token: str, tmp_path: Path
+) -> None:
+    source, out = save(tmp_path, choosing(SCENES["values"], clip="a")), tmp_path / "out.usda"
+    cli(edit[0], source, "-o", out, *edit[1:], code=0)
+    for variant in "ab":
+        assert apart(source, out, {"clip": variant}) < 1e-6
+        stage = selecting(out, "/Root", {"clip": variant})
+        assert all(token in stage.GetAttributeAtPath(f"/Root/{name}.joints").Get() for name in ("Skel", "Anim"))
+
+
+def test_joints_are_renamed_in_animations_that_other_variants_bind(tmp_path: Path) -> None:
+    source, out = save(tmp_path, choosing(SCENES["binding"], clip="a")), tmp_path / "out.usda"
+    cli("rename-joints", source, "-o", out, "--name", "b=knee", code=0)
+    for variant in "ab":
+        assert apart(source, out, {"clip": variant}) < 1e-9
+    # What only another variant has cannot be read.
+    clips = {name: f"{animation(clip)}\n{BINDINGS[name]}" for name, clip in (("a", "Anim"), ("b", "Run"))}
+    text = scene(skeleton(source=""), MESH, variant_set("clip", **clips))
+    source = save(tmp_path, choosing(text, clip="a"), "inside.usda")
+    printed = cli("rename-joints", source, "-o", tmp_path / "no.usda", "--name", "b=knee", code=3).output
+    assert "</Root/Anim.joints> is not the same in all variants of 'clip' on </Root>" in printed

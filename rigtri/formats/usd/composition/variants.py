@@ -187,11 +187,11 @@ class SkeletonVariants:
         return found
 
 
-def split_by(variants: SkeletonVariants) -> str:
-    """Which variant set decides what a skeleton's joints are or do; "" if none does."""
-    if not variants.depends:
+def split_by(variants: SkeletonVariants, names: Sequence[str] = (*VALUES, SOURCE)) -> str:
+    """Which variant set decides what a skeleton's joints are or do, of these names; "" if none does."""
+    path = min((each for each in variants.depends if each.name in names), default=None)
+    if path is None:
         return ""
-    path = min(variants.depends)
     prim, name = min(variants.depends[path])
     return (
         f"<{path}> is not the same in all variants of '{name}' on <{prim}>, and joints that are renamed in "

@@ -12,7 +12,7 @@ from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_locked
 from rigtri.formats.usd.composition.value_types import usable
 from rigtri.formats.usd.composition.variants import each_choice
-from rigtri.formats.usd.opinions.edits import Edit, set_tokens
+from rigtri.formats.usd.opinions.edits import Edit, Setting, set_tokens
 from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, Bindings, weighted
 from rigtri.formats.usd.reading.source import Source
 from rigtri.report import Notice
@@ -118,8 +118,8 @@ def _places(prim: Any, *more: str) -> str:
     return " ".join(words)
 
 
-def stale_names(source: Source, renaming: Renaming) -> list[Notice]:
-    """Notices of attributes that name renamed joints by the tokens they had, and are not changed."""
+def stale_names(source: Source, renaming: Renaming, edits: Sequence[Edit]) -> list[Notice]:
+    """Notices of attributes that name renamed joints by the tokens they had, and that no edit changes."""
     old = {
         token
         for path, renamed in renaming.items()
@@ -127,7 +127,7 @@ def stale_names(source: Source, renaming: Renaming) -> list[Notice]:
         if renamed(token) != token
     }
     edited = {(path, name) for path in renaming for name in ("joints", "jointNames")}
-    edited |= {(played, "joints") for path in renaming for played in source.skeletons[path].animations}
+    edited |= {(str(edit.prim), edit.name) for edit in edits if isinstance(edit, Setting)}
     found = [
         str(attribute.GetPath())
         for prim in Usd.PrimRange(source.stage.GetPseudoRoot(), ALL_PRIMS)

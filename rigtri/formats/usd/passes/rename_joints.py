@@ -9,8 +9,11 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
+from pxr import Sdf
+
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stage import refuse
+from rigtri.formats.usd.composition.animation_binding import SOURCE
+from rigtri.formats.usd.composition.stage import refuse, tokens_of
 from rigtri.formats.usd.composition.variants import split_by, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
@@ -18,6 +21,7 @@ from rigtri.formats.usd.opinions.skeleton_edits import joint_names
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.joint_tokens import renamed_token
 from rigtri.formats.usd.reading.node_keys import kind
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.rig import Rig
 from rigtri.text import and_more
@@ -34,9 +38,15 @@ def rename_joints(edit: UsdEdit) -> None:
     renaming: Renaming = {path: partial(renamed_token, names=each) for path, each in names.items()}
     for path in renaming:
         _check(source, path)
+    played = {path: _played(source, path, demanded=path in renaming) for path in source.skeletons}
     influences = influence_edits(source, renaming, grown=False)
-    edit.notices += stale_names(source, renaming)
-    edit.prepare([*_skeleton_edits(source, renaming), *_animation_edits(source, renaming), *influences])
+    edits = [
+        *_skeleton_edits(source, renaming),
+        *_animation_edits(source, renaming, played),
+        *influences,
+    ]
+    edit.notices += stale_names(source, renaming, edits)
+    edit.prepare(edits)
     edit.rig = replace(edit.rig, keys=_keys(source, edit.source, edit.rig))
 
 
@@ -64,9 +74,24 @@ def _check(source: Source, path: str) -> None:
     skeleton = source.skeletons[path]
     refuse(skeleton.locked)
     if path not in source.animations:
-        for variants in variants_of(source.stage, path, skeleton.animations):
-            refuse(split_by(variants))
         refuse(why_bound_otherwise(source.stage, path))
+
+
+def _played(source: Source, path: str, *, demanded: bool) -> set[str]:
+    """The animations of a skeleton in all variants that the stage has.
+
+    demanded: FileError where variants list joints, each its own, also in animations that only some have.
+    """
+    skeleton = source.skeletons[path]
+    found = set(skeleton.animations)
+    if path in source.animations:
+        return found
+    bound = Sdf.Path(path).AppendProperty(SOURCE)
+    for variants in variants_of(source.stage, path, skeleton.animations):
+        refuse(split_by(variants, ["joints"]) if demanded else "")
+        targets = {target for state in variants.states for target in state.shown.get(bound, ())}
+        found |= {target for target in targets if source.stage.GetPrimAtPath(target)}
+    return found
 
 
 def _skeleton_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
@@ -85,12 +110,17 @@ def _skeleton_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
             )
 
 
-def _animation_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
-    for path, animation in source.animations.items():
-        users = [skeleton for skeleton in source.skeletons.values() if path in skeleton.animations]
-        users += [skeleton for skeleton in source.skeletons.values() if skeleton.path == path]
+def _animation_edits(
+    source: Source, renaming: Renaming, played: Mapping[str, set[str]]
+) -> Iterator[Edit]:
+    listed = {path: animation.tokens for path, animation in source.animations.items()}
+    read = {path for skeleton in source.skeletons.values() for path in skeleton.animations}
+    for path in sorted(set[str]().union(*played.values()) - read):
+        listed[path] = tokens_of(source.stage.GetPrimAtPath(path), "joints")
+    for path, before in listed.items():
+        users = [source.skeletons[user] for user, paths in played.items() if path in paths or user == path]
         tokens: list[str] = []
-        for token in animation.tokens:
+        for token in before:
             mine = [skeleton.path for skeleton in users if token in skeleton.tokens]
             new = {renaming[user](token) if user in renaming else token for user in mine}
             if len(new) > 1:
@@ -100,7 +130,7 @@ def _animation_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
                     "names in it. Rename the joint in all of them alike, or give each an animation of its own"
                 )
             tokens += new or {token}
-        if tokens != list(animation.tokens):
+        if tokens != list(before):
             yield set_tokens(path, "joints", tokens)
 
 

@@ -12,11 +12,13 @@ from functools import partial
 from itertools import product
 
 import numpy as np
+from pxr import Sdf
 
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds
+from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.composition.stage import refuse
-from rigtri.formats.usd.composition.variants import split_by, variants_of
+from rigtri.formats.usd.composition.variants import VALUES, split_by, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
 from rigtri.formats.usd.opinions.skeleton_edits import (
@@ -43,20 +45,36 @@ from rigtri.text import and_more
 
 # What else there is where joints are split for their scale.
 _INSTEAD = ", or choose --on-nonuniform-scale snap or skip"
+# What of a skeleton lists its joints, and which animation does; the other values are arrays of that.
+_LISTED = ("joints", "bindTransforms", "restTransforms", SOURCE)
+_DECISIVE = (*VALUES, SOURCE)
 
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """The joints of a skeleton that are split: their tokens, and the names of those above them."""
+    """The joints of a skeleton that are split: their tokens, and the names of those above them.
+
+    binds: by the tokens of the joints below them, the bind matrices (4, 4) of those that a skin has.
+    """
 
     skeleton: Skeleton
     holders: Mapping[str, str]
+    binds: Mapping[str, Floats]
 
     @property
     def rows(self) -> list[int]:
         """The rows of the skeleton with each split joint's twice: first for the one above it."""
         firsts = _firsts(self.skeleton.tokens, self.holders)
         return [k for k, token in enumerate(self.skeleton.tokens) for _ in range(1 + (token in firsts))]
+
+    @property
+    def bind(self) -> Floats:
+        """The bind matrices of all, (n, 4, 4); what no skin has binds as the joint below."""
+        firsts, tokens = _firsts(self.skeleton.tokens, self.holders), self.skeleton.tokens
+        found: list[Floats] = []
+        for token, bind in zip(tokens, self.skeleton.bind, strict=True):
+            found += [self.binds.get(token, bind), bind] if token in firsts else [bind]
+        return np.array(found).reshape(-1, 4, 4)
 
     @property
     def tokens(self) -> list[str]:
@@ -76,13 +94,19 @@ def split_joints(edit: UsdEdit) -> None:
     frames = set(edit.rig.frame_of.values())
     if frames and not edit.options.allow_rename:
         raise UsageError(_refusal(splits))
+    # What stands elsewhere below a new joint has other translations, below one with other axes all others.
+    turned = edit.rig.local[list(new_above(edit.rig).values())] - np.eye(4)
+    rests = all(split.skeleton.has_rest for split in splits.values())
+    decisive = _LISTED if rests and not frames and not turned[:, :3].any() else _DECISIVE
+    decisive += ("translations",) if turned.any() else ()
     for path in splits:
-        _check(source, splits, path, _INSTEAD if frames else "")
+        _check(source, splits, path, decisive, _INSTEAD if frames else "")
     holders = {path: split.holders for path, split in splits.items()}
     renaming = {path: partial(split_token, holders=each) for path, each in holders.items()}
     influences = influence_edits(source, renaming)
-    edit.notices += stale_names(source, renaming)
-    edit.prepare([*_skeleton_edits(source, splits), *_animation_edits(source, splits), *influences])
+    edits = [*_skeleton_edits(source, splits), *_animation_edits(source, splits), *influences]
+    edit.notices += stale_names(source, renaming, edits)
+    edit.prepare(edits)
     edit.rig = _aligned(edit.source, edit.rig)
 
 
@@ -90,6 +114,7 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
     """The joints that a rig splits and the source does not, by skeleton."""
     token_of = {source.rig.keys[node]: token for node, (_, token) in source.joints.items()}
     found: dict[str, dict[str, str]] = {}
+    binds: dict[str, dict[str, Floats]] = {}
     for joint, holder in sorted(new_above(rig).items()):
         key = rig.keys[joint]
         if kind(key) != "joint":
@@ -112,7 +137,11 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
         while name in taken:
             name += "_"
         found.setdefault(path, {})[token] = name
-    return {path: Split(source.skeletons[path], holders) for path, holders in found.items()}
+        for skin in rig.skins if joint not in rig.frame_of else ():
+            if skin.key == ("skeleton", path) and holder in skin.joints:
+                bound = skin.inverse_bind[skin.joints.tolist().index(holder)]
+                binds.setdefault(path, {})[token] = inverse(bound)
+    return {path: Split(source.skeletons[path], holders, binds.get(path, {})) for path, holders in found.items()}
 
 
 def _refusal(splits: Mapping[str, Split]) -> str:
@@ -126,13 +155,18 @@ def _refusal(splits: Mapping[str, Split]) -> str:
     )
 
 
-def _check(source: Source, splits: Mapping[str, Split], path: str, instead: str) -> None:
-    """FileError where the skeleton or what drives and binds it cannot be edited; instead: another way."""
+def _check(
+    source: Source, splits: Mapping[str, Split], path: str, decisive: Sequence[str], instead: str
+) -> None:
+    """FileError where the skeleton or what drives and binds it cannot be edited; instead: another way.
+
+    decisive: what variants must not decide.
+    """
     skeleton, holders = splits[path].skeleton, splits[path].holders
     refuse(skeleton.locked)
     if skeleton.path not in source.animations:  # not an animation that stands in for its skeleton
         for variants in variants_of(source.stage, path, skeleton.animations):
-            if why := split_by(variants):
+            if why := split_by(variants, decisive):
                 raise FileError(f"{why}{instead}.")
         refuse(why_bound_otherwise(source.stage, path))
     played = [source.animations[path] for path in skeleton.animations if path in source.animations]
@@ -171,7 +205,7 @@ def _skeleton_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Edi
         rest = skeleton.rest[rows] if skeleton.has_rest else None
         names = joint_names(source.stage, skeleton)
         names = None if names is None else _named(split, names)
-        yield from set_joints(path, split.tokens, skeleton.bind[rows], rest, names)
+        yield from set_joints(path, split.tokens, split.bind, rest, names)
         yield from joint_primvars(source.stage, skeleton, rows)
 
 
@@ -195,11 +229,26 @@ def _animation_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Ed
         holders = {token: name for split in users for token, name in split.holders.items()}
         if not holders:
             continue
+        if _decided(source, path, splits):
+            # Their arrays cannot get a column in one of them alone: the new joint stays at rest.
+            yield set_tokens(path, "joints", [split_token(token, holders) for token in animation.tokens])
+            continue
         yield set_tokens(path, "joints", _with_holders(animation.tokens, holders))
         firsts = _firsts(animation.tokens, holders)
         at = [column for column, token in enumerate(animation.tokens) if token in firsts]
         for name, item in animation.properties.items():
             yield set_array(path, name, _with_columns(name, item, at))
+
+
+def _decided(source: Source, animation: str, splits: Mapping[str, Split]) -> bool:
+    """Whether variants decide an array of an animation."""
+    users = [path for path in splits if animation in source.skeletons[path].animations]
+    arrays = {Sdf.Path(animation).AppendProperty(name) for name in NOTHING}
+    return any(
+        arrays & variants.depends.keys()
+        for path in users
+        for variants in variants_of(source.stage, path, [animation])
+    )
 
 
 def _with_holders(tokens: tuple[str, ...], holders: Mapping[str, str]) -> list[str]:
