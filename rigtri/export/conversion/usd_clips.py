@@ -7,7 +7,6 @@ Source: UsdSkelAnimation (joint-local; translations float3, rotations quatf, sca
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,8 +23,6 @@ from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.text import and_more
 
-# Scales that a half float holds to this share need no word: it is half of what a conversion may be off.
-_HALF = 5e-6
 # More samples than this, and than these for each key, are told: files become large.
 _MANY, _PER_KEY = 10_000, 100
 _ANIMATED = ("translations", "rotations", "scales", "blendShapeWeights")
@@ -200,29 +197,3 @@ def unevenness(turns: Floats) -> float:
         arcs = slerp(one[near], other[near], np.full(len(played), share))
         worst = max(worst, float(angle_between(played, arcs).max(initial=0.0)))
     return worst
-
-
-def with_half_scales(rig: Rig, clip: Clip, joints: Sequence[int]) -> tuple[Rig, Clip]:
-    """The rig and the clip with the scales of some joints as half floats hold them."""
-
-    def half(values: Floats) -> Floats:
-        return values.astype(np.float16).astype(np.float64)
-
-    scale = rig.scale.copy()
-    scale[list(joints)] = half(scale[list(joints)])
-    tracks = [t.having(half(t.values)) if t.path == "scale" and t.node in joints else t for t in clip.tracks]
-    return replace(rig, scale=scale), replace(clip, tracks=tuple(tracks))
-
-
-def half_scales(rig: Rig, skeleton: Skeleton, clip: Clip) -> list[int]:
-    """Joints that a clip moves whose scales a half float does not hold."""
-    moved = {track.node for track in clip.tracks if track.path != "weights"}
-    scales = {track.node: track.values for track in clip.tracks if track.path == "scale"}
-    found = []
-    for node in skeleton.joints:
-        if node in moved:
-            given = np.asarray(scales.get(node, rig.scale[node]))
-            off = np.abs(given.astype(np.float16).astype(np.float64) - given)
-            if (off > _HALF * np.maximum(np.abs(given), 1.0)).any():
-                found.append(node)
-    return found

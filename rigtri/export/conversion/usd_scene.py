@@ -22,7 +22,7 @@ from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.loose_animations import tracks_of
-from rigtri.formats.usd.reading.mesh_reader import at_start
+from rigtri.formats.usd.reading.mesh_reader import at_start, drives_shapes
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.trigonometry import Floats
@@ -312,7 +312,10 @@ class _Reader:
             self.scene.played[clip.name] = meant, source
 
     def _loose(self) -> list[tuple[str, str]]:
-        """SkelAnimations that nothing plays, each with the Skeleton that has all of its joints."""
+        """SkelAnimations that nothing plays, each with the Skeleton that has all of its joints.
+
+        One of blend shapes alone goes with a Skeleton whose meshes have some of them.
+        """
         bound = set(self.source.animations)
         used: set[tuple[str, str]] = set()  # clips of one name are one, of several skeletons
         found, other = [], []
@@ -324,7 +327,9 @@ class _Reader:
             fits = [
                 skeleton
                 for skeleton, known in self.source.skeletons.items()
-                if joints and joints <= set(known.tokens) and (name, skeleton) not in used
+                if (joints or drives_shapes(prim, self.source.bindings.of({skeleton})))
+                and joints <= set(known.tokens)
+                and (name, skeleton) not in used
             ]
             if fits:
                 used.add((name, fits[0]))

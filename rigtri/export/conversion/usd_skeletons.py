@@ -95,10 +95,8 @@ def _smaller(matrix: Floats, scale: float) -> Floats:
     return multiply(matrix, from_frame(np.eye(3) / scale, np.zeros(3)))
 
 
-def plan_skeletons(scene: Scene) -> tuple[list[Skeleton], set[int]]:
-    """All Skeletons of a scene, and the nodes that become joints of them."""
-    rig = scene.rig
-    joints = _joints(scene)
+def plan_skeletons(scene: Scene, rig: Rig, joints: set[int]) -> list[Skeleton]:
+    """All Skeletons of a scene with its rig, or that with other scales. joints: `joints_of` it."""
     groups = _groups(rig, joints)
     skeletons: list[Skeleton] = []
     for parent, nodes, skins in groups:
@@ -129,10 +127,11 @@ def plan_skeletons(scene: Scene) -> tuple[list[Skeleton], set[int]]:
             and primitives[0].mesh.skin is None
         ):
             skeletons.append(Skeleton(node, [], "Morphs", morphed=node))
-    return skeletons, joints
+    return skeletons
 
 
-def _joints(scene: Scene) -> set[int]:
+def joints_of(scene: Scene) -> set[int]:
+    """The nodes that become joints of Skeletons."""
     rig = scene.rig
     marked = set(np.flatnonzero(rig.is_joint).tolist()) | {j for s in rig.skins for j in s.joints.tolist()}
     moved = {track.node for clip in rig.clips for track in clip.tracks if track.path != "weights"}

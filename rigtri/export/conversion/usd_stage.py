@@ -10,22 +10,29 @@ from dataclasses import field
 from typing import Any
 
 import numpy as np
-from pxr import Kind, Sdf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
+from pxr import Kind, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 
 from rigtri.evaluation.sampling import Motion, key_times, worlds
 from rigtri.export.conversion import usd_clips, usd_meshes
 from rigtri.export.conversion import usd_values as values
 from rigtri.export.conversion.scene import Image, Primitive, Scene
 from rigtri.export.conversion.usd_cameras_lights import define_camera, define_light
+from rigtri.export.conversion.usd_joint_scales import (
+    half_scales,
+    lost_scales,
+    scalings,
+    with_half_scales,
+    without_steady_scales,
+)
 from rigtri.export.conversion.usd_materials import MaterialWriter
 from rigtri.export.conversion.usd_names import Names, distinct, node_identifiers
 from rigtri.export.conversion.usd_samples import motion_times, rate_of
-from rigtri.export.conversion.usd_skeletons import Skeleton, plan_skeletons
+from rigtri.export.conversion.usd_skeletons import Skeleton, joints_of, plan_skeletons
 from rigtri.formats.usd.codeless_schemas import register_usd_schemas
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.identifiers import identifier
 from rigtri.maths.arrays import Integers
-from rigtri.maths.matrices import decompose, identity
+from rigtri.maths.matrices import decompose, identity, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path
 from rigtri.model.dataclass import dataclass
@@ -77,14 +84,16 @@ class _Writer:
     """One pass over a scene."""
 
     def __init__(self, scene: Scene, look: UsdLook, place: Callable[[Image], str]) -> None:
-        self.scene, self.rig, self.look = scene, scene.rig, look
-        self.rate = look.rate or rate_of(self.rig.clips)
+        self.scene, self.look = scene, look
+        self.rate = look.rate or rate_of(scene.rig.clips)
         layer = layers.empty()
         register_usd_schemas()
         self.stage = Usd.Stage.Open(layer)
         self.result = WrittenStage(layer, self.rate)
+        self.joints = joints_of(scene)
+        self.rig, self.sizes = without_steady_scales(scene.rig, self.joints)
         self.clip: Clip | None = self.rig.clips[0] if self.rig.clips else None
-        self.skeletons, self.joints = plan_skeletons(scene)
+        self.skeletons = plan_skeletons(scene, self.rig, self.joints)
         self.words = node_identifiers(self.rig.names, self.rig.labels)
         self.root = f"/{identifier(scene.name, 'Root')}"
         self.names = Names([*self.words, self.root[1:], "Materials", "Animations", "Looks"])
@@ -275,7 +284,7 @@ class _Writer:
             joints, weights = usd_meshes.influences(mesh, rows)
             usd_meshes.bind(prim, skeleton.path, joints, weights, skeleton.skins[mesh.skin])
         else:
-            place = skeleton.bind[node] if skeleton.joints else np.eye(4)
+            place = multiply(scalings(self.sizes[node]), skeleton.bind.get(node, np.eye(4)))
             number = row[node] if skeleton.joints else 0
             usd_meshes.bind(prim, skeleton.path, np.full((1, 1), number), one, place)
         if len(mesh.morphs):
@@ -311,7 +320,7 @@ class _Writer:
             if clip.name and title != clip.name:
                 self.scene.lose(f"that several clips are called '{clip.name}': one is '{title}'")
             found: dict[str, str] = {}
-            self.result.halves.append(set())
+            self.result.halves.append(set(half_scales(rig, self.joints, clip)))
             for skeleton in self.skeletons:
                 shapes = self._shapes_of(skeleton)
                 word = names.unique(title, "clip")
@@ -321,9 +330,9 @@ class _Writer:
                     many = usd_clips.many_samples(self.stage.GetPrimAtPath(path), rig, clip)
                     self.scene.notices += [Notice("many-samples", many)] if many else []
                     self._name(self.stage.GetPrimAtPath(path), title if clip.name else "", word)
-                    self.result.halves[-1].update(usd_clips.half_scales(rig, skeleton, clip))
             self.result.clips.append(found)
-        self._say_halves()
+        for words in lost_scales(rig, self.joints, self.result.halves):
+            self.scene.lose(words)
         for skeleton in self.skeletons:
             source = next((c[skeleton.path] for c in self.result.clips[:1] if skeleton.path in c), "")
             shapes = self._shapes_of(skeleton)
@@ -336,19 +345,10 @@ class _Writer:
                 prim = UsdSkel.BindingAPI.Apply(self.stage.GetPrimAtPath(skeleton.path))
                 prim.CreateAnimationSourceRel().SetTargets([source])
         if self.stage.GetPrimAtPath(holder):
-            self.stage.GetPrimAtPath(holder).SetTypeName("Scope")
-            self.stage.GetPrimAtPath(holder).SetSpecifier(Sdf.SpecifierDef)
-
-    def _say_halves(self) -> None:
-        joints = sorted(set().union(*self.result.halves))
-        if joints:
-            some = and_more((f"'{self.rig.title(joint)}'" for joint in joints), 3)
-            self.scene.lose(f"scales of {some} in full: UsdSkel has those of animations as half floats")
+            UsdGeom.Scope.Define(self.stage, holder)
 
     def _lenses(self, above: Mapping[int, str]) -> None:
-        """Cameras and lights: below their nodes, or where these are joints baked to where the clip takes
-        them.
-        """
+        """Cameras and lights: below their nodes, or where these are joints baked to their motion."""
         kinds: Any = ((self.scene.cameras, define_camera), (self.scene.lights, define_light))
         for lenses, define in kinds:
             for node, lens in lenses.items():
@@ -364,7 +364,7 @@ class _Writer:
                         self._bake(prim, node)
 
     def _bake(self, prim: Any, node: int) -> None:
-        rig = self.rig
+        rig = self.scene.rig
         if len(rig.clips) > 1:
             self.scene.lose(f"motion of {rig.title(node)}'s camera or light in clips but the first")
         small, place = rig.subset(rig.path_to_root(node))
@@ -374,8 +374,8 @@ class _Writer:
             times = np.zeros(0)
         else:
             # Where the joints that it is on go, whose scales are half floats.
-            halved = {j for s in self.skeletons for j in usd_clips.half_scales(rig, s, rig.clips[0])}
-            motion = Motion(*usd_clips.with_half_scales(small, clip, [place[j] for j in halved & {*place}]))
+            halved = set(half_scales(self.rig, self.joints, self.rig.clips[0])) & {*place}
+            motion = Motion(*with_half_scales(small, clip, [place[joint] for joint in halved]))
 
             def sampled(times: Floats) -> Floats:
                 return worlds(small, motion.locals_at(times))[:, place[node]].reshape(-1, 16)

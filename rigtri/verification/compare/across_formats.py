@@ -161,6 +161,8 @@ def at_keys_of(clip: Clip, other: Clip) -> Clip:
 def _snapped(times: Floats, keys: Floats) -> Floats:
     if not len(keys) or not len(times):
         return times
+    # A key right before a step, which a track that was brought here has, is none that others are near to.
+    keys = keys[np.append(np.nextafter(keys[:-1], np.inf) != keys[1:], True)]
     right = np.clip(np.searchsorted(keys, times), 0, len(keys) - 1)
     left = np.maximum(right - 1, 0)
     nearest = np.where(np.abs(times - keys[left]) < np.abs(keys[right] - times), keys[left], keys[right])

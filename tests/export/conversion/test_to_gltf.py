@@ -228,6 +228,21 @@ def test_a_pose_that_an_animation_holds_without_samples_is_a_clip(tmp_path: Path
     assert np.allclose(turn[0], (0.0, 0.0, 0.8, 0.6))
 
 
+def test_an_animation_of_blend_shapes_alone_that_nothing_plays_is_a_clip(tmp_path: Path) -> None:
+    """It lists no joints: the meshes that have its shapes say which skeleton it is for."""
+    shape = 'def BlendShape "smile" { uniform vector3f[] offsets = [(0, 0, 1), (0, 0, 1), (0, 1, 0)]\n}\n}'
+    bound = 'uniform token[] skel:blendShapes = ["smile"]\nrel skel:blendShapeTargets = </Root/Skin/smile>\n'
+    mesh = MESH.rstrip().removesuffix("}") + bound + shape
+    weights = "float[] blendShapeWeights.timeSamples = { 1: [0], 9: [0.5] }"
+    blink = f'def SkelAnimation "Blink" {{ uniform token[] blendShapes = ["smile"]\n{weights}\n}}'
+    other = blink.replace("smile", "frown").replace("Blink", "Other")
+    source = save(tmp_path, scene(skeleton(), animation(), mesh, blink, other))
+    report = rigtri.convert(source, tmp_path / "out.glb").report
+    assert [clip["name"] for clip in glb_json(tmp_path / "out.glb")["animations"]] == ["Anim", "Blink"]
+    (lost,) = [one.text for one in report.warnings if "of no skeleton" in one.text]
+    assert "</Root/Other>" in lost
+
+
 def test_blocked_samples_are_seen_by_verify(tmp_path: Path) -> None:
     whole = save(tmp_path, scene(skeleton(), animation(), MESH), "whole.usda")
     text = whole.read_text().replace("timeSamples = {", "timeSamples = {\n3: None,", 1)

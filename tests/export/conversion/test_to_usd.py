@@ -305,9 +305,9 @@ def test_scales_that_half_floats_do_not_hold_are_measured(samples: Path, tmp_pat
 def test_a_camera_goes_with_its_joint_whose_scale_is_a_half_float(samples: Path, tmp_path: Path) -> None:
     gltf, binary = glb_parts(samples / "biped.glb")
     gltf["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]
-    for channel in gltf["animations"][0]["channels"]:
-        gltf["nodes"][channel["target"]["node"]]["scale"] = [1.1, 1.1, 1.1]
-    joint = gltf["nodes"][gltf["animations"][0]["channels"][0]["target"]["node"]]
+    moved = (gltf["nodes"][channel["target"]["node"]] for channel in gltf["animations"][0]["channels"])
+    joint = next(node for node in moved if "children" not in node)
+    joint["scale"] = [1.1, 1.1, 1.2]
     joint.setdefault("children", []).append(len(gltf["nodes"]))
     gltf["nodes"].append({"name": "eye", "camera": 0, "translation": [0, 0.5, 0]})
     (tmp_path / "in.glb").write_bytes(glb_bytes(gltf, binary))
@@ -315,6 +315,62 @@ def test_a_camera_goes_with_its_joint_whose_scale_is_a_half_float(samples: Path,
     assert outcome.verification is not None
     assert outcome.verification.motion is not None
     assert outcome.verification.deviation <= TOLERANCE < outcome.verification.motion.deviation
+
+
+def test_a_steady_scale_that_half_floats_do_not_hold_is_in_what_is_below(
+    samples: Path, tmp_path: Path
+) -> None:
+    """An armature of 0.01 with keys, a mesh on a joint, a skin: exact, and told as nothing."""
+    gltf, binary = glb_parts(samples / "biped.glb")
+    del gltf["animations"][1:]
+    moved = {channel["target"]["node"] for channel in gltf["animations"][0]["channels"]}
+    next(node for node in gltf["nodes"] if node.get("name") == "eyes").pop("camera")
+    for node in moved:
+        gltf["nodes"][node]["scale"] = [0.9] * 3
+    top = gltf["nodes"][min(moved)]
+    top["scale"] = [0.01] * 3
+    for node in (n for n in top.get("children", []) if "translation" in gltf["nodes"][n]):
+        gltf["nodes"][node]["translation"] = [100 * x for x in gltf["nodes"][node]["translation"]]
+    gltf["meshes"].append({"primitives": [{"attributes": {"POSITION": _positions(gltf)}}]})
+    gltf["nodes"][max(moved)].setdefault("children", []).append(len(gltf["nodes"]))
+    gltf["nodes"].append({"name": "prop", "mesh": len(gltf["meshes"]) - 1, "translation": [0, 0.5, 0]})
+    (tmp_path / "in.glb").write_bytes(glb_bytes(gltf, binary))
+    outcome = rigtri.convert(tmp_path / "in.glb", tmp_path / "out.usda")
+    assert not any("half floats" in notice.text for notice in outcome.report.warnings)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= 1e-6
+    assert outcome.verification.motion is None
+    assert rigtri.verify(tmp_path / "in.glb", tmp_path / "out.usda").deviation <= 1e-6
+
+
+def _positions(gltf: dict[str, Any]) -> int:
+    accessor = gltf["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
+    assert isinstance(accessor, int)
+    return accessor
+
+
+def test_a_step_beside_scales_that_half_floats_do_not_hold_is_where_it_was(tmp_path: Path) -> None:
+    """The step is at 0.1 s as a float32, the samples are at 3 of 30 a second."""
+    b = small(2)
+    times = b.accessor([0.0, 0.1, 0.2])
+    b.gltf["animations"][0] |= {
+        "samplers": [
+            {"input": times, "output": b.accessor([[1.0] * 3, [1.3] * 3, [1.1] * 3])},
+            {
+                "input": times,
+                "output": b.accessor([[0, 0, 0, 1], [1, 0, 0, 0], [0, 1, 0, 0]]),
+                "interpolation": "STEP",
+            },
+        ],
+        "channels": [
+            {"sampler": k, "target": {"node": node, "path": path}}
+            for k, (node, path) in enumerate(((0, "scale"), (1, "rotation")))
+        ],
+    }
+    outcome = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usdc")
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= TOLERANCE
+    assert any("between keys" in notice.text for notice in outcome.report.warnings)
 
 
 def test_a_target_of_the_same_format_or_a_clip_that_is_not_there_is_refused(

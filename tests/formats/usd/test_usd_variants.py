@@ -356,7 +356,9 @@ def test_joints_get_other_paths_where_variants_decide_rotations_alone(
     for variant in "ab":
         assert apart(source, out, {"clip": variant}) < 1e-6
         stage = selecting(out, "/Root", {"clip": variant})
-        assert all(token in stage.GetAttributeAtPath(f"/Root/{name}.joints").Get() for name in ("Skel", "Anim"))
+        assert all(
+            token in stage.GetAttributeAtPath(f"/Root/{name}.joints").Get() for name in ("Skel", "Anim")
+        )
 
 
 def test_joints_are_renamed_in_animations_that_other_variants_bind(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_locked
 from rigtri.formats.usd.composition.value_types import usable
 from rigtri.formats.usd.composition.variants import each_choice
-from rigtri.formats.usd.opinions.edits import Edit, Setting, set_tokens
+from rigtri.formats.usd.opinions.edits import Edit, Setting, binding_schema, set_tokens
 from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, Bindings, weighted
 from rigtri.formats.usd.reading.source import Source
 from rigtri.report import Notice
@@ -32,6 +32,7 @@ def influence_edits(source: Source, renaming: Renaming, *, grown: bool = True) -
     that they were counted in. FileError where the order cannot be edited.
     """
     orders: dict[str, list[str]] = {}
+    schemas: list[Edit] = []
     for path, query in source.bindings.every:
         if path not in renaming or not query.HasJointInfluences():
             continue
@@ -44,9 +45,10 @@ def influence_edits(source: Source, renaming: Renaming, *, grown: bool = True) -
         edited = prim or query.GetPrim()
         refuse(why_locked(edited, (ORDER, INDICES)))
         at = str(edited.GetPath())
+        schemas += binding_schema(edited) if at not in orders else []
         if orders.setdefault(at, new) != new:
             raise FileError(f"<{at}>.{ORDER} is for two skeletons whose joints are renamed differently.")
-    return [set_tokens(at, ORDER, order) for at, order in orders.items()]
+    return [*schemas, *(set_tokens(at, ORDER, order) for at, order in orders.items())]
 
 
 def _author(prim: Any) -> Any:

@@ -13,7 +13,7 @@ from pxr import Sdf
 
 from rigtri.errors import FixedWeightsError
 from rigtri.formats.usd.composition.stage import DEFAULT, why_locked
-from rigtri.formats.usd.opinions.edits import Edit, set_value
+from rigtri.formats.usd.opinions.edits import Edit, binding_schema, set_value
 from rigtri.formats.usd.opinions.joint_influences import INDICES, ORDER
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
@@ -56,7 +56,7 @@ def set_influences(query: Any, joints: Integers, weights: Floats) -> list[Edit]:
     """
     path = query.GetPrim().GetPath()
     interpolation = "constant" if query.IsRigidlyDeformed() else "vertex"
-    edits: list[Edit] = []
+    edits = binding_schema(query.GetPrim())
     for name, primvar, rows in (
         (INDICES, query.GetJointIndicesPrimvar(), joints.astype(np.int32)),
         (WEIGHTS, query.GetJointWeightsPrimvar(), weights),

@@ -21,7 +21,6 @@ from rigtri.formats.usd.opinions.skeleton_edits import joint_names
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.joint_tokens import renamed_token
 from rigtri.formats.usd.reading.node_keys import kind
-from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.rig import Rig
 from rigtri.text import and_more
@@ -110,9 +109,7 @@ def _skeleton_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
             )
 
 
-def _animation_edits(
-    source: Source, renaming: Renaming, played: Mapping[str, set[str]]
-) -> Iterator[Edit]:
+def _animation_edits(source: Source, renaming: Renaming, played: Mapping[str, set[str]]) -> Iterator[Edit]:
     listed = {path: animation.tokens for path, animation in source.animations.items()}
     read = {path for skeleton in source.skeletons.values() for path in skeleton.animations}
     for path in sorted(set[str]().union(*played.values()) - read):

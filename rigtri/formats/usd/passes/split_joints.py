@@ -46,8 +46,8 @@ from rigtri.text import and_more
 # What else there is where joints are split for their scale.
 _INSTEAD = ", or choose --on-nonuniform-scale snap or skip"
 # What of a skeleton lists its joints, and which animation does; the other values are arrays of that.
-_LISTED = ("joints", "bindTransforms", "restTransforms", SOURCE)
-_DECISIVE = (*VALUES, SOURCE)
+_LISTED: tuple[str, ...] = ("joints", "bindTransforms", "restTransforms", SOURCE)
+_DECISIVE: tuple[str, ...] = (*VALUES, SOURCE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,9 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
             if skin.key == ("skeleton", path) and holder in skin.joints:
                 bound = skin.inverse_bind[skin.joints.tolist().index(holder)]
                 binds.setdefault(path, {})[token] = inverse(bound)
-    return {path: Split(source.skeletons[path], holders, binds.get(path, {})) for path, holders in found.items()}
+    return {
+        path: Split(source.skeletons[path], holders, binds.get(path, {})) for path, holders in found.items()
+    }
 
 
 def _refusal(splits: Mapping[str, Split]) -> str:

@@ -13,7 +13,7 @@ from pxr import Gf, Sdf
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_locked
 from rigtri.formats.usd.composition.value_types import BIND
-from rigtri.formats.usd.opinions.edits import Edit, set_value
+from rigtri.formats.usd.opinions.edits import Edit, binding_schema, set_value
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.maths.matrices import multiply
@@ -34,6 +34,7 @@ def write_binding(edit: UsdEdit) -> None:
         scaling = np.diag([sizes[path]] * 3 + [1.0])
         value = Gf.Matrix4d(multiply(bind, scaling).tolist())
         edit.values.append(set_value(prim.GetPath(), BIND, Sdf.ValueTypeNames.Matrix4d, value))
+        edit.values += binding_schema(prim)
     if pending.conversion is not None:
         edit.removals.append(_metrics(pending.conversion.up.upper(), pending.conversion.metres))
 

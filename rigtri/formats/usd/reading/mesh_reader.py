@@ -195,6 +195,12 @@ def blend_names(animation: Any) -> list[str]:
     return [str(name) for name in usable(order, order.Get(DEFAULT)) or ()] if order else []
 
 
+def drives_shapes(animation: Any, queries: Sequence[Any]) -> bool:
+    """Whether an animation has weights for blend shapes of some meshes."""
+    names = set(blend_names(animation))
+    return any(names & set(query.GetBlendShapeOrder() or ()) for query in queries if query.HasBlendShapes())
+
+
 def blend_tracks(
     animation: Any, queries: Sequence[Any], node_of: Mapping[str, int], interpolation: Any
 ) -> list[Track]:

@@ -1,0 +1,129 @@
+"""Scales of joints, which SkelAnimations have as half floats: eleven bits, each sample by itself.
+
+One that never changes and is the same along all axes need not be there at all: what is below a joint, and
+what it moves, can have it instead. An armature of 0.01, as exporters leave it, would be 2e-4 off.
+
+Source: UsdSkelAnimation (half3[] scales).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.maths.matrices import from_frame, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.text import and_more
+
+# Scales that a half float holds to this share need no word: it is half of what a conversion may be off.
+HELD = 5e-6
+# Scales are one within this share: float32's noise.
+_SAME = 1e-6
+
+
+def half_scales(rig: Rig, joints: Collection[int], clip: Clip) -> list[int]:
+    """Joints that a clip moves whose scales a half float does not hold."""
+    moved = {track.node for track in clip.tracks if track.path != "weights"}
+    scales = {track.node: track.values for track in clip.tracks if track.path == "scale"}
+    return [n for n in joints if n in moved and not _held(np.asarray(scales.get(n, rig.scale[n])))]
+
+
+def with_half_scales(rig: Rig, clip: Clip, joints: Collection[int]) -> tuple[Rig, Clip]:
+    """The rig and the clip with the scales of some joints as half floats hold them."""
+
+    def half(values: Floats) -> Floats:
+        return values.astype(np.float16).astype(np.float64)
+
+    scale = rig.scale.copy()
+    scale[list(joints)] = half(scale[list(joints)])
+    tracks = [t.having(half(t.values)) if t.path == "scale" and t.node in joints else t for t in clip.tracks]
+    return replace(rig, scale=scale), replace(clip, tracks=tuple(tracks))
+
+
+def lost_scales(rig: Rig, joints: Collection[int], halves: Iterable[Collection[int]]) -> Iterator[str]:
+    """What half floats lose, in words. halves: `half_scales`, by clip."""
+    changing = {
+        track.node
+        for clip in rig.clips
+        for track in clip.tracks
+        if track.path == "scale" and track.node in joints and track.interpolation != "STEP"
+        if (track.values != track.values[:1]).any()
+    }
+    if stored := set[int]().union(*halves):
+        yield f"scales of {_titles(rig, stored)} in full: UsdSkel has those of animations as half floats"
+    if changing:
+        yield f"scales of {_titles(rig, changing)} between keys: OpenUSD rounds them there, by up to 2.4e-4"
+
+
+def _titles(rig: Rig, nodes: Collection[int]) -> str:
+    return and_more([f"'{rig.title(node)}'" for node in sorted(nodes)], 3)
+
+
+def _held(scales: Floats) -> bool:
+    rounded = scales.astype(np.float16).astype(np.float64)
+    return bool((np.abs(rounded - scales) <= HELD * np.abs(scales).max()).all())
+
+
+def without_steady_scales(rig: Rig, joints: Collection[int]) -> tuple[Rig, Floats]:
+    """The rig with scale 1 for joints whose scale is steady, even and not held by a half float.
+
+    Returns it and by how much, (n,), the axes of each node are longer in the rig as it was. What is below
+    such joints has other translations, skins have other bind poses, and all nodes stay where they are.
+    """
+    steady = np.ones(len(rig))
+    for clip in rig.clips:
+        for node in half_scales(rig, joints, clip):
+            steady[node] = _steady(rig, node)
+    sizes = np.ones(len(rig))
+    for node in joints:
+        sizes[node] = np.prod(steady[rig.path_to_root(node)])
+    if (steady == 1.0).all():
+        return rig, sizes
+    above = np.where(rig.parents >= 0, sizes[rig.parents], 1.0)
+    matrix = rig.matrix.copy()
+    matrix[:, 3, :3] *= above[:, np.newaxis]
+    clips = (
+        replace(clip, tracks=tuple(_resized(track, steady, above) for track in clip.tracks))
+        for clip in rig.clips
+    )
+    skins = (
+        replace(skin, inverse_bind=multiply(skin.inverse_bind, scalings(sizes[skin.joints])))
+        for skin in rig.skins
+    )
+    changed = replace(
+        rig,
+        translation=rig.translation * above[:, np.newaxis],
+        scale=rig.scale / steady[:, np.newaxis],
+        matrix=matrix,
+        clips=tuple(clips),
+        skins=tuple(skins),
+    )
+    return changed, sizes
+
+
+def scalings(sizes: Floats) -> Floats:
+    """Matrices that scale alike along all axes, (...) → (..., 4, 4)."""
+    return from_frame(np.eye(3) * sizes[..., np.newaxis, np.newaxis], np.zeros((*sizes.shape, 3)))
+
+
+def _steady(rig: Rig, node: int) -> float:
+    """The scale of a joint at rest and in all clips, 1 where it changes or is uneven."""
+    of = [t.values for clip in rig.clips for t in clip.tracks if t.node == node and t.path == "scale"]
+    spline = any(
+        t.interpolation == "CUBICSPLINE"
+        for clip in rig.clips
+        for t in clip.tracks
+        if t.node == node and t.path == "scale"
+    )
+    found = np.abs(np.concatenate([rig.scale[node].ravel(), *(values.ravel() for values in of)]))
+    size = float(found[0])
+    return 1.0 if spline or not size or (np.abs(found - size) > _SAME * size).any() else size
+
+
+def _resized(track: Track, steady: Floats, above: Floats) -> Track:
+    by = {"translation": above[track.node], "scale": 1.0 / steady[track.node]}.get(track.path, 1.0)
+    return track if by == 1.0 else track.having(track.values * by)
