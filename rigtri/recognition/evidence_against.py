@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from rigtri.recognition.arms_legs import AGREED, Found
@@ -15,6 +15,7 @@ from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, rol
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
     arm_as_leg,
+    goes_on,
     later_start,
     may_be_a_thing,
     middle_bone,
@@ -46,7 +47,7 @@ def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
         return list(found)
     weighed = []
     for each in found:
-        why = _contradiction(draft, each, found) if len(each.joints) == 3 else _no_trunk(draft, each)
+        why = _contradiction(draft, each, found) if len(each.joints) == 3 else _no_trunk(draft, each, found)
         weighed.append(unsure(draft, each, why) if why and each.is_sure else each)
     return weighed
 
@@ -59,29 +60,9 @@ def unsure(draft: Draft, each: Found, why: str) -> Found:
 
 
 def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    by_name = _is_named(draft, each)
-    return (
-        _other_limb(draft, each)
-        or _trunk_aside(draft, each)
-        or _other_side(draft, each)
-        or _against_the_tree(draft, each)
-        or (by_name and (_unnamed_between(draft, each) or _unlike_twin(draft, each, found)))
-        or (by_name and _counted(draft, each))
-        or (not by_name and upside_down(draft, each, found))
-        or _no_trunk(draft, each)
-        or _no_body(draft, each, found)
-        or (not by_name and arm_as_leg(draft, each, found))
-        or (not by_name and (_named_to_bend_elsewhere(draft, each) or _misnamed(draft, each)))
-        or (not by_name and (other_bend(each) or no_hand(draft, each)))
-        or split_bone(draft, each)
-        or (not by_name and only_things(draft, each.joints))
-        or (not by_name and (further_part(draft, each) or ankle_as_knee(draft, each)))
-        or (not by_name and (skirt(draft, each) or rival(draft, each) or later_start(draft, each)))
-        or (not by_name and (middle_bone(draft, each) or other_end(draft, each)))
-        or (not by_name and (points_ahead(draft, each) or may_be_a_thing(draft, each)))
-        or (not by_name and _by_the_legs(draft, each, found))
-        or ""
-    )
+    """The first doubt of a limb: of those of every limb, then of names or of shapes, whichever tell it."""
+    doubts = (*_OF_ANY, *(_OF_NAMES if _is_named(draft, each) else _OF_SHAPES))
+    return next(filter(None, (doubt(draft, each, found) for doubt in doubts)), "")
 
 
 def _title(draft: Draft, node: int) -> str:
@@ -196,39 +177,60 @@ def _is_named(draft: Draft, each: Found) -> bool:
 def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """An arm by itself, or four legs that carry nothing: cranes and tables are like that, too."""
     bones = draft.reading.bones if draft.reading is not None else {}
-    beside = [bone for bone, node in bones.items() if node not in each.joints]
+    others = [bone for bone, node in bones.items() if node not in each.joints]
     alone = (
         len(found) == 1
         and each.kind == "arm"
         and not each.side
         and len(draft.tree.nodes) > len(each.joints) + 1
     )
-    if alone and len(beside) < _ENOUGH and not _has_fingers(draft, each):
+    if alone and len(others) < _ENOUGH and not _has_fingers(draft, each):
         return "no other part of a body is named"
     body = draft.shape.body
     four = len(found) == 4 and all(k.kind == "leg" for k in found) and not {"head", "hips"} & set(bones)
-    if four and body and body.legs and body.arms and body.legs.pair.above == body.arms.pair.above:
+    beside = body and body.legs and body.arms and body.legs.pair.above == body.arms.pair.above
+    if four and beside and _corners(draft, found) < 4:
         return "no trunk is between its front and its hind legs"
     return ""
 
 
-def _no_trunk(draft: Draft, each: Found) -> str:
+def _no_trunk(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """A limb by names where no trunk or head is named: chairs have arms and legs, too, and scales a head.
 
-    Not one that a naming scheme knows, of clear words for all three joints.
+    Not one that a naming scheme knows, of clear words for all three joints; nor four legs of such words.
     """
     named = _is_named(draft, each)
-    words = [draft.words.get(joint, NO_WORDS).levels for joint in each.joints]
-    clear = [levels for levels in words if 1.0 in levels.values()]
     if (
         not (named or _by_words(each))
         or _has_fingers(draft, each)
-        or (named and all(words) and len(clear) > 1)
+        or (named and _has_clear_words(draft, each))
+        or _corners(draft, found) == 4
     ):
         return ""
     names = [draft.tree.rig.names[k] for k in draft.tree.nodes if draft.words.get(k, NO_WORDS).trunk]
     heads = [name for name in names if not _HEADS.isdisjoint(roles_in_name(name))]
     return "" if len(names) > min(1, len(heads)) else "nothing else of a body is named"
+
+
+def _has_clear_words(draft: Draft, each: Found) -> bool:
+    """Whether the names of all three joints have words of limbs, and more than one of them clear ones."""
+    words = [draft.words.get(joint, NO_WORDS).levels for joint in each.joints]
+    return all(words) and len([levels for levels in words if 1.0 in levels.values()]) > 1
+
+
+def _corners(draft: Draft, found: Sequence[Found]) -> int:
+    """How many of the front left, front right, hind left and hind right leg names tell of, in clear words.
+
+    Not in those that tables have, too: at least one joint is called thigh, knee, paw …
+    """
+    corners = set[tuple[str, str]]()
+    for each in found:
+        words = [draft.words.get(joint, NO_WORDS) for joint in each.joints]
+        places = {word.place for word in words} - {""}
+        alive = len(words) == 3 and any(word.alive for word in words) and _has_clear_words(draft, each)
+        if each.kind == "leg" and each.side and alive and len(places) == 1:
+            corners.add((each.side, places.pop()))
+    return len(corners)
 
 
 def _by_words(each: Found) -> bool:
@@ -283,3 +285,33 @@ def _has_fingers(draft: Draft, arm: Found) -> bool:
     return (
         len({finger for node in below if (finger := finger_in_name(draft.tree.rig.names[node]))}) >= _ENOUGH
     )
+
+
+_Doubt = Callable[[Draft, Found, Sequence[Found]], str]
+
+
+def _alone(*doubts: Callable[[Draft, Found], str]) -> tuple[_Doubt, ...]:
+    """Doubts to which no other limb matters, in the form of those to which others do."""
+
+    def one(doubt: Callable[[Draft, Found], str]) -> _Doubt:
+        return lambda draft, each, _: doubt(draft, each)
+
+    return tuple(map(one, doubts))
+
+
+# What is asked of every limb, of those whose three joints a naming scheme knows, and of those that shape or
+# single words tell: each gives what speaks against a limb, in words, or "". What is plainer comes first.
+_OF_ANY = (
+    *_alone(_other_limb, _trunk_aside, _other_side, _against_the_tree),
+    _no_trunk,
+    _no_body,
+)
+_OF_NAMES = (*_alone(_unnamed_between), _unlike_twin, *_alone(_counted, split_bone))
+_OF_SHAPES = (
+    upside_down,
+    arm_as_leg,
+    *_alone(_named_to_bend_elsewhere, _misnamed, other_bend, no_hand, split_bone, only_things),
+    *_alone(further_part, ankle_as_knee, skirt, rival, later_start, goes_on, middle_bone, other_end),
+    *_alone(points_ahead, may_be_a_thing),
+    _by_the_legs,
+)

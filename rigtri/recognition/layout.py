@@ -121,8 +121,9 @@ class Character:
 
     @property
     def gives_axes(self) -> bool:
-        """Whether joints take axes from it: it is sure, or a hand by its shape, whatever it is of."""
-        return self.confidence >= CONFIDENT or self.form == "hand"
+        """Whether joints take axes from it: it, or a limb, is sure, or it is a hand by its shape."""
+        sure = self.confidence >= CONFIDENT or any(chain.is_sure for chain in self.limbs)
+        return sure or self.form == "hand"
 
     @property
     def sure_chains(self) -> list[Chain]:

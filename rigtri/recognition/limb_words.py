@@ -24,6 +24,10 @@ LEVELS: tuple[Level, ...] = ("before", "upper", "lower", "end", "after")
 _NAMES = 1 << 15
 # Words that riggers write as two.
 _TWO = {("fore", "arm"): "forearm", ("horse", "link"): "horselink"}
+# Words of limbs that tables and chairs have, too.
+_FURNITURE = frozenset(["leg", "legs", "foot", "feet", "arm"])
+# Of an arm these are its hands, and of a leg the hind one.
+_HANDS = frozenset(["lh", "rh"])
 # What a name counts against a limb that says another place of its joint.
 _AGAINST = 1.5
 # What a word counts that says less, and one that the word ``end`` makes a mere end of.
@@ -37,8 +41,8 @@ class LimbWords:
     place: ``front`` or ``hind``, where it says one. corner: the side of an arm or leg that says it and its
     place in two letters, ``leg_FL``. plain: of vague words alone, the name without its
     number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb. bends: a knee or
-    an elbow. animal: of one. trunk: it is of the trunk or the head, and so of no limb
-    (`name_readings.limb_names` says so)."""
+    an elbow. animal: of one. alive: a word that no furniture has, as ``thigh`` is. trunk: it is of the trunk
+    or the head, and so of no limb (`name_readings.limb_names` says so)."""
 
     levels: Mapping[Level, float]
     kind: LimbKind | Literal[""]
@@ -49,6 +53,7 @@ class LimbWords:
     animal: bool = False
     trunk: bool = False
     corner: Side = ""
+    alive: bool = False
 
 
 NO_WORDS = LimbWords({}, "")
@@ -80,25 +85,28 @@ def limb_words(name: str) -> LimbWords:
         levels_of_words, weight = [table.vague[word] for word in found if word in table.vague], _VAGUE
     kinds = {table.kinds[word] for word in found if word in table.kinds}
     kind = kinds.pop() if len(kinds) == 1 else ""
+    if kind == "arm":
+        found = [word for word in found if word not in _HANDS]
     places = {table.places[word] for word in found if word in table.places}
     place = places.pop() if len(places) == 1 else ""
     marks = {table.marks[word] for word in found if word in table.marks}
     animal, bends = "animal" in marks, "bends" in marks
+    alive = animal or any(word in table.kinds and word not in _FURNITURE for word in found)
     sides = {table.corners[word] for word in found if word in table.corners}
     corner: Side = sides.pop() if len(sides) == 1 and kind else ""
     if not levels_of_words:
-        return LimbWords({}, kind, place, animal=animal, corner=corner)
+        return LimbWords({}, kind, place, animal=animal, corner=corner, alive=alive)
     common = frozenset[Level].intersection(*levels_of_words)
     if common:
         plain = " ".join(word for word in found if len(word) > 1 and not is_number(word))
         plain = plain if weight < 1.0 else ""
         middle = weight < 1.0 and not {"mid", "middle"}.isdisjoint(found)
         levels = dict.fromkeys(sorted(common, key=LEVELS.index), weight)
-        return LimbWords(levels, kind, place, plain, middle, bends, animal, corner=corner)
+        return LimbWords(levels, kind, place, plain, middle, bends, animal, corner=corner, alive=alive)
     # ``hand_end`` is what follows a hand, or the hand where nothing else is called so.
     last = {level: _HALF for each in levels_of_words for level in each}
     levels = last | ({"after": 1.0} if "after" in last else {})
-    return LimbWords(levels, kind, place, animal=animal, corner=corner)
+    return LimbWords(levels, kind, place, animal=animal, corner=corner, alive=alive)
 
 
 def is_corner(word: str) -> bool:

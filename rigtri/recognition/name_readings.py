@@ -44,6 +44,7 @@ def read_names(tree: Tree, nodes: Iterable[int], known: Sequence[Scheme]) -> Rea
     """The reading of names that makes most sense; None where no scheme makes any."""
     # The tree of joints side by side has none that only holds them.
     named = [node for node in nodes if tree.rig.names[node] and node in tree.below]
+    named = _without_corners(tree.rig, named)
     names = without_prefix([tree.rig.names[node] for node in named])
     words = {node: parse_name(name) for node, name in zip(named, names, strict=True)}
     if not words:
@@ -59,6 +60,17 @@ def read_names(tree: Tree, nodes: Iterable[int], known: Sequence[Scheme]) -> Rea
         if reading.bones and (best is None or reading.score > best.score + 1e-9):
             best = reading
     return best
+
+
+def _without_corners(rig: Rig, nodes: Sequence[int]) -> list[int]:
+    """The joints without those of front and hind legs, where names tell these apart: no scheme has such.
+
+    A front leg alone is read as any other.
+    """
+    said = {node: limb_words(rig.names[node]) for node in nodes}
+    if len({words.place for words in said.values() if words.kind}) < 2:
+        return list(nodes)
+    return [node for node, words in said.items() if not (words.kind and words.place)]
 
 
 # What the bones of a human are along a limb.

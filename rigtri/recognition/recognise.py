@@ -219,9 +219,10 @@ def parts_of(draft: Draft) -> tuple[Part, ...]:
     bones = {node: bone for bone, node in draft.bones.items()}
     nodes = {k for k in tree.nodes if rig.is_joint[k] or not rig.is_joint.any() or k in bones}
     children = {k for node in nodes for k in rig.children[node] if k not in rig.own} - nodes
+    top = _top(draft)
     found = {}
     for node in sorted(nodes | children | draft.controls | draft.segments):
-        role, sure, why = _role(draft, node, chains, bones)
+        role, sure, why = _role(draft, node, chains, bones, top)
         side = _side_of(draft, node, chains)
         found[node] = Part(node, bones.get(node, ""), role, side, round(sure, 2), tuple(why))
     return tuple(found.values())
@@ -234,9 +235,9 @@ def _side_of(draft: Draft, node: int, chains: dict[int, Chain]) -> Side:
 
 
 def _role(
-    draft: Draft, node: int, chains: dict[int, Chain], bones: dict[int, str]
+    draft: Draft, node: int, chains: dict[int, Chain], bones: dict[int, str], top: int
 ) -> tuple[Role, float, list[str]]:
-    """A node's role, how sure, and why."""
+    """A node's role, how sure, and why. top: see `_top`."""
     rig, chain = draft.tree.rig, chains.get(node)
     names = [role for role in _NAMED_ROLES if role in roles_in_name(rig.names[node])]
     if chain is not None and node not in bones and _is_within(chain, node):
@@ -253,7 +254,7 @@ def _role(
         if rig.attachment[node] >= 0 or rig.children[node]:
             return "attachment", 0.9, ["not a joint of a skin but a child of one"]
         return "end", 0.9, ["no joint of a skin, and nothing below it: where the bone above ends"]
-    return next(_by_place(draft, node), ("deform", 0.6, ["moves points"]))
+    return next(_by_place(draft, node, top), ("deform", 0.6, ["moves points"]))
 
 
 def _is_within(chain: Chain, node: int) -> bool:
@@ -264,7 +265,15 @@ def _is_within(chain: Chain, node: int) -> bool:
     return 0 <= start < chain.joints.index(node) < end
 
 
-def _by_place(draft: Draft, node: int) -> Iterator[tuple[Role, float, list[str]]]:
+def _top(draft: Draft) -> int:
+    """The lowest joint that hips and all chains are below, or that is one of them; −1 without hips."""
+    tree, top = draft.tree, draft.hips
+    for node in draft.taken if top >= 0 else ():
+        top = tree.common(top, node) if top >= 0 and node in tree.below else top
+    return top
+
+
+def _by_place(draft: Draft, node: int, top: int) -> Iterator[tuple[Role, float, list[str]]]:
     tree = draft.tree
     if draft.hips >= 0 and node != draft.hips and tree.is_below(draft.hips, node):
         yield "control", 0.8, ["above the hips: it moves the whole"]
@@ -274,7 +283,10 @@ def _by_place(draft: Draft, node: int) -> Iterator[tuple[Role, float, list[str]]
                 if _stands_along(draft, node, start, end):
                     yield "twist", 0.75, [f"stands along a bone of the {chain.name}"]
     moves = any(draft.poses.moves_points(k) for k in tree.branch(node)) if node in tree.below else False
-    if draft.hips >= 0 and not tree.is_below(node, draft.hips):
+    taken = draft.taken
+    if moves and taken.intersection(tree.branch(node)):
+        yield "deform", 0.75, ["carries what belongs to the body"]
+    if draft.hips >= 0 and (top < 0 or not tree.is_below(node, top)):
         if not moves:
             yield "control", 0.8, ["outside the body, and moves no vertex"]
         yield "attachment", 0.5, ["outside the body, and moves vertices"]
@@ -282,14 +294,13 @@ def _by_place(draft: Draft, node: int) -> Iterator[tuple[Role, float, list[str]]
         if not tree.below.get(node):
             yield "end", 0.7, ["without children, and it moves no vertex: the end of the bone above"]
         yield "helper", 0.5, ["moves no vertex, nor does anything below it"]
-    taken = draft.taken
     over = next((k for k in reversed(tree.way(-1, node)) if k in taken), -1)
     if over >= 0 and draft.chains:
         holder = next(chain.name for chain in draft.chains if over in chain.joints)
         if taken.intersection(tree.branch(node)):
             yield "deform", 0.75, [f"between the {holder} and what belongs to the body"]
         if len(tree.branch(node)) > 1:
-            yield "attachment", 0.6, [f"is a child of the {holder}, but not part of it"]
+            yield "deform", 0.6, [f"is a child of the {holder}, but not part of it"]
         yield "helper", 0.5, [f"one joint beside the {holder}"]
 
 

@@ -76,7 +76,7 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
     tree = tree_of(nodes, poses, pose)
     if len(nodes) > MOST:
         return Shape(tree, pose, (), None, (), ())
-    pairs = [pair for pair in pairs_of(tree) if not _within_a_limb(tree, pair)]
+    pairs = [pair for pair in pairs_of(tree) if not _of_one_side(tree, pair)]
     plane = plane_of(tree, pairs)
     pairs = opposite(tree, pairs, plane)
     limbs = limbs_of(tree, pairs, poses, names)
@@ -101,11 +101,10 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
     return Shape(tree, pose, tuple(pairs), plane, tuple(limbs), tuple(ways), legs)
 
 
-def _within_a_limb(tree: Tree, pair: Pair) -> bool:
-    """Whether names put two branches, and their parent, on one side: fingers are no left and right."""
-    nodes = pair.above, pair.paths[0][0], pair.paths[1][0]
-    sides = {parse_name(tree.rig.names[node]).side if node >= 0 else "" for node in nodes}
-    return len(sides) == 1 and "" not in sides
+def _of_one_side(tree: Tree, pair: Pair) -> bool:
+    """Whether names put two branches on one side: so fingers are, and a front and a hind leg."""
+    sides = [{parse_name(tree.rig.names[node]).side for node in path} - {""} for path in pair.paths]
+    return sides[0] == sides[1] and len(sides[0]) == 1
 
 
 def _pointed(

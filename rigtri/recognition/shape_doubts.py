@@ -90,13 +90,27 @@ def _leads_up(draft: Draft, node: int) -> bool:
     return (draft.tree.at[node] - draft.tree.at[above]).dot(draft.up) > 0.0
 
 
-def other_bend(each: Found) -> str:
+def other_bend(_: Draft, each: Found) -> str:
     """Shape that hardly tells which joint of a chain bends."""
     mine = each.pair
     if mine is None or len(mine.pair.paths[0]) < 4 or mine.named > 0.0:
         return ""
     unclear = mine.quality < _NO_LIMB or (mine.lead < _NARROW and mine.quality < _HARDLY)
     return "another joint of its chain may be the one that bends" if unclear else ""
+
+
+def goes_on(draft: Draft, each: Found) -> str:
+    """A limb that ends before a bone longer than its lower one: it may end, and bend, a joint later.
+
+    So are the legs of machines, with an axle each at the hip, and hands never.
+    """
+    mine, tree = each.pair, draft.tree
+    if mine is None or len(mine.at) < 3 or mine.named > 0.0 or mine.fingers >= HAND:
+        return ""
+    path, (_, middle, end) = mine.pair.paths[0], mine.at
+    lower = (tree.at[path[end]] - tree.at[path[middle]]).length
+    further = tree.bone[path[end + 1]] if end + 1 < len(path) else 0.0
+    return "a longer bone follows its end, so another joint may bend" if further > lower else ""
 
 
 def later_start(draft: Draft, each: Found) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
+from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.word_tables import our_table, role_words
@@ -18,11 +18,11 @@ def _things() -> frozenset[str]:
     return frozenset(word for line in table.values() for word in line.split()) | role_words()["machine"]
 
 
-def only_things(draft: Draft, joints: Sequence[int]) -> str:
-    """That joints, and all others of the body that have a name, are called as parts of things are."""
+def only_things(draft: Draft, each: Found) -> str:
+    """That the joints of a limb, and all others here that have a name, are called as parts of things."""
     names = draft.tree.rig.names
     words = [parse_name(names[node]).words for node in draft.tree.nodes if parse_name(names[node]).plain]
-    own = [parse_name(names[node]).words for node in joints]
+    own = [parse_name(names[node]).words for node in each.joints]
     if not all(map(_things().intersection, [*words, *own])):
         return ""
     return "its name, and all others here, are of parts of things and not of a body"

@@ -1,0 +1,114 @@
+"""Legs that names put at a corner of the body, and joints that carry what belongs to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import pytest
+from recognition_bodies.skeletons import ARM, FINGERS, HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
+
+from rigtri.recognition.layout import Character
+from rigtri.recognition.limb_words import limb_words
+from rigtri.recognition.recognise import recognise
+
+# What builders of walking machines call the corners: front, rear or hind, left and right.
+CORNERS = ["FL FR RL RR", "LF RF LH RH", "FL FR HL HR"]
+
+
+def on_four_legs(corners: str, *words: str) -> list[Joint]:
+    """A machine whose four legs all begin at one joint, between them no trunk; it looks to +z."""
+    joints: list[Joint] = [("base", "", (0.0, 0.6, 0.0))]
+    for corner, x, z in zip(corners.split(), (1, -1, 1, -1), (1, 1, -1, -1), strict=True):
+        places = [(0.05, 0.6, 0.2), (0.14, 0.6, 0.2), (0.14, 0.35, 0.16), (0.14, 0.05, 0.2)]
+        above = "base"
+        for word, (across, up, ahead) in zip(words, places, strict=True):
+            joints.append((f"{corner}_{word}", above, (across * x, up, ahead * z)))
+            above = joints[-1][0]
+    return joints
+
+
+def sure(found: Character, joints: list[Joint]) -> dict[str, list[str]]:
+    return {k.name: [joints[j][0] for j in k.bend] for k in found.chains if k.bend and k.is_sure}
+
+
+@pytest.mark.parametrize("corners", CORNERS)
+def test_four_legs_of_one_joint_are_those_that_their_names_say(corners: str) -> None:
+    """Before, the front legs were sure as the legs of a body on two, and the hind ones were not sure."""
+    joints = on_four_legs(corners, "hip", "thigh", "calf", "foot")
+    (found,) = recognise(rig_with(joints)).characters
+    names = ("left front leg", "right front leg", "left hind leg", "right hind leg")
+    expected = {
+        name: [f"{corner}_{word}" for word in ("thigh", "calf", "foot")]
+        for name, corner in zip(names, corners.split(), strict=True)
+    }
+    assert sure(found, joints) == expected
+    assert found.form == "quadruped"
+
+
+def test_four_legs_whose_words_a_table_has_too_are_not_sure() -> None:
+    joints = on_four_legs(CORNERS[0], "top", "upper_leg", "lower_leg", "foot")
+    assert [k.name for k in recognise(rig_with(joints)).chains if k.bend and k.is_sure] == []
+
+
+def test_a_left_hand_is_no_left_hind_leg() -> None:
+    """Two letters that mean a hind leg mean a hand where the name is of an arm."""
+    assert (limb_words("lh_thigh").place, limb_words("lh_finger").place) == ("hind", "")
+
+
+def test_a_mane_is_no_neck_and_no_head() -> None:
+    """Before, the head of a horse cut off below its neck was the hair above it, surely."""
+    horse = [joint for joint in HORSE if not joint[0].startswith(("neck", "head", "jaw", "ear"))]
+    chest = next(above for name, above, _ in HORSE if name.startswith("neck"))
+    x, y, z = next(at for name, _, at in HORSE if name == chest)
+    crest: list[Joint] = [
+        ("mane_base", chest, (x, y + 0.3, z + 0.2)),
+        ("mane_top", "mane_base", (x, y + 0.4, z + 0.25)),
+    ]
+    (found,) = recognise(rig_with([*horse, *crest])).characters
+    assert {"neck", "head"}.isdisjoint(chain.kind for chain in found.chains)
+
+
+def roles(joints: list[Joint]) -> Mapping[str, str]:
+    (found,) = recognise(rig_with(joints)).characters
+    return {joints[part.joint][0]: part.role for part in found.parts}
+
+
+def test_a_spine_beside_the_hips_is_of_the_body() -> None:
+    """Before, what is not below the hips was outside the body, and called an attachment."""
+    name, above, (x, y, z) = MAN[0]
+    under = [(a, "middle" if b == name and not a.startswith("thigh") else b, at) for a, b, at in MAN[1:]]
+    joints: list[Joint] = [("middle", "", (x, y, z)), (name, "middle", (x, y - 0.02, z)), *under]
+    plate = both([("plate.L", "chest", (0.1, 1.3, 0.1)), ("plate_2.L", "plate.L", (0.12, 1.2, 0.15))])
+    assert above == ""
+    assert roles([*joints, *plate])["plate.L"] == "deform"
+
+
+def test_a_leg_does_not_end_before_its_longest_bone() -> None:
+    """Before, hips and knee of a machine with three axles at its hips were surely a leg by shape."""
+    leg = line(
+        "pitch.L roll.L yaw.L knee.L ankle.L sole.L",
+        "hips",
+        *[(0.06, 0.92, 0), (0.12, 0.89, 0), (0.12, 0.77, 0.05), (0.12, 0.57, 0)],
+        *[(0.12, 0.27, 0), (0.12, 0.2, 0.1)],
+    )
+    joints = [*TRUNK, *both([*ARM, *leg]), *FINGERS]
+    (found,) = recognise(rig_with(joints, named=False)).characters
+    legs = {" ".join(joints[k][0] for k in chain.bend) for chain in found.chains if chain.kind == "leg"}
+    assert legs == {"roll.L yaw.L knee.L", "roll.R yaw.R knee.R"}
+    assert not any(chain.is_sure for chain in found.chains if chain.kind == "leg")
+
+
+def test_a_body_whose_legs_are_sure_gives_axes_though_its_arms_are_not() -> None:
+    """Before, the mean of all limbs had to be, so that a trunk was rolled where its legs were right."""
+    wings = both(line("w.L w2.L", "chest", (0.16, 1.45, 0), (0.4, 1.43, -0.05)))
+    joints = [*TRUNK, *both(LEG), *wings]
+    (found,) = recognise(rig_with(joints, named=False)).characters
+    assert [chain.kind for chain in found.limbs if chain.is_sure] == ["leg", "leg"]
+    assert replace(found, confidence=0.6).gives_axes
+
+
+def test_what_moves_points_below_a_hand_is_no_socket() -> None:
+    """Before, a chain that skin hangs on was an attachment, and got new axes all the same."""
+    more = both([("flap.L", "hand.L", (0.9, 1.3, 0.3)), ("flap_2.L", "flap.L", (0.95, 1.1, 0.5))])
+    assert roles([*MAN, *more])["flap.L"] == "deform"
