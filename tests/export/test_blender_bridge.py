@@ -212,20 +212,24 @@ def test_a_flat_leg_follows_its_control_in_blender_as_in_rigtri(tmp_path: Path) 
     assert max(ik) <= IK
 
 
-RULES = """
-add-twist --limb upper_arm_L forearm_L hand_L
-constrain --type aim --child head --driver hand_R_ik_ctl
-constrain --type aim --child toe_R --driver foot_L_ik_ctl --driver shin_L_pole=2 --world-up none --aim-axis z
-constrain --type aim --child fingers_R --driver hand_L_ik_ctl --world-up objectrotation --up-object hips_ctl
-constrain --type point --child shin_L_pole --driver foot_L_ik_ctl
-constrain --type orient --child neck --driver hand_L_ik_ctl
-constrain --type orient --child fingers_L --driver toe_L_ctl --driver-space local
-constrain --type orient --child clavicle_L --driver spine_ctl --roll-axis x
-constrain --type scale --child toe_L --driver spine_ctl
-constrain --child hand_R_ik_ctl --space spine --space hips
-constrain --type polevector --child forearm_R --driver clavicle_R_ctl
-constrain --type aim --child toe_L --driver head_ctl
-"""
+RULES: list[dict[str, Any]] = [
+    {"type": "aim", "child": "head", "driver": "hand_R_ik_ctl"},
+    {"type": "aim", "child": "toe_R", "driver": ["foot_L_ik_ctl", "shin_L_pole=2"]}
+    | {"world_up": "none", "aim_axis": "z"},
+    {"type": "aim", "child": "fingers_R", "driver": "hand_L_ik_ctl"}
+    | {"world_up": "objectrotation", "up_object": "hips_ctl"},
+    {"type": "point", "child": "shin_L_pole", "driver": "foot_L_ik_ctl"},
+    {"type": "orient", "child": "neck", "driver": "hand_L_ik_ctl"},
+    {"type": "orient", "child": "fingers_L", "driver": "toe_L_ctl", "driver_space": "local"},
+    {"type": "orient", "child": "clavicle_L", "driver": "spine_ctl", "roll_axis": "x"},
+    {"type": "scale", "child": "toe_L", "driver": "spine_ctl"},
+    {"child": "hand_R_ik_ctl", "space": ["spine", "hips"]},
+    {"type": "polevector", "child": "forearm_R", "driver": "clavicle_R_ctl"},
+    {"type": "aim", "child": "toe_L", "driver": "head_ctl"},
+    {"type": "aim", "child": "spine", "driver": "hips_root_ctl"}
+    | {"world_up": "object", "up_object": "hips_ctl"},
+    {"child": "chest", "driver": "hips_ctl", "skip": "t"},
+]
 RULED = {
     "hips_root_ctl": ONE | {"translation": [0.1, 0.0, 0.1], "rotation": turn("y", 20)},
     "hips_ctl": ONE | {"translation": [0.0, -0.03, 0.02], "rotation": turn("z", 10)},
@@ -239,17 +243,20 @@ RULED = {
 }
 
 
+def with_rules(rig: Rig) -> Rig:
+    """Rules of every kind, and twist joints."""
+    rig = rigtri.add_twist(rig, limb=[("upper_arm_L", "forearm_L", "hand_L")])
+    for options in RULES:
+        rig = rigtri.constrain(rig, **options)
+    return rig
+
+
 @pytest.fixture(scope="module")
 def ruled(rigged: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A file with rules of every kind, and twist joints."""
-    folder, source = tmp_path_factory.mktemp("ruled"), rigged["biped.glb"]
-    for number, line in enumerate(RULES.strip().splitlines()):
-        name, *options = line.split()
-        target = folder / f"{number}.glb"
-        result = cli(name, source, "-o", target, *options, "-q")
-        assert result.exit_code == 0, result.stderr
-        source = target
-    return source
+    document, target = read(rigged["biped.glb"]), tmp_path_factory.mktemp("ruled") / "ruled.glb"
+    document.write(with_rules(document.rig), target, target)
+    return target
 
 
 @pytest.mark.slow
@@ -571,37 +578,68 @@ def test_each_character_of_a_scene_is_its_own(rigged: dict[str, Path], tmp_path:
     assert "'shin_L' (if that is 'knee' now, rename it back)" in told
 
 
+def _name(plan: dict[str, Any], reference: str) -> str:
+    """What a word of the set-up means: n3 a node, s3 a socket, b3 a bone."""
+    kinds = {"n": "nodes", "s": "sockets", "b": "bones"}
+    return str(plan[kinds[reference[0]]][int(reference[1:])]["name"]) if reference else "the world"
+
+
+def _numbers(values: Any) -> str:
+    return " ".join(f"{value or 0.0:9.6f}".replace("-0.000000", " 0.000000") for value in values)
+
+
+def _stand(values: Any) -> str:
+    x, y, _, at = np.array(values).reshape(4, 4)[:, :3]
+    return f"at {_numbers(at)}  x {_numbers(x)}  y {_numbers(y)}"
+
+
 def _setup_in_words(plan: dict[str, Any]) -> str:
     """What the script makes: controls, where they stand and what is locked, and who follows whom."""
-    kinds = {"n": "nodes", "s": "sockets", "b": "bones"}
-
-    def name(reference: str) -> str:
-        return str(plan[kinds[reference[0]]][int(reference[1:])]["name"])
-
-    def numbers(values: Any) -> str:
-        return " ".join(f"{value or 0.0:9.6f}".replace("-0.000000", " 0.000000") for value in values)
-
     lines = ["controls"]
     for control in plan["controls"]:
         about, above = plan["nodes"][int(control["node"][1:])], control["above"]
-        under = name(plan["controls"][above]["node"]) if above >= 0 else "-"
-        x, y, _, at = np.array(about["world"]).reshape(4, 4)[:, :3]
-        words = [f"{about['name']:<26} under {under:<26} {control['kind']:<9}"]
-        words += [f"at {numbers(at)}  x {numbers(x)}  y {numbers(y)}"]
+        under = _name(plan, plan["controls"][above]["node"]) if above >= 0 else "-"
+        words = [f"{about['name']:<26} under {under:<26} {control['kind']:<9} {_stand(about['world'])}"]
         words += [f"size {control['size']:.6f}"] if control["size"] else []
-        words += [f"colour {numbers(control['color'])}"] if control["color"] else []
+        words += [f"colour {_numbers(control['color'])}"] if control["color"] else []
         lines.append("  ".join([*words, f"locked {control['locked'] or '-'}"]))
     lines.append("limbs")
     lines += [
-        f"{each['name']:<26} to {name(each['target'])}, pole {name(each['pole'])} at {numbers(each['rest'])}"
+        f"{each['name']:<26} to {_name(plan, each['target'])}, pole {_name(plan, each['pole'])}"
+        f" at {_numbers(each['rest'])}"
         for each in plan["triangles"]
     ]
     lines.append("constraints")
     lines += [
-        f"{name(each['on']):<26} {each['type']:<17} {each['name']:<34} {each['share']:g}"
+        f"{_name(plan, each['on']):<26} {each['type']:<17} {each['name']:<34} {each['share']:g}"
         for each in plan["constraints"]
     ]
     return "\n".join(lines) + "\n"
+
+
+def _rules_in_words(plan: dict[str, Any]) -> list[str]:
+    """Where each socket stands and what it rides on, each pole, and each constraint whole."""
+    lines = ["sockets"]
+    for each in plan["sockets"]:
+        more = [word for word in ("bone", "leads") if each[word]]
+        more += [f"as {_name(plan, each['child'])}"] * bool(each["child"])
+        words = f"{each['name']:<44} on {_name(plan, each['on']):<44} {_stand(each['stand'])}"
+        lines.append("  ".join([words, *more]))
+    lines.append("limbs")
+    lines += [f"{each['name']:<26} pole {_name(plan, each['pole'])}" for each in plan["triangles"]]
+    lines.append("constraints")
+    for each in plan["constraints"]:
+        share = each["share"]
+        more = [f"seen from {_name(plan, each['space'])}"] if "space" in each else []
+        if share != 1.0:
+            words = f"{share:.6f}" if isinstance(share, float) else [_name(plan, n) for n in share]
+            more.append(f"share {words}")
+        if "weight" in each:
+            more.append(f"weight {each['weight']:.6f}")
+        more += [each[key] for key in ("track_axis", "lock_axis") if key in each]
+        words = f"{_name(plan, each['on']):<44} {each['type']:<17} {_name(plan, each['target']):<44}"
+        lines.append("  ".join([words, each["name"], *more]))
+    return lines
 
 
 def test_what_is_set_up_in_blender_is_what_a_rigger_has_read(golden: Any) -> None:
@@ -612,6 +650,15 @@ def test_what_is_set_up_in_blender_is_what_a_rigger_has_read(golden: Any) -> Non
     places = rig.translation.copy()
     places[rig.find("hips_root_ctl_offset"), 1] += 0.017
     assert _setup_in_words(exported(replace(rig, translation=places), gltf=True).plan) != text
+
+
+def test_rules_of_every_kind_become_constraints_that_a_rigger_has_read(golden: Any) -> None:
+    """A proof compares how they move in Blender with how rigtri evaluates them."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True, foot_roll=True)
+    before, after = (_rules_in_words(exported(each, gltf=True).plan) for each in (rig, with_rules(rig)))
+    heads = ("sockets", "limbs", "constraints")
+    lines = [line for line in after if line in heads or line not in before]
+    golden.check("export-blender_rules.txt", "\n".join(lines) + "\n")
 
 
 def test_a_joint_follows_its_control_in_its_own_axes() -> None:
