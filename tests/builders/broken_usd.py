@@ -204,7 +204,7 @@ USD: dict[str, list[Make]] = {
     "usd.skel.joint-twice": [joints("a", "a/b", "a/b")],
     "usd.skel.joint-order": [joints("a/b", "a", "a/b/c")],
     "usd.skel.joint-names": [bones(names='uniform token[] jointNames = ["a"]')],
-    "usd.skel.bind-missing": [bones(bind="")],
+    "usd.skel.bind-missing": [bones(bind=""), bones(bind=matrices("bindTransforms"))],
     "usd.skel.rest-missing": [bones(rest="")],
     "usd.skel.rest-needed": [
         stage(

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.adaptive_sampling import MOST_KEYS, adaptive_key_times
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.curve_refinement import Deviation, refine_samples
 from rigtri.maths.trigonometry import Floats
 
 
@@ -54,3 +57,24 @@ def test_corners_and_steps_are_no_rounding(steps: int) -> None:
 def _off_a_line(values: Floats, left: Floats, right: Floats, share: Floats, _times: Floats) -> Floats:
     line = left + (right - left) * share[:, np.newaxis]
     return np.asarray(np.abs(values - line).max(axis=1))
+
+
+class _Parabola:
+    """A curve x = t², whose deviation from lines is known: a quarter of the square of an interval."""
+
+    def at(self, times: Floats) -> dict[int, Parts]:
+        places = np.stack([times**2, 0 * times, 0 * times], axis=1)
+        return {3: Parts(places, np.tile([0.0, 0, 0, 1], (len(times), 1)), np.ones((len(times), 3)))}
+
+    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Deviation:
+        return Deviation(np.abs(shown[3].translation[:, 0] - times**2), np.full(len(times), 3))
+
+
+def test_intervals_are_divided_until_lines_are_near_enough_and_no_further() -> None:
+    found = refine_samples(_Parabola(), np.array([0.0, 0.25, 2.25]), bound=0.02, per_second=1.0)
+    spans = np.diff(found.times)
+    assert found.times[[0, 1, -1]].tolist() == [0.0, 0.25, 2.25]
+    assert spans[1:].tolist() == [0.25] * 8
+    assert found.off == pytest.approx(0.25**2 / 4)
+    assert (found.limited, found.node) == (False, 3)
+    np.testing.assert_allclose(found.parts[3].translation[:, 0], found.times**2)

@@ -11,7 +11,9 @@ from rigs import rig_of
 
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.solver_steps import ConstraintStep
 from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.constraints import Constraint
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 
 
@@ -28,3 +30,26 @@ def test_a_constraint_waits_for_the_constraint_of_its_driver(order: tuple[str, .
     posed = Solver(rig).run({rig.find(first): moved})
     for node in (middle, last):
         assert_allclose(posed.part(rig.find(node)).rotation, turned, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("skips", "weights", "writes", "left"),
+    [
+        ((), (1.0,), [("rotation", True)], {"translation", "scale"}),
+        (("rx",), (1.0,), [("rotation", False)], {"translation", "rotation", "scale"}),
+        # Two rules set an axis each, which is not all of them; one without weight sets none.
+        (("rx", "ry"), (1.0, 1.0), [("rotation", False)], {"translation", "rotation", "scale"}),
+        ((), (0.0,), [], {"translation", "rotation", "scale"}),
+    ],
+)
+def test_a_child_has_a_say_in_what_no_rule_sets_whole(
+    skips: tuple[str, ...], weights: tuple[float, ...], writes: list[object], left: set[str]
+) -> None:
+    rig = rig_of(["root", "a", "b"], [-1, 0, 0], np.zeros((3, 3)))
+    rules = tuple(
+        Constraint("orient", 1, (2,), np.array([weight]), np.eye(4)[np.newaxis], skip=frozenset(skips))
+        for weight in weights
+    )
+    step = ConstraintStep(rig, rules)
+    assert step.writes == writes
+    assert step.left == left

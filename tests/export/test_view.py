@@ -466,3 +466,15 @@ def test_the_script_of_the_page_is_what_its_sources_make(tmp_path: Path) -> None
     for name in ("page.js", "page.draco.js", "page.js.LICENSES.txt"):
         committed = (ROOT / "rigtri" / "export" / "viewer" / name).read_bytes()
         assert (tmp_path / name).read_bytes() == committed, f"{name}: run node viewer/build.mjs"
+
+
+def test_files_that_a_page_cannot_carry_are_lacking_with_the_reason(tmp_path: Path) -> None:
+    (tmp_path / "below").mkdir()
+    for there in ("outside.png", "below/there.png"):
+        (tmp_path / there).write_bytes(b"")
+    builder, uris = small(), ("there.png", "gone.png", "../outside.png", "there.png")
+    builder.gltf["images"] = [{"uri": uri} for uri in uris]
+    embedded = read(builder.gltf_file(tmp_path / "below" / "a.gltf", embedded=True), ReadOptions()).embedded()
+    assert set(embedded.files) == {"there.png"}
+    told = [text for text in embedded.lacking if "gone.png" in text or "outside.png" in text]
+    assert len(told) == 2

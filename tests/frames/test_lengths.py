@@ -17,7 +17,7 @@ from usd_files import deviation
 
 from rigtri.errors import DeviationError, FileError
 from rigtri.formats import ReadOptions, read
-from rigtri.frames.error_bounds import LeverArm, bearable, longest_stretch
+from rigtri.frames.error_bounds import LeverArm, _morphed, _sizes_of_nodes, bearable, longest_stretch
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe, split
 from rigtri.limits import TOLERANCE
@@ -388,3 +388,31 @@ def test_clips_may_mirror_a_joint_each_about_another_axis() -> None:
     after = split(rig, {1: from_axis_angle([1, 2, 3], 1.0)})
     before, now = poses(rig), poses(after)
     assert np.allclose(now[:, [after.find(name) for name in rig.names]][:, 2], before[:, 2], atol=1e-12)
+
+
+def test_morphs_carry_points_as_far_as_their_largest_weights_do() -> None:
+    """The weight at rest, or of any key; of a target whose weight a mesh does not state, that of its keys."""
+    rig = chain((0, 0, 0), (1, 0, 0))
+    morphs = np.array([[[3.0, 0, 0], [0, 0, 0]], [[0, 4.0, 0], [0, 0, 5.0]]])
+    mesh = Mesh("m", 0, np.zeros((2, 3)), morphs=morphs, morph_weights=np.array([-0.5]))
+    assert _morphed(rig, mesh).tolist() == [1.5, 0.0]
+    keys = np.array([[0.25, 0.0], [0.0, -2.0]])
+    clip = Clip("c", (Track(0, "weights", "LINEAR", np.array([0.0, 1.0]), keys),))
+    assert _morphed(replace(rig, clips=(clip,)), mesh).tolist() == [0.5 * 3 + 2 * 4, 10.0]
+    elsewhere = Clip("c", (replace(clip.tracks[0], node=1),))
+    assert _morphed(replace(rig, clips=(elsewhere,)), mesh).tolist() == [1.5, 0.0]
+    assert _morphed(rig, replace(mesh, morphs=np.zeros((0, 0, 3)))) is None
+
+
+def test_a_scale_that_a_spline_moves_may_be_anything() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0))
+    values = np.ones((6, 3))
+
+    def sizes(path: Any, mode: Any, count: int) -> tuple[float, float, float]:
+        track = Track(1, path, mode, np.array([0.0, 1.0]), values[:count])
+        _, (least, most), bones = _sizes_of_nodes(replace(rig, clips=(Clip("c", (track,)),)))
+        return float(least[1]), float(most[1]), float(bones[1])
+
+    assert sizes("scale", "LINEAR", 2) == (1.0, 1.0, 1.0)
+    assert sizes("scale", "CUBICSPLINE", 6) == (0.0, np.inf, 1.0)
+    assert sizes("translation", "CUBICSPLINE", 6) == (1.0, 1.0, np.inf)

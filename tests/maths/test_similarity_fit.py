@@ -83,3 +83,14 @@ def test_the_smallest_rotation_takes_one_up_axis_to_another() -> None:
         turn = upright_turn(up, to)
         assert np.trace(turn) == pytest.approx(1 + 2 * np.cos(np.radians(angle)))
         assert np.array_equal(up @ turn, to) or (up == x + y).all()
+
+
+def test_what_is_left_is_a_share_of_the_size_of_ours() -> None:
+    ours = POINTS * 100.0
+    ours[0, 0] += 1.0
+    fit = fit_similarity(POINTS, ours, about_origin=False)
+    middle = ours - ours.mean(axis=0)
+    left = transform_points(POINTS, fit.matrix) - ours
+    expected = np.sqrt((left**2).sum(axis=1).mean() / (middle**2).sum(axis=1).mean())
+    assert fit.residual == pytest.approx(expected, rel=0.2)
+    assert 1e-4 < fit.residual < 0.05

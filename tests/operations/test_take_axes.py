@@ -23,6 +23,7 @@ from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.take_clips.bind_axes import BoundAxes
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
@@ -226,3 +227,15 @@ def test_axes_that_rest_shows_to_be_others_are_refused_where_both_files_bind_at_
         np.testing.assert_allclose(moved, skinned(edited)[name], atol=CLOSE)
     with pytest.raises(GeometryError, match="another skeleton"):
         take_clips(alike, from_=with_binds(orient_joints(rig), matrix))
+
+
+def test_joints_that_both_files_bind_at_one_place_are_known_by_it() -> None:
+    """Each file in its own place: so bind poses show no bones. Where only one does, nothing is learnt."""
+    rig, matrix = rig_of(), np.eye(4)
+    alike, same = with_binds(rig, matrix), {node: node for node in range(len(rig))}
+    joints = set(rig.skins[0].joints.tolist())
+    assert BoundAxes(alike, alike, same).at_one_place == joints
+    assert BoundAxes(rig, rig, same).at_one_place == set()
+    assert set(BoundAxes(rig, rig, same).turns) == joints
+    mixed = BoundAxes(rig, alike, same)
+    assert (mixed.at_one_place, mixed.turns) == (set(), {})

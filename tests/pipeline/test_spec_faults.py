@@ -524,3 +524,9 @@ def test_a_variable_that_names_another_one_is_reported_where_it_is_used(tmp_path
 def test_an_option_that_is_like_none_is_reported_with_those_that_there_are(tmp_path: Path) -> None:
     (said,) = faults(write(tmp_path, "steps: [{do: strip, zzz: 1}]")).values()
     assert "there is no option 'zzz'. There are optional, do, splits, discard-motion, character." in said
+
+
+def test_what_is_deep_is_not_what_is_long(tmp_path: Path) -> None:
+    """A hundred brackets one beside the other are none too deep; the place is that of the first too deep."""
+    text = "name: a\nlist: [" + "[], " * 100 + "[" * 500
+    assert list(faults(write(tmp_path, text))) == [(2, 8 + 400 + 62)]

@@ -701,3 +701,13 @@ def test_offsets_of_morph_targets_are_compared(off: float, words: list[str], tmp
 
     found = diff(built("one.glb", 0.0), built("two.glb", off), verify=False)
     assert [line for line in lines(found, "rig") if "morph" in line] == words
+
+
+def test_two_siblings_may_be_renamed_at_once() -> None:
+    """Each is the one at its place among those that nobody else claims."""
+    before = rig_of(["root", "a", "b", "c"], [-1, 0, 0, 0], np.eye(4)[:, :3])
+    after = replace(
+        before, names=("root", "left", "b", "right"), labels=("#0", "#7", "#2", "#9"), keys=(0, 7, 2, 9)
+    )
+    found = [str(each) for each in rig_changes(before, after)]
+    assert [each.partition("  ")[2] for each in found] == ["renamed to left", "renamed to right"]

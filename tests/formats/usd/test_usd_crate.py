@@ -102,6 +102,13 @@ def test_lz4_repeats_what_it_has_written() -> None:
             lz4.unpacked(bad, 12)
     with pytest.raises(ValueError, match=r"larger|repeats"):
         lz4.unpacked(b"\0\x25ab\x02\0\x10c", 10)
+    # Two chunks, each behind its size; lengths of fifteen and more go on in the next bytes.
+    chunks = b"\x02" + b"\x04\0\0\0" + b"\x30abc" + b"\x03\0\0\0" + b"\x20de"
+    assert lz4.unpacked(chunks, 5) == b"abcde"
+    for bad, most in ((chunks, 4), (chunks[:-1], 5)):
+        with pytest.raises(ValueError, match=r".+"):
+            lz4.unpacked(bad, most)
+    assert lz4.unpacked(b"\0\xf0\xff\x01" + b"x" * 271, 271) == b"x" * 271
 
 
 @pytest.mark.ci
