@@ -21,7 +21,7 @@ from places import ci, slow
 
 from rigtri.errors import DeviationError, FileError, UsageError
 from rigtri.files import atomic_write, staged_output
-from rigtri.files.staged_output import StagedOutput, as_file_error, write_text
+from rigtri.files.staged_output import Companion, StagedOutput, as_file_error, write_text
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
@@ -642,3 +642,25 @@ def test_who_prints_nothing_needs_no_standard_output(samples: Path, tmp_path: Pa
     )
     assert done.returncode == 0
     assert verify(read(samples / "biped.glb"), read(out)).passes()
+
+
+@pytest.mark.parametrize(
+    ("there", "companion"), [(b"same", True), (b"other", False), (None, True)], ids=["same", "other", "none"]
+)
+def test_a_companion_that_is_there_is_left_and_another_file_is_not_replaced(
+    there: bytes | None, companion: bool, tmp_path: Path
+) -> None:
+    place, source = tmp_path / "a.bin", tmp_path / "source.bin"
+    source.write_bytes(b"same")
+    for content in (b"same", source):
+        staged = StagedOutput(tmp_path / "out.glb", overwrite=False)
+        if there is not None:
+            place.write_bytes(there)
+        if companion:
+            staged.add(Companion("a.bin", content))
+            assert place.read_bytes() == b"same"
+            assert bool(staged.placed) == (there is None)
+            place.unlink()
+        else:
+            with pytest.raises(UsageError, match="exists and is another file"):
+                staged.add(Companion("a.bin", content))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -176,3 +177,9 @@ def test_what_has_no_direction_is_none_in_plain_numbers() -> None:
     for numbers in ([0.0, 0.0, 0.0], [np.nan, 1.0, 0.0], [1.0, np.inf, 0.0]):
         assert v.unit_of(numbers) is None
         assert np.isnan(v.normalise(np.array(numbers))).any()
+
+
+@pytest.mark.parametrize("value", [np.zeros(2), np.zeros((3, 4)), [1.0, 2.0], 1.0], ids=repr)
+def test_what_has_not_three_numbers_is_no_vector(value: Any) -> None:
+    with pytest.raises(ValueError, match="vectors have three numbers"):
+        v.as_vectors(value)

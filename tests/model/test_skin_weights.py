@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from rigtri.model.skin import WeightLimit
-from rigtri.model.skin_weights import limited, within
+from rigtri.model.skin_weights import folded, limited, within
 
 JOINTS = np.array([[4, 7, 1, 9, 2]])
 
@@ -79,3 +79,20 @@ def test_whole_weights_above_what_their_type_holds_keep_their_shares(
     others = [10.0, 20.0, 30.0]
     found = within(np.array([weights, others]), 255)
     assert found.tolist() == [fitting, others]
+
+
+@pytest.mark.parametrize(
+    ("joints", "at", "out"),
+    [
+        # Along no bone the place of the joint that was listed first; along one that of the first along it.
+        ([[0, 1]], [0.0, 0.0], ([[0]], [[0.75]])),
+        ([[1, 0]], [0.0, 0.0], ([[0, 0]], [[0.0, 0.75]])),
+        ([[0, 1]], [0.5, 0.25], ([[0, 0]], [[0.0, 0.75]])),
+        ([[1, 0]], [0.5, 0.25], ([[0]], [[0.75]])),
+    ],
+)
+def test_what_is_folded_together_stays_in_the_place_of_the_first(
+    joints: list[list[int]], at: list[float], out: tuple[object, object]
+) -> None:
+    found = folded(np.array([0, 0]), np.array(at), np.array(joints), np.array([[0.25, 0.5]]))
+    assert tuple(each.tolist() for each in found) == out

@@ -10,8 +10,9 @@ from program import cli
 import rigtri
 from rigtri.errors import UsageError
 from rigtri.model.options import options_of
-from rigtri.model.spelling import AS_FLAGS, python_spelling, spec_spelling
+from rigtri.model.spelling import AS_FLAGS, python_spelling, spec_spelling, spelled
 from rigtri.operations.registry import OPERATIONS, options_class
+from rigtri.report import Report
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 BIPED = SAMPLES / "biped.glb"
@@ -114,3 +115,14 @@ def test_warnings_of_the_library_name_keywords(tmp_path: Path) -> None:
 
 def test_help_of_the_library_names_keywords() -> None:
     assert 'With world_up="vector"' in str(rigtri.constrain.__doc__)
+
+
+def test_a_warning_is_reported_once_in_the_words_of_its_reader() -> None:
+    report = Report()
+    report.warn("before", "see --limb")
+    with spelled(python_spelling(options_class("add-twist")), report):
+        report.warn("code", "give --limb")
+    assert [(notice.code, notice.text) for notice in report.warnings] == [
+        ("before", "see --limb"),
+        ("code", "give limb="),
+    ]

@@ -17,6 +17,7 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.animation import Path as TrackPath
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips import clip_comparison
+from rigtri.operations.take_clips.retargeting import _mapped
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
@@ -188,3 +189,14 @@ def test_what_hangs_below_a_kept_spline_is_seen_from_there_in_a_flat_hierarchy_t
     rig, report = playing(RIG, flat), Report()
     assert take_clips(rig, from_=flattened(playing(RIG, smooth)), report=report) is rig
     assert "splines-kept" in {notice.code for notice in report.warnings}
+
+
+def test_tangents_are_directions_and_take_no_part_in_a_move() -> None:
+    values = np.arange(9.0).reshape(1, 9).repeat(2, axis=0).reshape(2, 3, 3)
+    track = Track(0, "translation", "CUBICSPLINE", np.array([0.0, 1.0]), values.reshape(6, 3))
+    move = np.eye(4)
+    move[3, :3], move[:3, :3] = (10.0, 20.0, 30.0), 2.0 * np.eye(3)
+    keys = _mapped(replace(track, values=values), 4, np.eye(4), move)
+    assert keys.node == 4
+    np.testing.assert_allclose(keys.values[:, 1], 2 * values[:, 1] + move[3, :3])
+    np.testing.assert_allclose(keys.values[:, [0, 2]], 2 * values[:, [0, 2]])

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
 import pytest
 from recognition_bodies.skeletons import ARM, HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
 
+from rigtri.maths.scalar_vector import Vector
+from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.layout import Character
+from rigtri.recognition.many_legs import _named_ends
 from rigtri.recognition.recognise import recognise
 
 # Heights and depths of a centaur's legs, from the top.
@@ -153,3 +160,20 @@ def test_an_insect_faces_away_from_what_is_called_its_abdomen(pairs: int) -> Non
     (found,) = recognise(rig_with([(name, over, places.get(name, at)) for name, over, at in body])).characters
     assert found.facing == (0.0, 0.0, 1.0)
     assert sorted(legs(found)) == [("left", True)] * pairs + [("right", True)] * pairs
+
+
+def test_head_and_abdomen_are_looked_for_by_name_each_in_its_middle() -> None:
+    rig = SimpleNamespace(names=("thorax", "head", "head tip", "abdomen"))
+    at = [Vector(0, 1, 0), Vector(0, 1, 3), Vector(0, 1, 5), Vector(0, 2, -2)]
+    tree: Any = SimpleNamespace(nodes=range(4), rig=rig, at=at)
+    assert list(_named_ends(tree, Vector(0, 1, 1))) == [0, -1, 3 + 3]
+
+
+def test_segments_of_a_bone_are_on_the_way_along_it() -> None:
+    """0 - 1 - 2 - 3 - 4, where 2 and 3 are segments of the bone of 1, which a tree leaves out."""
+    rig = SimpleNamespace(parents=np.array([-1, 0, 1, 2, 3]))
+    tree = SimpleNamespace(rig=rig, way=lambda start, end: [start, 1, end])
+    draft: Any = SimpleNamespace(tree=tree, segments=frozenset([2, 3]))
+    assert Draft.way(draft, 0, 4) == [0, 1, 2, 3, 4]
+    draft.segments = frozenset()
+    assert Draft.way(draft, 0, 4) == [0, 1, 4]

@@ -11,6 +11,8 @@ from gltf_files import glb_json, glb_parts
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 
 import rigtri
+from rigtri.export.conversion.scene import Image
+from rigtri.export.conversion.usd_material_reader import _is_grey
 
 _TYPES = Sdf.ValueTypeNames
 
@@ -208,3 +210,24 @@ def test_what_textures_have_that_gltf_cannot_say_is_listed(tmp_path: Path) -> No
         "emissiveColor of material 'look', which </m/look/noise> gives",
         "prims of type Noise (</m/look/noise>)",
     }
+
+
+_BEGIN, _TABLE = b"\xff\xd8", b"\xff\xe0\x00\x04ab"
+
+
+@pytest.mark.parametrize(
+    ("content", "grey"),
+    [
+        (_BEGIN + _TABLE + b"\xff\xc0\x00\x0b\x08\x00\x01\x00\x01\x01\x01\x11\x00", True),
+        (_BEGIN + _TABLE + b"\xff\xc2\x00\x11\x08\x00\x01\x00\x01\x03\x01\x11\x00", False),
+        (_BEGIN + b"\xff\xc0\x00\x0b\x08\x00\x01\x00\x01\x01", True),
+        (_BEGIN + b"\xff\xc0\x00\x0b\x08\x00\x01\x00\x01", False),  # cut off before the channels
+        (_BEGIN + b"\x00\xc0\x00\x0b\x08\x00\x01\x00\x01\x01", False),
+        (_BEGIN + _TABLE, False),
+        (b"\x89PNG" + bytes(21) + b"\x00", True),
+        (b"\x89PNG" + bytes(21) + b"\x04", True),
+        (b"\x89PNG" + bytes(21) + b"\x06", False),
+    ],
+)
+def test_the_header_of_an_image_says_whether_it_is_grey(content: bytes, grey: bool) -> None:
+    assert _is_grey(Image("a.jpg", content)) is grey

@@ -258,3 +258,19 @@ def test_a_manifest_in_a_folder_that_only_others_may_write_to_is_read(
     monkeypatch.setattr("rigtri.pipeline.batch.manifest_lookup.os.access", lambda *_: False)
     assert summarise([path])["statuses"]["ok"] == 1
     assert [file.name for file in tmp_path.glob("*.sqlite*")] == [path.name]
+
+
+def test_what_is_about_to_appear_is_known_as_it_was_put_down(tmp_path: Path) -> None:
+    """A killed run leaves it; the next one takes it up."""
+    entry = Entry(str(tmp_path / "a.glb"), str(tmp_path / "out" / "a.glb"))
+    axes = Axes('[[-1, "a"]]', bytes([0, 1, 255]))
+    records = [
+        Record(
+            "ok", warnings=({"code": "c", "text": "t"},), seconds={"all": 1.5}, made={"a": "1"}, axes=axes
+        ),
+        Record("failed", "file", "it is gone", 4),
+    ]
+    with Manifest(tmp_path / "m.sqlite") as manifest:
+        for record in records:
+            manifest.ready(entry, "task", record)
+            assert manifest.about_to_be() == {manifest.name(entry): ("task", record)}
