@@ -95,7 +95,7 @@ def limited(
     counts together. The weights of a point sum to what they did, or to 1. Points with so few joints, and with
     weights that are not numbers, keep theirs.
     """
-    width = min(joints.shape[1], -(-limit.most // 4) * 4) if joints.shape[1] > 4 else joints.shape[1]
+    width = min(joints.shape[1], -(-limit.most // 4) * 4)
     one = float(full or 1)
     total = _total(weights)
     plain = np.isfinite(weights).all(axis=1) & (total > 0)

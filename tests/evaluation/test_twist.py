@@ -15,7 +15,7 @@ from strategies import directions, quaternions
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import locals_at, worlds
-from rigtri.evaluation.twist_joints import driver_path, twist_joints
+from rigtri.evaluation.twist_joints import driver_path, twist_joints, with_stored_rest
 from rigtri.formats import read
 from rigtri.maths.quaternions import (
     IDENTITY,
@@ -29,6 +29,7 @@ from rigtri.maths.quaternions import (
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Clip, Track
+from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import WeightRedistribution
 from rigtri.model.skin_weights import shared
@@ -331,3 +332,17 @@ def test_a_name_that_is_taken_or_given_twice_is_refused(name: str, words: str, s
     options = AddTwistOptions(joint=("forearm_L",), to=("hand_L",), count=2, name=name)
     with pytest.raises(UsageError, match=words):
         add_twist(read(samples / "biped.glb").rig, options=options)
+
+
+def test_twist_counts_from_the_rest_pose_of_before() -> None:
+    """Where joints rest otherwise now; twist joints whose joints rest as they did keep no rest."""
+    rig = add_twist(add_twist(ARM, options=LOWER), options=UPPER)
+    turned = rig.rotation.copy()
+    turned[rig.find("c")] = from_axis_angle(X, 0.75)
+    now = with_stored_rest(replace(rig, rotation=turned), rig)
+    of = {record.number: record for record in now.records(TwistRecord).values() if record.driver == "c"}
+    assert {record.rest for record in of.values()} == {(0.0, 0.0, 0.0, 1.0)}
+    assert {record.rest for record in now.records(TwistRecord).values() if record.driver == "a"} == {None}
+    lower = [joint for joint in twist_joints(now) if joint.path[0] == rig.find("c")]
+    assert [joint.angles(now.local) for joint in lower] == pytest.approx([0.75] * 3)
+    assert with_stored_rest(rig, rig) is rig

@@ -20,6 +20,7 @@ from characters import Held
 from gltf_files import Builder, character, glb_json, small
 
 from rigtri.errors import FileError
+from rigtri.files.atomic_write import fsync_while_writing
 from rigtri.formats import read
 from rigtri.formats.gltf import document, mesh_reader, mmap
 from rigtri.formats.gltf.document import GltfDocument
@@ -314,3 +315,15 @@ def test_joints_with_weight_are_the_same_in_blocks(tmp_path: Path, monkeypatch: 
     assert not all(map(all, whole))
     parts = crowded(source, monkeypatch, BLOCK=3).rig.skins
     assert [skin.weighted.tolist() for skin in parts] == whole
+
+
+@pytest.mark.parametrize("large", [True, False])
+def test_a_small_file_is_written_without_a_thread(
+    large: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "fdatasync", lambda _: None, raising=False)
+    with (tmp_path / "a").open("wb") as file:
+        before = threading.active_count()
+        with fsync_while_writing(file, large=large):
+            assert threading.active_count() - before == large
+        assert threading.active_count() == before

@@ -17,7 +17,7 @@ from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.constraints import constraints_of
-from rigtri.model.metadata import PoseReaderRecord
+from rigtri.model.metadata import OffsetRecord, PoseReaderRecord
 from rigtri.model.pending_edits import Conversion
 
 
@@ -98,3 +98,13 @@ def test_the_offset_of_a_constraint_is_in_the_units_of_its_driver() -> None:
     assert_allclose(before.offsets[0, 3, :3], (2.0, 0.0, 0.0))
     assert_allclose(after.offsets[0, 3, :3], (0.5, 0.0, 0.0))
     assert_allclose(after.offsets[0, :3, :3], np.eye(3) / 4.0)
+
+
+def test_the_scale_that_an_offset_keeps_for_its_joint_is_in_the_units_above_that() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0), (3, 0, 0))
+    kept = OffsetRecord(kind="fk", joint="c", scale=(1.0, 2.0, 3.0))
+    rig = replace(rig, metadata={0: kept.to_dict(), 1: replace(kept, scale=None).to_dict()})
+    sizes = np.where(np.array(rig.names) == "c", 8.0, np.where(np.array(rig.names) == "b", 2.0, 1.0))
+    after = rescale(rig, sizes).records(OffsetRecord)
+    assert after[0].scale == (4.0, 8.0, 12.0)
+    assert after[1].scale is None
