@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import replace
+from typing import Any
 
+import numpy as np
+from rigs import rig_of
+
+import rigtri
 from rigtri.export.drawing.primitives import Mark, as_json
+from rigtri.export.drawing.scene import follows
+from rigtri.model.bindings import NodeConstraint
 
 
 def test_a_mark_says_all_that_it_has_and_leaves_out_what_is_empty() -> None:
@@ -34,3 +41,11 @@ def test_marks_that_are_no_numbers_are_left_out() -> None:
     assert clear.clear
     assert not none.clear
     assert as_json([none, clear]) == [clear.as_json()]
+
+
+def test_lines_of_constraints_go_from_what_is_followed_to_what_follows() -> None:
+    rig = rig_of(["a", "b", "c"], [-1, 0, 0], np.zeros((3, 3)))
+    kinds: Any = (("aim", 1, 2), ("length", 1, 2), ("roll", 1, 1), ("rotation", 2, 0))
+    own = tuple(NodeConstraint(kind, node, source, np.zeros(3)) for kind, node, source in kinds)
+    rig = rigtri.constrain(replace(rig, node_constraints=own), child="b", driver=["c", "a"], type="point")
+    assert list(follows(rig)) == [("aim", 2, 1), ("rotation", 0, 2), ("point", 2, 1), ("point", 0, 1)]

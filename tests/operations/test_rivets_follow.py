@@ -95,3 +95,20 @@ def test_split_weights_take_rivets_of_their_meshes_along(name: str, samples: Pat
     assert again.read_bytes() == split.read_bytes()
     edit(split, bare, lambda rig, report: strip(rig, report=report))
     assert bare.read_bytes() == (samples / name).read_bytes()
+
+
+def test_split_weights_take_the_rivets_of_their_mesh_along(tmp_path: Path) -> None:
+    """Where a joint turns about its bone, points of the mesh move otherwise once twist joints have weight."""
+    builder = arm(weights=None)
+    (animation,) = builder.gltf["animations"]
+    half = np.sqrt(0.5)
+    animation["samplers"][0]["output"] = builder.accessor([[0, 0, 0, 1], [0, half, 0, half]])
+    animation["channels"][0]["target"]["node"] = 0
+    source, held, split = builder.glb(tmp_path / "in.glb"), tmp_path / "held.glb", tmp_path / "split.glb"
+    edit(source, held, riveted)
+    wanted = twist.AddTwistOptions(joint=("upper",), to=("lower",), upper=True, count=2, split_weights=True)
+    report = Report()
+    edit(held, split, lambda rig, _: twist.add_twist(rig, options=wanted, report=report))
+    assert off(held) < 2e-5
+    assert off(split) < 2e-5
+    assert sum(record["type"] == "rivet" for record in report.added) == 1

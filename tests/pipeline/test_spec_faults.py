@@ -19,7 +19,7 @@ from ruamel.yaml import YAML
 from rigtri.pipeline.rigspec.build import build
 from rigtri.pipeline.rigspec.errors import SpecError
 from rigtri.pipeline.rigspec.load import Spec, load
-from rigtri.pipeline.rigspec.parse import json_values
+from rigtri.pipeline.rigspec.parse import _first_line, json_values
 
 
 def write(folder: Path, text: str, name: str = "rig.yaml") -> Path:
@@ -530,3 +530,10 @@ def test_what_is_deep_is_not_what_is_long(tmp_path: Path) -> None:
     """A hundred brackets one beside the other are none too deep; the place is that of the first too deep."""
     text = "name: a\nlist: [" + "[], " * 100 + "[" * 500
     assert list(faults(write(tmp_path, text))) == [(2, 8 + 400 + 62)]
+
+
+@pytest.mark.parametrize(
+    ("error", "line"), [(ValueError("one\ntwo"), "one"), (ValueError(), "ValueError"), (KeyError(""), "''")]
+)
+def test_of_an_error_its_first_line_is_told_or_its_kind(error: Exception, line: str) -> None:
+    assert _first_line(error) == line

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,10 @@ import avatars
 import numpy as np
 import pytest
 from program import cli
+from rigs import rig_of
 
 from rigtri.formats import read
+from rigtri.model.bindings import Bound
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.verification.compare.attachments import compare_attached
 from rigtri.verification.compare.compare import self_check, verify
@@ -159,3 +162,25 @@ def test_a_name_cannot_steer_the_terminal_through_diff(tmp_path: Path) -> None:
     done = cli("diff", path, builder.glb(tmp_path / "b.vrm"), code=1)
     assert "\x1b" not in done.output
     assert cli("diff", path, tmp_path / "no\x1bne.glb").stderr.count("\x1b") == 0
+
+
+def test_vectors_are_compared_in_the_world_by_their_place_in_the_file() -> None:
+    rig = rig_of(["root", "head", "hand"], [-1, 0, 0], np.zeros((3, 3)))
+    quarter = np.tile([0.0, 0, 0, 1], (3, 1))
+    quarter[1] = [0, 0, np.sqrt(0.5), np.sqrt(0.5)]  # x of the head is y of the world now
+    turned = replace(rig, rotation=quarter)
+
+    def told(before: tuple[Bound, ...], after: tuple[Bound, ...]) -> list[str]:
+        pair = replace(rig, bound=before), replace(turned, bound=after)
+        return compare_attached(*pair, match(*pair, by_key=True))
+
+    was = Bound(1, np.array([1.0, 0, 0]), ("a", 0))
+    now = Bound(1, np.array([0.0, -1, 0]), ("a", 0))
+    assert told((was,), (now,)) == []
+    assert len(told((was,), (was,))) == 1
+    assert "is 0, 1, 0 in the world, was 1, 0, 0" in told((was,), (was,))[0]
+    assert "belongs to hand now" in told((was,), (replace(now, node=2),))[0]
+    assert "is 0, 0, 0 in the world, was 1, 0, 0" in told((was,), ())[0]
+    assert told((), (now,))[0].endswith("of head is 1, 0, 0 in the world, was none")
+    nothing = replace(now, vector=np.zeros(3))
+    assert told((), (nothing,)) == told((nothing,), ()) == []

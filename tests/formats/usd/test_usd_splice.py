@@ -261,3 +261,56 @@ def test_comments_in_an_array_that_got_another_size_are_lost_with_a_notice(tmp_p
     told, lost = respelled(text.replace("2]", "3]"))
     assert b'# one "x"' in told
     assert not lost
+
+
+STATED = """#usda 1.0
+def Xform "B"
+{
+    float a = 1.50 (
+        doc = "one" # kept
+        hidden = 1
+    )
+    float b = 2.50 # plain
+    float c (
+        doc = 'alone'
+    )
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("path", "key", "value", "gone", "new"),
+    [
+        ("/B.a", "documentation", "two", 'doc = "one"', 'doc = "two"'),
+        ("/B.a", "hidden", False, "hidden = 1", "hidden = false"),
+        ("/B.b", "hidden", True, "float b = 2.50 # plain", "hidden = true"),
+        ("/B.c", "documentation", "else", "doc = 'alone'", 'doc = "else"'),
+    ],
+)
+def test_metadata_of_a_property_is_changed_where_it_stands(
+    path: str, key: str, value: Any, gone: str, new: str
+) -> None:
+    out = changed(STATED, lambda layer: layer.GetAttributeAtPath(path).SetInfo(key, value)).decode()
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    assert layer.ImportFromString(out)
+    assert layer.GetAttributeAtPath(path).GetInfo(key) == value
+    kept = [line for line in STATED.splitlines() if gone not in line]
+    assert [line for line in out.splitlines() if line in kept] == kept
+    assert new in out
+    assert gone not in out
+    assert all(word in out for word in ("2.50", "# plain", "# kept"))
+
+
+@pytest.mark.parametrize("path", ["/B.a", "/B.c"])
+def test_metadata_that_goes_takes_its_brackets_along(path: str) -> None:
+    def change(layer: Any) -> None:
+        for key in ("documentation", "hidden"):
+            layer.GetAttributeAtPath(path).ClearInfo(key)
+
+    out = changed(STATED, change).decode()
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    assert layer.ImportFromString(out)
+    assert not layer.GetAttributeAtPath(path).HasInfo("documentation")
+    assert out.count("(") == 1
+    assert "float a = 1.50" in out
+    assert "float b = 2.50 # plain" in out
