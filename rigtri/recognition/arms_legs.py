@@ -253,7 +253,7 @@ def _are_twins(one: Found, other: Found) -> bool:
 
 
 def _side_in_names(draft: Draft, joints: Sequence[int]) -> Side:
-    sides = {parse_name(draft.tree.rig.names[joint]).side for joint in joints}
+    sides = {parse_name(draft.tree.rig.names[joint]).side for joint in joints} - {""}
     return sides.pop() if len(sides) == 1 else ""
 
 

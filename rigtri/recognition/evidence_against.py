@@ -164,6 +164,17 @@ def _counted(draft: Draft, each: Found) -> str:
     return f"its joints are counted on to {_title(draft, more[0])}, and any three may bend" if more else ""
 
 
+def _one_of_several(draft: Draft, each: Found) -> str:
+    """A limb without a side where joints of other branches have its names but for their numbers."""
+    tree, middle = draft.tree, each.joints[1]
+    plain = parse_name(tree.rig.names[middle]).plain
+    if each.side or not plain:
+        return ""
+    others = (k for k in tree.nodes if parse_name(tree.rig.names[k]).plain == plain)
+    away = [k for k in others if not tree.is_below(k, each.joints[0])]
+    return f"{_title(draft, away[0])} may be its middle as well" if away else ""
+
+
 def _twin(each: Found, found: Sequence[Found]) -> Found | None:
     """The limb of the other side that bends, too."""
     others = (k for k in found if k.kind == each.kind and {k.side, each.side} == {"left", "right"})
@@ -306,7 +317,7 @@ _OF_ANY = (
     _no_trunk,
     _no_body,
 )
-_OF_NAMES = (*_alone(_unnamed_between), _unlike_twin, *_alone(_counted, split_bone))
+_OF_NAMES = (*_alone(_unnamed_between), _unlike_twin, *_alone(_counted, _one_of_several, split_bone))
 _OF_SHAPES = (
     upside_down,
     arm_as_leg,

@@ -24,6 +24,8 @@ LEVELS: tuple[Level, ...] = ("before", "upper", "lower", "end", "after")
 _NAMES = 1 << 15
 # Words that riggers write as two.
 _TWO = {("fore", "arm"): "forearm", ("horse", "link"): "horselink"}
+# What a letter before a word of a leg says: ``fthigh``, ``bshin``.
+_FIRST = {"f": "front", "b": "back", "h": "hind"}
 # Words of limbs that tables and chairs have, too.
 _FURNITURE = frozenset(["leg", "legs", "foot", "feet", "arm"])
 # Of an arm these are its hands, and of a leg the hind one.
@@ -93,7 +95,7 @@ def limb_words(name: str) -> LimbWords:
     animal, bends = "animal" in marks, "bends" in marks
     alive = animal or any(word in table.kinds and word not in _FURNITURE for word in found)
     sides = {table.corners[word] for word in found if word in table.corners}
-    corner: Side = sides.pop() if len(sides) == 1 and kind else ""
+    corner: Side = sides.pop() if len(sides) == 1 and (kind or levels_of_words) else ""
     if not levels_of_words:
         return LimbWords({}, kind, place, animal=animal, corner=corner, alive=alive)
     common = frozenset[Level].intersection(*levels_of_words)
@@ -190,6 +192,8 @@ def _pieces(word: str) -> tuple[str, ...]:
     known = _known()
     if word in known:
         return (word,)
+    if word[:1] in _FIRST and _table().kinds.get(word[1:]) == "leg":
+        return (_FIRST[word[0]], word[1:])
     for cut in range(len(word) - 2, 1, -1):
         if word[:cut] in known:
             rest = _pieces(word[cut:])

@@ -27,6 +27,7 @@ from rigtri.recognition.layout import (
     Part,
     Role,
 )
+from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.name_readings import limb_names, read_names
 from rigtri.recognition.naming_schemes import (
     Scheme,
@@ -122,21 +123,36 @@ def _deforming(nodes: Sequence[int], poses: Poses) -> list[int]:
 
 def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:
     hind, front = pairs_of_limbs(draft, found)
+    places = dict.fromkeys(map(id, hind), "hind ") | dict.fromkeys(map(id, front), "front ")
+    places = places if draft.four else _places_of_legs(draft, found)
     for each in found:
         joints, bend = list(each.joints), each.joints if len(each.joints) == 3 else ()
         if bend and draft.tree.is_below(bend[1], bend[0]):
             joints = draft.way(bend[0], bend[1])
             below = draft.tree.is_below(bend[2], bend[1])
             joints += draft.way(bend[1], bend[2])[1:] if below else [bend[2]]
-        place = ("front " if each in front else "hind " if each in hind else "") if draft.four else ""
+        place = places.get(id(each), "")
         draft.add_chain(
             each.kind, f"{place}{each.kind}", each.side, joints, each.confidence, each.evidence, bend
         )
-        if each.side and (each.kind == "arm" or not draft.four or draft.certain):
+        if each.side and (not place or draft.certain):
             for bone, node in zip(BENDS[each.kind], each.joints, strict=False):
                 draft.call(each.side + bone, node)
         if each.side and each.kind == "arm" and each.before:
             draft.call(f"{each.side}Shoulder", each.before[-1])
+
+
+def _places_of_legs(draft: Draft, found: Sequence[Found]) -> dict[int, str]:
+    """Which legs are in front and behind, by their id: of four beside arms or wings; else as names say."""
+    legs = [each for each in found if each.kind == "leg"]
+    sides = Counter(each.side for each in legs)
+    if len(legs) == 4 and sides["left"] == sides["right"] == 2:
+        at = draft.tree.at
+        ahead = sorted(legs, key=lambda each: at[each.joints[0]].dot(draft.facing))
+        if {each.side for each in ahead[:2]} == {"left", "right"}:
+            return {id(each): "front " if k > 1 else "hind " for k, each in enumerate(ahead)}
+    said = {id(each): {draft.words.get(k, NO_WORDS).place for k in each.joints} for each in legs}
+    return {leg: "front " for leg, places in said.items() if places == {"front"}}
 
 
 def _character(draft: Draft) -> Character:

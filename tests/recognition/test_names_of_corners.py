@@ -56,6 +56,76 @@ def test_a_left_hand_is_no_left_hind_leg() -> None:
     assert (limb_words("lh_thigh").place, limb_words("lh_finger").place) == ("hind", "")
 
 
+# Start, middle and end of a front and of a hind leg, as riggers of animals call them; {s} is l or r.
+CALLED = [
+    ("UpperLeg.F{s} LowerLeg.F{s} Paw.F{s}", "UpperLeg.B{s} LowerLeg.B{s} Paw.B{s}"),
+    ("leg_f{s} shin_f{s} paw_f{s}", "leg_b{s} shin_b{s} paw_b{s}"),
+    ("front_{s}_upper front_{s}_lower front_{s}_paw", "hind_{s}_upper hind_{s}_lower hind_{s}_paw"),
+    ("fthigh_{s} fcalf_{s} paw_{s}", "thigh_{s} calf_{s} foot_{s}"),
+    ("F{s}_hip F{s}_knee F{s}_foot", "R{s}_hip R{s}_knee R{s}_foot"),
+]
+
+
+@pytest.mark.parametrize(("front", "hind"), CALLED)
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_horse_whatever_its_legs_are_called(front: str, hind: str, turned: bool) -> None:
+    """Also where what is called left is on its right. Before, limbs were not sure, or of another side."""
+    names, expected = {}, {}
+    for side, s, given in (("left", "l", "R" if turned else "L"), ("right", "r", "L" if turned else "R")):
+        for place, words, bones in (
+            ("front", front, "upper_arm forearm hand"),
+            ("hind", hind, "thigh shin foot"),
+        ):
+            new = words.format(s=s).split()
+            names |= dict(zip([f"{bone}.{given}" for bone in bones.split()], new, strict=True))
+            expected[f"{side} {place} leg"] = new
+    joints = [(names.get(a, a), names.get(b, b), at) for a, b, at in HORSE]
+    (found,) = recognise(rig_with(joints)).characters
+    assert sure(found, joints) == expected
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_the_four_legs_of_a_centaur_are_front_and_hind_legs(named: bool) -> None:
+    """Before, a body with arms beside four legs had two left legs of one name."""
+    chest = next(above for name, above, _ in HORSE if name.startswith("neck"))
+    x, y, z = next(at for name, _, at in HORSE if name == chest)
+    arm = line(
+        "Arm.L Elbow.L Wrist.L",
+        chest,
+        (x + 0.15, y + 0.3, z + 0.1),
+        (x + 0.35, y + 0.1, z + 0.15),
+        (x + 0.4, y, z + 0.45),
+    )
+    joints = [*HORSE, *both(arm)]
+    (found,) = recognise(rig_with(joints, named=named)).characters
+    legs = {k.name: joints[k.bend[0]][0] for k in found.chains if k.kind == "leg" and k.bend}
+    assert legs == {
+        "left front leg": "upper_arm.L",
+        "right front leg": "upper_arm.R",
+        "left hind leg": "thigh.L",
+        "right hind leg": "thigh.R",
+    }
+
+
+def test_a_front_leg_alone_is_one() -> None:
+    joints = line("front_thigh front_shin front_paw", "", (0, 0.7, 0), (0, 0.4, 0.1), (0, 0.1, 0.05))
+    (found,) = recognise(rig_with(joints)).characters
+    assert [chain.name for chain in found.limbs] == ["front leg"]
+
+
+def test_a_limb_that_is_called_as_others_are_is_not_sure() -> None:
+    """Before, the first of four legs that only numbers tell apart was surely the leg."""
+    joints = _numbered()
+    assert [k.name for k in recognise(rig_with(joints)).chains if k.bend and k.is_sure] == []
+
+
+def _numbered() -> list[Joint]:
+    joints = on_four_legs("1 2 3 4", "hip", "knee", "ankle", "foot")
+    turned = [tuple(reversed(name.split("_"))) for name, _, _ in joints]
+    names = {old[0]: "_".join(new) for old, new in zip(joints, turned, strict=True)}
+    return [(names[a], names.get(b, b), at) for a, b, at in joints]
+
+
 def test_a_mane_is_no_neck_and_no_head() -> None:
     """Before, the head of a horse cut off below its neck was the hair above it, surely."""
     horse = [joint for joint in HORSE if not joint[0].startswith(("neck", "head", "jaw", "ear"))]
