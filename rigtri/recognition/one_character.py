@@ -122,9 +122,7 @@ def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:
     hidden: dict[int, Mapping[str, Any]] = {}
     # Groups come before what they hold, and what is below controls after these.
     for node, stored in sorted(rig.metadata.items(), reverse=True):
-        about = {found for found in rig.named_by(stored) if rig.is_joint[found]}
-        about |= {node} if rig.is_joint[node] else set()
-        if about:
+        if about := _about(rig, node, frozenset()):
             others = not about & nodes
         else:
             parent = int(rig.parents[node])
@@ -133,3 +131,22 @@ def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:
         if others:
             hidden[node] = stored
     return hidden
+
+
+def _about(rig: Rig, node: int, seen: Nodes) -> set[int]:
+    """The joints that a node of rigtri is about: those that it names, else those of what it names or is in.
+
+    The constraint of a control's space names controls, and its weights one driver each, the world too.
+    """
+    if rig.is_joint[node]:
+        return {node}
+    if node not in rig.metadata or node in seen:
+        return set()
+    known = rig.named_by(rig.metadata[node])
+    if joints := {found for found in known if rig.is_joint[found]}:
+        return joints
+    seen |= {node}
+    if named := set[int]().union(*(_about(rig, each, seen) for each in known)):
+        return named
+    above = int(rig.parents[node])
+    return _about(rig, above, seen) if above >= 0 and not rig.is_joint[above] else set()

@@ -129,6 +129,26 @@ def test_one_character_is_edited_alone(suffix: str, samples: Path, tmp_path: Pat
     assert not keyed & set(built(rig)[0])
 
 
+@pytest.mark.parametrize("space", ["world", "chest"])
+def test_the_spaces_of_a_control_go_with_its_character(space: str, samples: Path, tmp_path: Path) -> None:
+    """Before, `strip` refused weights as not from rigtri, or left the constraint, whose child was gone."""
+    source, out, bare = (tmp_path / f"{name}.gltf" for name in ("pair", "out", "bare"))
+    pair(samples, tmp_path, "gltf")
+    cli("add-controls", source, "-o", out, "--whole-character", code=0)
+    rig = read(out).rig
+    for who, body in zip("AB", characters(rig), strict=True):
+        ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
+        child = next(rig.names[node] for node in ends if rig.named_by(rig.metadata[node]) & set(body))
+        spaces = ["--child", child, "--space", "root", "--space", space, "--switch", f"walk@0.5={space}"]
+        cli("constrain", out, "-o", out, *spaces, "--character", who, "--overwrite", code=0)
+    cli("strip", out, "-o", bare, "--character", "A", code=0)
+    rig = read(bare).rig
+    kinds = [rig.type_of(node) for node in rig.metadata]
+    assert kinds.count("constraint") == 1
+    assert kinds.count("constraintWeight") == 2
+    assert kinds.count("group") == 1
+
+
 def test_a_character_that_is_not_there_is_named_with_those_that_are(samples: Path, tmp_path: Path) -> None:
     source = pair(samples, tmp_path, "usda")
     printed = cli("orient-joints", source, "-o", tmp_path / "out.usda", "--character", "C", code=4).output

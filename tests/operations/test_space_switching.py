@@ -103,6 +103,18 @@ def test_a_matched_switch_to_where_the_child_is_anyway_needs_no_driver_of_its_ow
         assert drivers == ["left", "right", *(world if name == "world" else name for name in more)]
 
 
+def test_a_driver_that_counts_from_the_start_of_a_clip_takes_over_there_too() -> None:
+    """The left hand is at 2 from the start of a clip: before, the sword was put beside it as at rest."""
+    first = hands()
+    moved = replace(first.clips[0].tracks[0], values=np.array([[2.0, 0, 0], [3, 0, 0]]))
+    rig = replace(first, clips=(Clip("swing", (moved, first.clips[0].tracks[1])),))
+    baked = rigtri.bake(switched(rig, "swing@0=left", match=True), to="joints")
+    assert_allclose(world(baked, "sword", 0.0, 1.0)[:, 3, :3], [[1, 1, 0], [1.5, 1, 0]], atol=1e-6)
+    fading = {"swing": {"times": [0, 2], "world": [1, 0], "left": [0, 1], "interpolation": "LINEAR"}}
+    faded = rigtri.bake(switched(rig, weight_keys=fading, match=True), to="joints")
+    assert_allclose(world(faded, "sword", 0.0, 2.0)[:, 3, :3], [[1, 1, 0], [2, 1, 0]], atol=1e-6)
+
+
 def test_weights_may_move_between_keys() -> None:
     keys = {"swing": {"times": [0, 2], "left": [1, 0], "right": [0, 1], "interpolation": "LINEAR"}}
     rig = rigtri.constrain(hands(), type="point", child="sword", driver=("left", "right=0"), weight_keys=keys)

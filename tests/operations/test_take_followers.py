@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rigtri import add_posereader, add_rivet, add_twist, bake, read, take_clips
-from rigtri.evaluation.sampling import locals_at
+from rigtri import add_controls, add_posereader, add_rivet, add_twist, bake, read, take_clips
+from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.animation import Clip, Track
@@ -80,3 +80,29 @@ def _matrices(turns: np.ndarray) -> np.ndarray:
     from rigtri.maths.quaternions import to_axes
 
     return to_axes(turns)
+
+
+def test_joints_that_controls_overrule_are_named(samples: Path) -> None:
+    """Before, the motion of edited joints was taken, and the next bake replaced it, without a word."""
+    plain = read(samples / "biped.glb")
+    rig = bake(add_controls(plain, chain=[("spine", "chest")]), to="controls")
+    report = Report()
+    home = take_clips(rig, from_=bent(plain, "spine"), report=report)
+    (found,) = [notice for notice in report.warnings if notice.code == "controls-overrule"]
+    assert found.names == ("spine",)
+    assert "In 'walk' EDITED moves 'spine' otherwise" in found.text
+    # What the warning says puts EDITED's motion onto the controls.
+    baked = bake(bake(home, to="controls", discard_motion=True), to="joints")
+    times = np.array([0.0, 0.25, 0.5])
+    node = rig.find("chest")
+    there, back = (worlds(one, locals_at(one, one.clips[0], times))[:, node] for one in (home, baked))
+    np.testing.assert_allclose(back, there, atol=1e-5)
+
+
+@pytest.mark.parametrize("joint", ["head", None])
+def test_joints_without_controls_and_unedited_ones_are_not(joint: str | None, samples: Path) -> None:
+    plain = read(samples / "biped.glb")
+    rig = bake(add_controls(plain, chain=[("spine", "chest")]), to="controls")
+    report = Report()
+    take_clips(rig, from_=bent(plain, joint) if joint else plain, report=report)
+    assert "controls-overrule" not in {notice.code for notice in report.warnings}

@@ -57,6 +57,21 @@ def away_from_keys(rig: Rig, timeline: Timeline, node: int) -> Floats:
     return solver.run(sampled).world(node) - PoseCache(rig, sampled).world(node)
 
 
+def moved_otherwise(rig: Rig, timeline: Timeline, nodes: frozenset[int]) -> dict[int, float]:
+    """How far, as a share of the size, controls move nodes in a clip from where their own keys have them.
+
+    Only of those of ``nodes`` that controls at work in the clip move.
+    """
+    rig, _ = seen_alone(rig)
+    driven = controls_at_work(rig, timeline)
+    solver = Solver(rig, driven) if driven else None
+    if solver is None or not (found := nodes.intersection(solver.sets)):
+        return {}
+    sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
+    kept, posed, size = PoseCache(rig, sampled), solver.run(sampled), skeleton_size(rig)
+    return {node: _deviation(kept, posed, node, size) for node in sorted(found)}
+
+
 def refuse_replaced(before: Rig, after: Rig, timeline: Timeline, size: float, bound: float) -> None:
     """GeometryError where new keys of controls move joints otherwise in a clip than the old ones.
 

@@ -79,10 +79,12 @@ def _matched(rig: Rig, found: Switching, number: int) -> Switching:
     rule, clips = found.rule, list(found.clips)
     columns = [keys.weights[:, k].copy() for k in range(count)]
     now = list(range(count))  # which of the rule's drivers each column goes to
-    for row in range(1, len(keys.times)):
-        for driver in keys.starts(row):
+    for row in range(len(keys.times)):
+        for driver in keys.starts(row, found.rule.weights[:count]):
             before = row - 1 if keys.interpolation == "STEP" else row
             weights = np.array([column[before] for column in columns])
+            if row == 0 and keys.weights[0, driver] > 0:  # from the first key on: until then the rest counts
+                weights = rule.weights
             offset = _offset(rig, posed, row, replace(rule, weights=weights), rule.drivers[driver])
             same = [
                 k

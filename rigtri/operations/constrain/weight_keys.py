@@ -38,17 +38,17 @@ class WeightKeys:
     weights: Floats
     interpolation: Interpolation
 
-    def starts(self, row: int) -> list[int]:
-        """The drivers that begin to count at a key, from the second on.
+    def starts(self, row: int, rest: Floats) -> list[int]:
+        """The drivers that begin to count at a key; rest: (d,), the weights at rest, before the first key.
 
         Where weights move between keys that is the last one at which a driver's weight is 0.
         """
-        if row == len(self.times) - 1 and self.interpolation != "STEP":
-            return []
-        step = self.interpolation == "STEP"
-        before, after = self.weights[row - 1 : row + 1] if step else self.weights[row : row + 2]
-        found: list[int] = np.flatnonzero((before <= 0) & (after > 0)).tolist()
-        return found
+        steps = np.vstack([rest, self.weights])
+        pairs = [steps[row : row + 2]] if row == 0 or self.interpolation == "STEP" else []
+        if self.interpolation != "STEP" and row < len(self.times) - 1:
+            pairs.append(steps[row + 1 : row + 3])
+        found = {k for before, after in pairs for k in np.flatnonzero((before <= 0) & (after > 0)).tolist()}
+        return sorted(found)
 
 
 def requested_keys(

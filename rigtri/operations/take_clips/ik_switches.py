@@ -9,13 +9,13 @@ Source: docs/blender.md.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import Timeline, as_float32, put_tracks
+from rigtri.evaluation.timelines import Timeline, as_float32, put_tracks, timelines
 from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.maths.matrices import decompose
 from rigtri.model.animation import Path, Track
@@ -60,6 +60,14 @@ def follow_controls(rig: Rig) -> frozenset[int]:
     """The joints and offsets that controls move in Blender by constraints; exporters write keys of them."""
     moved = {node for step in Solver(rig).steps for node in step.sets}
     return frozenset(moved.union(rig.nodes_of(OffsetRecord.type)))
+
+
+def as_switched(
+    rig: Rig, switched: Switches, taken: Collection[str], changed: Collection[str], report: Report
+) -> Rig:
+    """The rig with keys of IK ends as they were switched, in clips that were taken or changed, by name."""
+    rig = drop_switched_off_ik_keys(rig, switched, [t for t in timelines(rig) if t.name in taken], report)
+    return hold_switched_on_ik(rig, switched, [t for t in timelines(rig) if t.name in changed])
 
 
 def hold_switched_on_ik(rig: Rig, switched: Switches, every: Sequence[Timeline]) -> Rig:

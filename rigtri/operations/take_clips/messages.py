@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from rigtri.evaluation.timelines import timelines
 from rigtri.maths.matrices import from_frame, nearest_rotation, transform_directions
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.similarity_fit import SAME_TURN, upright_turn
@@ -13,6 +14,7 @@ from rigtri.model.animation import Path as TrackPath
 from rigtri.model.animation import Track, key_values
 from rigtri.model.metadata import PoseReaderRecord, RivetRecord, TwistRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.unbaked import moved_otherwise
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.node_matching import why_unmatched
 from rigtri.report import Report
@@ -20,6 +22,8 @@ from rigtri.text import list_names
 
 # Keys that differ by less are one value; only for notices.
 _MOVED = 1e-4
+# Of the size, and of axes: Blender evaluates controls as bake does, within less (docs/blender.md).
+_OVERRULED = 0.01
 
 
 def why_nothing_matches(rig: Rig, edited: Rig) -> str:
@@ -144,6 +148,26 @@ def warn_followers(start: Rig, rig: Rig, report: Report) -> None:
         names = [rig.title(node) for node in sorted(behind)]
         text = f"The keys of {list_names(names)} still follow the old motion: update them with rigtri bake"
         report.warn("followers-behind", text, names=names)
+
+
+def warn_overruled(start: Rig, rig: Rig, report: Report) -> None:
+    """Warn of joints whose new keys the controls of ``rig`` overrule: a bake would lose that motion."""
+    known = {id(track) for clip in start.clips for track in clip.tracks}
+    for timeline in timelines(rig):
+        tracks = [track for k in timeline.members for track in rig.clips[k].tracks]
+        new = {t.node for t in tracks if id(t) not in known and t.path != "weights"} - rig.own
+        far = moved_otherwise(rig, timeline, frozenset(new)) if new else {}
+        if not (off := [node for node in far if far[node] > _OVERRULED]):
+            continue
+        names = [rig.title(node) for node in off]
+        report.warn(
+            "controls-overrule",
+            f"In '{timeline.name}' EDITED moves {list_names(names)} otherwise than RIG's controls do "
+            f"({max(far.values()):.2g} of the size), and 'bake --to joints' takes the motion of controls. "
+            "If EDITED lacks controls, or has them under other names, export them as they are in RIG; to "
+            "move the controls as EDITED's joints: rigtri bake --to controls --discard-motion",
+            names=names,
+        )
 
 
 def _followers(rig: Rig) -> Iterator[tuple[int, set[int]]]:

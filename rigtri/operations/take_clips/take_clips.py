@@ -30,9 +30,8 @@ from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.crowds import refuse_lost_instances
 from rigtri.operations.take_clips.generated_names import span
 from rigtri.operations.take_clips.ik_switches import (
-    drop_switched_off_ik_keys,
+    as_switched,
     follow_controls,
-    hold_switched_on_ik,
     ik_ends,
     switches,
 )
@@ -41,6 +40,7 @@ from rigtri.operations.take_clips.lost_motion import others_of, refuse_lost, wit
 from rigtri.operations.take_clips.messages import (
     moves,
     warn_followers,
+    warn_overruled,
     warn_tracks,
     why_nothing_matches,
 )
@@ -117,10 +117,9 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     axes.warn(moved, report)
     warn_followers(start, rig, report)
     warn_ik_bones(bodies, moved, report)
-    rig = drop_switched_off_ik_keys(
-        rig, switched, [each for each in timelines(rig) if each.name in taken_all], report
-    )
-    return hold_switched_on_ik(rig, switched, [each for each in timelines(rig) if each.name in changed])
+    rig = as_switched(rig, switched, taken_all, changed, report)
+    warn_overruled(start, rig, report)
+    return rig
 
 
 def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
