@@ -12,13 +12,16 @@ from rigs import rig_of
 from usd_files import MESH, animation, read, save, scene, skeleton
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.sampling import Motion, worlds
+from rigtri.model.animation import Clip
 from rigtri.model.constraints import constraints_of
-from rigtri.model.metadata import ControlRecord, PoleVectorRecord
+from rigtri.model.metadata import ControlRecord, PoleVectorRecord, with_references
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.bake.bake import bake
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.take_clips import take_clips
+from rigtri.report import Report
 
 
 @pytest.fixture
@@ -138,6 +141,42 @@ def test_one_rig_describes_each_of_several_characters(shot: Rig, tmp_path: Path)
     assert done.records(ControlRecord).keys() == shot.records(ControlRecord).keys()
     shown, expected = (rig.clips[0].tracks for rig in (done, bake(shot)))
     assert {(track.node, track.path) for track in shown} == {(track.node, track.path) for track in expected}
+
+
+def stored_at_a_frame(rig: Rig) -> Rig:
+    """As a DCC stores what it shows: controls rest where the clip begins."""
+    parts = {name: getattr(rig, name).copy() for name in ("translation", "rotation", "scale")}
+    for clip in rig.clips:
+        for track in clip.tracks:
+            if not rig.is_joint[track.node] and track.path in parts:
+                parts[track.path][track.node] = track.values[0]
+    return replace(rig, **parts)
+
+
+def test_numbered_characters_whose_rest_a_dcc_has_changed_bake_as_before(shot: Rig) -> None:
+    """What stands above a control is known by what it is, not by the number in its name."""
+    report = Report()
+    baked = bake(stored_at_a_frame(exported(shot)), rig_=shot, report=report)
+    assert "rest-kept" not in {notice.code for notice in report.warnings}
+    before, after = (
+        worlds_at(rig, np.linspace(1.0, 5.0, 9))[:, shot.is_joint] for rig in (bake(shot), baked)
+    )
+    assert np.abs(before - after).max() < 2e-3
+
+
+def test_a_pole_of_another_name_is_known_by_the_names_of_its_limb(shot: Rig, tmp_path: Path) -> None:
+    """Alone its limb has plain names, beside another character paths."""
+    asset = read(tmp_path / "keyed.usda").rig
+    (pole,) = asset.records(PoleVectorRecord)
+    names = tuple(f"{name}_shape" if node == pole else name for node, name in enumerate(asset.names))
+    beside = with_references(asset.metadata[pole], lambda _, name: f"/W/A/{name}")
+    edited = replace(asset, names=names, metadata={**asset.metadata, pole: beside})
+    assert pairs(asset, edited).of[pole] == pole
+
+
+def worlds_at(rig: Rig, times: np.ndarray) -> np.ndarray:
+    tracks = tuple(track for clip in rig.clips for track in clip.tracks)
+    return worlds(rig, Motion(rig, Clip("all", tracks)).locals_at(times))
 
 
 def test_constraints_of_one_of_several_characters_follow_its_own_nodes(shot: Rig, tmp_path: Path) -> None:

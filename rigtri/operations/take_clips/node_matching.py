@@ -118,14 +118,17 @@ def unnumbered(name: str) -> str:
 
 
 def _by_records(rig: Rig, other: Rig) -> dict[int, int]:
-    """Controls of one name as rigtri gave it, and poles of one limb, that have another name now."""
-    found = {}
-    for kind in (ControlRecord, PoleVectorRecord):
-        ours, theirs = _described(rig, kind), _described(other, kind)
+    """Controls of one name as rigtri gave it, and poles of one limb, that have another name now.
+
+    A limb is one by its addresses, else by its names: of several characters each is known by its paths.
+    """
+    found: dict[int, int] = {}
+    for kind, by_names in ((ControlRecord, False), (PoleVectorRecord, False), (PoleVectorRecord, True)):
+        ours, theirs = (_described(each, kind, by_names=by_names) for each in (rig, other))
         for what, nodes in ours.items():
             there = theirs.get(what, [])
             if len(nodes) == len(there) == 1 and rig.names[nodes[0]] != other.names[there[0]]:
-                found[nodes[0]] = there[0]
+                found.setdefault(nodes[0], there[0])
     return {a: b for a, b in found.items() if rig.names[a] not in other.names}
 
 

@@ -79,7 +79,7 @@ class _ZeroPoses:
     """
 
     def __init__(self, rig: Rig, described: Rig, of: Mapping[int, int]) -> None:
-        self.rig, self.described = rig, described
+        self.rig, self.described, self.of = rig, described, of
         self.ours, self.between = dict[int, Floats](), dict[int, Floats]()
         self.theirs = {node: _zero(described, node) for node in of}
         self.size = float(np.abs(described.world[:, 3, :3]).max(initial=0.0)) or 1.0
@@ -93,8 +93,19 @@ class _ZeroPoses:
         above = self._above(node)
         self.ours[node] = above if self.rig.type_of(node) == "control" else multiply(local, above)
         self.between[theirs] = self.between.get(int(self.described.parents[theirs]), _SAME_AXES)
-        if not _same_above(self.rig, self.described, node, theirs):
+        if not self._same_above(node, theirs):
             self.between[theirs] = multiply(inverse(self.theirs[theirs]), self.ours[node])
+
+    def _same_above(self, node: int, theirs: int) -> bool:
+        """Whether two nodes have the same above them, under whatever names; what changes no place is passed
+        over.
+        """
+        here, there = _placing(self.rig, node), _placing(self.described, theirs)
+        if here < 0 or there < 0:
+            return here == there
+        if there in self.of:
+            return self.of[there] == here
+        return self.rig.names[here] == self.described.names[there] or self.worlds.both.of.get(there) == here
 
     def _above(self, node: int) -> Floats:
         return self.ours.get(int(self.rig.parents[node]), _SAME_AXES)
@@ -106,7 +117,7 @@ class _ZeroPoses:
         """
         parent, above, between = int(self.described.parents[theirs]), self._above(node), self.between[theirs]
         place: Floats | None = self.described.local[theirs]
-        if not _same_above(self.rig, self.described, node, theirs):
+        if not self._same_above(node, theirs):
             place = self.worlds.local_of(node, theirs)
         elif self.rig.type_of(node) != "control":
             there = multiply(self.theirs.get(parent, _SAME_AXES), between)
@@ -184,16 +195,11 @@ def _zero(rig: Rig, node: int) -> Floats:
     return place
 
 
-def _same_above(rig: Rig, described: Rig, node: int, theirs: int) -> bool:
-    """Whether the parents of two nodes have one name; what changes no place is passed over."""
-    return _placing(rig, node) == _placing(described, theirs)
-
-
-def _placing(rig: Rig, node: int) -> str:
-    """The name of the nearest node above that places what is below it; "" for none."""
+def _placing(rig: Rig, node: int) -> int:
+    """The nearest node above that places what is below it, −1 for none."""
     above = int(rig.parents[node])
     while above >= 0 and rig.type_of(above) in ("", "group"):
         if np.abs(rig.local[above] - np.eye(4)).max() > 1e-6:
             break
         above = int(rig.parents[above])
-    return rig.names[above] if above >= 0 else ""
+    return above

@@ -15,8 +15,10 @@ from usd_files import MESH, animation, error_of, read, save, scene, skeleton, sk
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
 from rigtri.evaluation import sampling
+from rigtri.evaluation.sampling import sample
+from rigtri.formats.usd.reading.xform_hierarchy import sampled_tracks
 from rigtri.frames.reframe import reframe
-from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, unit
+from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, multiply, unit
 from rigtri.verification.compare.compare import self_check
 
 LEG = """#usda 1.0
@@ -350,3 +352,18 @@ def test_ops_of_other_layers_keep_the_types_that_those_state(edit_target: str, t
         assert len({str(spec.typeName) for spec in stack}) == 1
     before, after = (skinned(stage, Usd.TimeCode(3)) for stage in stages)
     assert np.abs(before["/Hero/Skin"] - 100 * after["/Hero/Skin"]).max() < 1e-4
+
+
+@pytest.mark.parametrize(("apart", "turned"), [(1.0, 6.0), (4.0, 354.0)])
+def test_euler_angles_that_begin_anew_within_a_frame_go_the_short_way(apart: float, turned: float) -> None:
+    """Exporters sample frames; from key to key far apart it may be a spin, which USD plays."""
+    stage = Usd.Stage.CreateInMemory()
+    prim = UsdGeom.Xform.Define(stage, "/hand_ctl")
+    op = prim.AddRotateXYZOp()
+    for time, angle in ((0.0, 178.0), (apart, -176.0)):
+        op.Set((0.0, angle, 0.0), time)
+    tracks = sampled_tracks(prim.GetPrim(), 0, "LINEAR")
+    assert tracks
+    (turn,) = (track for track in tracks if track.path == "rotation")
+    way = sample(turn, np.linspace(0.0, apart, 200))
+    assert np.degrees(angle_between(way[1:], way[:-1]).sum()) == pytest.approx(turned, abs=0.5)

@@ -226,6 +226,8 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
 
     Between them elements of matrices go straight, which shears and shrinks what turns: tracks move the same
     way, turn as the nearest rotation does, which is the same in other axes, and scale from sample to sample.
+    Euler angles that begin anew at ±180° from one frame to the next go the short way, as they did in the
+    program whose exporter has sampled them.
     """
     xformable = UsdGeom.Xformable(prim)
 
@@ -243,7 +245,7 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
     start = parts_at(times)
     if start is None or start[1].any():
         return None
-    found = start[0]
+    found, wraps = start[0], _wraps(xformable, times)
     for _ in range(_HALVINGS if interpolation != "STEP" and len(times) > 1 else 0):
         between = [(a + b) / 2.0 for a, b in pairwise(times)]
         there = parts_at(between)
@@ -254,13 +256,27 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
         size = np.where(sheared[:, np.newaxis], sample(tracks[-1], between), size)
         now = (place, turn, size)
         off = np.max([_off(t.path, sample(t, between), part) for t, part in zip(tracks, now, strict=True)], 0)
-        new = np.flatnonzero(off > _ON_WAY)
+        new = np.flatnonzero((off > _ON_WAY) & ~np.isin(times[:-1], wraps))
         if not len(new):
             break
         order = np.argsort([*times, *(between[k] for k in new)], kind="stable")
         times = np.array([*times, *(between[k] for k in new)])[order].tolist()
         found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, now, strict=True))
     return _tracks(node, interpolation, times, found)
+
+
+def _wraps(xformable: Any, times: list[float]) -> Floats:
+    """The samples after which an Euler angle goes more than half a turn within a frame, as times (k,)."""
+    stage = xformable.GetPrim().GetStage()
+    frame = stage.GetTimeCodesPerSecond() / stage.GetFramesPerSecond()
+    ops = [op for op in xformable.GetOrderedXformOps() if op.GetOpName().startswith("xformOp:rotate")]
+    starts: Floats = np.array(times[:-1])
+    found = np.zeros(len(starts), dtype=bool)
+    for values in ([op.Get(time) for time in times] for op in ops):
+        if all(value is not None for value in values):
+            angles = np.array([np.ravel(value) for value in values], dtype=np.float64)
+            found |= (np.abs(np.diff(angles, axis=0)) > 180.0).any(axis=1)
+    return np.asarray(starts[found & (np.diff(times) <= frame * (1.0 + 1e-6))])
 
 
 def _tracks(node: int, way: Interpolation, times: list[float], values: tuple[Floats, ...]) -> list[Track]:
