@@ -19,7 +19,8 @@ from typing import Any, NoReturn
 
 # The signals that let a program tidy up before it ends, and the word for that.
 _WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
-_UNSET = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+if hasattr(signal, "SIGHUP"):  # a terminal or a connection that closes; Windows has none
+    _WORDS[signal.SIGHUP] = "hung up"
 # What a shell sets that asks for completions.
 COMPLETION = "_RIGTRI_COMPLETE"
 # Two interrupts nearer than this, in seconds, are one: the second would break off what the first tidies up.
@@ -57,6 +58,11 @@ def ending(error: KeyboardInterrupt) -> tuple[str, int]:
     return _WORDS[number], 128 + number
 
 
+def heard() -> list[signal.Signals]:
+    """The signals that end a program, without those that it was started to ignore, as by ``nohup``."""
+    return [number for number in _WORDS if signal.getsignal(number) is not signal.SIG_IGN]
+
+
 def _would_be_lost(frame: FrameType | None) -> bool:
     """Whether Python, or a module that is being imported, would make another error of an exception, or none.
 
@@ -88,7 +94,8 @@ def begin() -> None:
     ours.
     """
     gc.set_threshold(*_RINGS)
-    for number, unset in _UNSET.items():
+    for number in _WORDS:
+        unset = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
         _replace(number, unset, _end)
     import_module("rigtri.files.import_path").leave_out_working_folder()
 

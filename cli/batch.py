@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -153,7 +153,8 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
         sys.exit(run(inputs, values, _tasks(values)))
     except KeyboardInterrupt as error:  # before files are worked on, or after
         word, code = ending(error)
-        click.echo(f"\n{word}: finished files are kept; run it again for the rest", err=True)
+        with suppress(OSError):  # the terminal is gone
+            click.echo(f"\n{word}: finished files are kept; run it again for the rest", err=True)
         sys.exit(code)
 
 

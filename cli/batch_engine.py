@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from . import heard
+
 if TYPE_CHECKING:
     from rigtri.pipeline.batch.inputs import Entry
     from rigtri.pipeline.batch.local_engine import Engine
@@ -73,7 +75,7 @@ def signals(engines: list[Engine], *, quiet: bool) -> Iterator[list[int]]:
         if len(received) == 1 and not quiet:
             os.write(2, b"\nstopping: started files are finished; interrupt again to abort them\n")
 
-    kinds = [signal.SIGINT, signal.SIGTERM]
+    kinds = heard()
     before: list[Any] = [signal.signal(kind, receive) for kind in kinds]
     try:
         yield received

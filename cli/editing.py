@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -151,23 +150,8 @@ def edit_request(values: dict[str, Any]) -> EditRequest:
         read_options(values),
         overwrite=values["overwrite"] or values["output"] is None,
         side_files=tuple(path for path in _side_files(values).values() if str(path) != "-"),
-        spared=_spared(values),
         **same,
     )
-
-
-def _spared(values: dict[str, Any]) -> list[tuple[Path, str]]:
-    """What the rig files refer to that options name, where OUT's buffers and images could take its place."""
-    from pathlib import Path
-
-    from rigtri.formats import read
-
-    folder, found = Path(destination(values)).parent.resolve(), list[tuple[Path, str]]()
-    for _, path in _named_files(values, written=False):
-        if path.suffix.lower() == ".gltf" and path.parent.resolve() == folder:
-            with suppress(RigtriError):  # who reads it for the edit says what is wrong
-                found += read(path, read_options(values)).needed()
-    return found
 
 
 def _side_files(values: dict[str, Any]) -> dict[str, Path]:

@@ -68,7 +68,8 @@ def exit_on_interrupt() -> Iterator[None]:
         yield
     except KeyboardInterrupt as error:
         word, code = ending(error)
-        click.echo(f"\nrigtri: {word}", err=True)
+        with suppress(OSError):  # the terminal is gone
+            click.echo(f"\nrigtri: {word}", err=True)
         sys.exit(code)
 
 

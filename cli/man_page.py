@@ -21,7 +21,7 @@ _EXIT = {
     "5": "geometry that does not define the result, or with --strict a warning",
     "6": "the result would look different",
     "7": "some files of a batch failed",
-    "130": "interrupted",
+    "129, 130, 143": "hung up, interrupted, terminated",
 }
 _ENVIRONMENT = {
     "NO_COLOR, FORCE_COLOR": "No colours; or colours also where no terminal is.",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any, Literal, get_args
 
 from rigtri.errors import GeometryError
@@ -63,6 +64,7 @@ class Report:
     pose, and clips look as before, but for ``moves``, the keys of nodes that move on purpose.
     records: whether joints are recorded; a batch, where nobody reads them, has warnings only.
     answered: codes of warnings that another file's data has made void; see `answer`.
+    sources: files besides the edited one that the edit has read, each with what it is.
     """
 
     joints: list[dict[str, Any]] = field(default_factory=list)
@@ -76,6 +78,7 @@ class Report:
     moves: set[Hashable] = field(default_factory=set)
     records: bool = True
     answered: set[str] = field(default_factory=set)
+    sources: list[tuple[Path, str]] = field(default_factory=list)
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 
     def warn(
@@ -125,3 +128,4 @@ class Report:
         self.reposed |= other.reposed
         self.rekeyed |= other.rekeyed
         self.moves |= other.moves
+        self.sources = list(dict.fromkeys((*self.sources, *other.sources)))

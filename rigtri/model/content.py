@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Protocol
 
 from rigtri.model.control_shapes import Lines, nothing
@@ -16,6 +17,8 @@ class RigSource(Protocol):
     """The file that a rig was read from; only `rigtri.pipeline` looks inside."""
 
     def after(self, report: Any) -> RigSource: ...
+
+    def needed(self) -> list[tuple[Path, str]]: ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -111,11 +111,15 @@ def _run(
     spelling: Spelling = AS_FLAGS,
 ) -> Rig:
     """What an operation makes of a rig; one that knows its file keeps what was reported."""
-    run = _of_character(function, getattr(words.get("options"), "character", None))
+    options = words.get("options")
+    run = _of_character(function, getattr(options, "character", None))
+    read = [*others, *(vars(options).values() if options is not None else ())]
+    sources = [file for one in read if isinstance(one, Rig) and one.source for file in one.source.needed()]
     if rig.source is None:
+        report.merge(Report(sources=sources))
         with spelled(spelling, report):
             return run(rig, *others, report=report, **words)
-    own = Report()
+    own = Report(sources=sources)
     try:
         # What leaves float64 becomes inf or NaN; writing sees it.
         with np.errstate(all="ignore"), spelled(spelling, own):

@@ -62,9 +62,8 @@ class Outcome:
 class EditRequest(RunOptions):
     """What is to be done to one file, and how.
 
-    target: ``-`` is standard output. side_files: what the caller will write besides. spared: files that may
-    not be replaced, each with what it is, besides those that the source refers to. document: the
-    source, where it was read already, with the same ``options``. ahead: copies that the caller has begun
+    target: ``-`` is standard output. side_files: what the caller will write besides. document: the source,
+    where it was read already, with the same ``options``. ahead: copies that the caller has begun
     (`files.background_copy`). ready: is called when the output has passed and is about to take its name.
     shared: others write beside it at the same time (`files.staged_output`).
     """
@@ -73,7 +72,6 @@ class EditRequest(RunOptions):
     target: Path | str
     options: ReadOptions = field(default_factory=ReadOptions)
     side_files: Sequence[Path] = ()
-    spared: Sequence[tuple[Path, str]] = ()
     document: Document | None = None
     ahead: BackgroundCopies | None = None
     ready: Callable[[Outcome, StagedOutput], None] | None = None
@@ -136,9 +134,9 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
         final = _checked_target(path, request)
         document = request.document or read(path, options)
         needed = _needed(document, path, final, options)
-        spared = [*needed, *request.spared]
-        for place in (*request.side_files, *(() if request.to_stdout else (final,))):
-            check_not_an_input(place, spared)
+        written_to = [*request.side_files, *(() if request.to_stdout else (final,))]
+        for place in written_to:
+            check_not_an_input(place, needed)
         # What exporters drop may come from another file yet.
         lost = [notice for notice in document.warnings if notice.code in EXPORT_WARNINGS]
         _take_warnings(document, report, request.strict and not lost)
@@ -147,10 +145,14 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
         rig = step(document.rig, report)
         check_numbers(document.rig, rig)
         check_order(rig)
+        for place in written_to:
+            if not same_file(place, path):  # who edits IN in place has it replaced, whatever refers to it
+                check_not_an_input(place, report.sources)
         _take_warnings(document, report, request.strict)
         clock.lap("edit")
         with working_folder(final, request) as folder:
             place, shared = folder / final.name, request.shared
+            spared = [*needed, *report.sources]
             written = StagedOutput(place, request.overwrite, spared, request.ahead, shared=shared)
             try:
                 result = _deliver(document, path, rig, written, request, report, clock)

@@ -45,6 +45,12 @@ class Origin:
         merged.merge(report)
         return replace(self, report=merged)
 
+    def needed(self) -> list[tuple[Path, str]]:
+        """The file and all that it refers to, each with what it is: where its rig helps to edit another,
+        nothing that is written may take their place."""
+        own = [] if self.content is not None else [(self.path, "a file that the edit reads")]
+        return [*own, *self.document.needed()]
+
 
 def read(path: Path | str, options: ReadOptions | None = None) -> Rig:
     """The rig in a file; its suffix names the format. It knows its file, so that `write` can write it.

@@ -16,6 +16,7 @@ from rigtri.model.metadata import EXPORT_WARNINGS
 from rigtri.model.options import Option, options_of
 from rigtri.model.rig import Rig
 from rigtri.operations.registry import operation
+from rigtri.pipeline.files import known
 from rigtri.report import Report
 
 if TYPE_CHECKING:
@@ -84,10 +85,10 @@ class _Files:
         if kind == "json file":
             return rows_of(path, one.flag) if path.lower().endswith(".csv") else json_of(path, one.flag)
         if kind == "edited file":
-            place = self._open.enter_context(opened(path))
-            self.edited.append(read(place, replace(self._reading, root=None, empty=True)))
-            return self.edited[-1].rig
+            place, how = self._open.enter_context(opened(path)), replace(self._reading, root=None, empty=True)
+            self.edited.append(read(place, how))
+            return known(self.edited[-1], place, how)
         try:
-            return read(Path(path)).rig
+            return known(read(Path(path)), Path(path), ReadOptions())
         except RigtriError as error:
             raise type(error)(f"{one.flag}: {error}") from error

@@ -9,6 +9,9 @@ from pathlib import Path
 import pytest
 from program import cli
 
+import rigtri
+from rigtri.errors import UsageError
+
 LINES = {
     "draw": ["draw", "hero.gltf", "-o", "hero.png"],
     "draw --against": ["draw", "other.glb", "--against", "hero.gltf", "-o", "hero.png"],
@@ -37,6 +40,62 @@ def test_buffers_of_the_file_of_an_option_are_not_replaced(
     assert "edited/biped.bin is buffers.0.uri of edited/biped.gltf; it would be lost" in result.stderr
     assert Path("edited/biped.bin").read_bytes() == before
     assert not Path("edited/out.gltf").exists()
+
+
+@pytest.fixture
+def edited(samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder has RIG, and a folder has EDITED with its buffer."""
+    monkeypatch.chdir(tmp_path)
+    Path("edited").mkdir()
+    shutil.copy(samples / "biped.glb", "hero.glb")
+    shutil.copy(samples / "biped.gltf", "edited")
+    shutil.copy(samples / "biped.bin", "edited")
+    return Path("edited/biped.gltf")
+
+
+@pytest.mark.parametrize("option", ["take-clips --from", "orient-joints --like"])
+@pytest.mark.parametrize("by_spec", [False, True])
+def test_a_report_never_takes_the_place_of_a_buffer_of_the_file_of_an_option(
+    option: str, by_spec: bool, edited: Path
+) -> None:
+    before = Path("edited/biped.bin").read_bytes()
+    name, word = option.split()
+    line = [name, "hero.glb", word, str(edited)]
+    if by_spec:
+        step = {"do": name, word.removeprefix("--"): str(edited)}
+        # A second step: what the first has read is known of, still.
+        Path("s.json").write_text(json.dumps({"steps": [step, {"do": "prune-joints"}]}), "utf-8")
+        line = ["build", "hero.glb", "--spec", "s.json"]
+
+    result = cli(*line, "-o", "out.glb", "--report", "edited/biped.bin", "--overwrite", code=2)
+
+    assert "edited/biped.bin is buffers.0.uri of edited/biped.gltf; it would be lost" in result.stderr
+    assert Path("edited/biped.bin").read_bytes() == before
+    assert not Path("out.glb").exists()
+
+
+def test_write_replaces_neither_a_rig_that_helped_nor_what_it_refers_to(edited: Path) -> None:
+    document = json.loads(edited.read_text("utf-8"))
+    document["buffers"][0]["uri"] = "buffer.glb"
+    edited.write_text(json.dumps(document), "utf-8")
+    Path("edited/biped.bin").rename("edited/buffer.glb")
+    shutil.copy("hero.glb", "other.glb")
+    for source, target in [(edited, Path("edited/buffer.glb")), (Path("other.glb"), Path("other.glb"))]:
+        rig = rigtri.take_clips(rigtri.read("hero.glb"), from_=rigtri.read(source))
+        before = target.read_bytes()
+        with pytest.raises(UsageError, match="it would be lost"):
+            rigtri.write(rig, target, overwrite=True)
+        assert target.read_bytes() == before
+
+
+def test_a_rig_is_edited_in_place_whatever_refers_to_it(
+    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """EDITED is a layer over RIG: its keys go into RIG itself."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(samples / "biped.usda", "hero.usda")
+    Path("over.usda").write_text("#usda 1.0\n(\n    subLayers = [@./hero.usda@]\n)\n", "utf-8")
+    cli("take-clips", "hero.usda", "--from", "over.usda", "-o", "hero.usda", "--overwrite", code=0)
 
 
 @pytest.mark.parametrize("name", LINES)

@@ -128,7 +128,9 @@ def test_a_kill_at_any_change_leaves_old_or_new_and_the_next_run_leaves_nothing_
 
 @pytest.mark.ci
 @pytest.mark.parametrize(
-    ("number", "ends"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)], ids=["SIGTERM", "SIGINT"]
+    ("number", "ends"),
+    [(signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGINT, 130)],
+    ids=["SIGTERM", "SIGHUP", "SIGINT"],
 )
 @pytest.mark.parametrize("case", ["edit .gltf", "edit .usdz"])
 def test_what_is_told_to_end_at_any_change_tidies_up_by_itself(

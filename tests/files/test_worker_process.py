@@ -214,7 +214,8 @@ def test_what_works_on_files_reports_nothing_of_interrupts_and_kills(tmp_path: P
 
 @SERVED
 @pytest.mark.parametrize(
-    ("name", "code", "word"), [("SIGINT", 130, "interrupted"), ci("SIGTERM", 143, "terminated")]
+    ("name", "code", "word"),
+    [("SIGINT", 130, "interrupted"), ci("SIGTERM", 143, "terminated"), ("SIGHUP", 129, "hung up")],
 )
 @pytest.mark.parametrize(
     "line",

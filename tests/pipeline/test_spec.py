@@ -366,6 +366,10 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         slow("a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
             f"{chr(98 + k)}: &{chr(98 + k)} [{', '.join([f'*{chr(97 + k)}'] * 9)}]\n" for k in range(8)
         ), "more values"),
+        ("a: &a {p: 1}\n" + "".join(
+            f"{chr(98 + k)}: &{chr(98 + k)} {{<<: [{', '.join([f'*{chr(97 + k)}'] * 9)}]}}\n"
+            for k in range(9)
+        ), "more values"),
         ("steps: " + "[" * 500 + "]" * 500, "deeper, than a spec can have"),
         ("extends: rig.yaml\n", "in a cycle"),
         ("extends: ../x\n", "extends ../x: a spec is a"),

@@ -240,5 +240,6 @@ def _refused(error: RigtriError | OSError, report: Report) -> Record:
 def _outlive_signals() -> None:
     """Let the one who hands files out decide when to end, also where a farm signals all processes."""
     main = threading.current_thread() is threading.main_thread()
-    if os.name == "posix" and main and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    for number in (signal.SIGTERM, signal.SIGHUP) if os.name == "posix" and main else ():
+        if signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, signal.SIG_IGN)

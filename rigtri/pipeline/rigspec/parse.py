@@ -181,6 +181,7 @@ class _Yaml:
         for other in merged:
             if other.id != "mapping" or id(other) in merging:
                 raise self._wrong(other, "<< takes other mappings in")
+            self._spots.spot(self._position(other), len(merging))  # merged ones merge others, manifold
             for name, at, item in self._members(other, {**merging, id(node): node}):
                 own.setdefault(name, (name, at, item))
         return list(own.values())

@@ -182,7 +182,9 @@ def workers(process: int) -> list[int]:
 
 
 @POSIX
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), slow(signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), slow(signal.SIGTERM, 143), slow(signal.SIGHUP, 129)]
+)
 def test_an_interrupt_ends_what_is_begun_and_keeps_what_is_done(
     number: signal.Signals, code: int, tmp_path: Path, start: Start
 ) -> None:
