@@ -224,6 +224,25 @@ def _warn_misplaced(rig: Rig, report: Report) -> None:
             pairs = [f"{rig.title(node)} (below {rig.title(above)})" for node, above in found]
             text = f"Not below the joints that a standard skeleton has above them: {and_more(pairs, 6)}"
             report.warn("hierarchy", f"{text}. Clips of others do not fit these: parent them in a DCC")
+        if found := list(_below_others(rig, body)):
+            pairs = [f"{rig.title(node)} (below {rig.title(above)})" for node, above in found]
+            text = f"Below joints that a standard skeleton does not have above them: {and_more(pairs, 6)}"
+            report.warn(
+                "hierarchy", f"{text}. In an engine clips of others turn these along: parent them in a DCC"
+            )
+
+
+def _below_others(rig: Rig, body: Character) -> Iterator[tuple[int, int]]:
+    """The joints of bones right below one that is none of those above them in a humanoid, with that joint."""
+    bone_of = {node: bone for bone, node in body.bones.items()}
+    for bone, node in body.bones.items():
+        above = next((each for each in rig.path_to_root(node)[1:] if each in bone_of), -1)
+        allowed, parent = set[str](), ABOVE.get(bone, "")
+        while parent:
+            allowed.add(parent)
+            parent = ABOVE.get(parent, "")
+        if above >= 0 and allowed and bone_of[above] not in allowed:
+            yield node, above
 
 
 def _warn_missing(rig: Rig, options: ConformOptions, skeleton: Skeleton, report: Report) -> None:

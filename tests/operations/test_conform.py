@@ -281,6 +281,20 @@ def test_a_leg_below_another_joint_is_reported() -> None:
     assert np.allclose(out.world[out.find("LeftFoot"), :3, :3], np.eye(3), atol=1e-5)
 
 
+def test_a_leg_below_the_spine_is_reported() -> None:
+    """As in a 3ds Max Biped: below the hips all the same, and in an engine clips turn it with the spine."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    parents, local = rig.parents.copy(), rig.translation.copy()
+    thigh, spine = rig.find("thigh_L"), recognise(rig).characters[0].bones["spine"]
+    parents[thigh] = spine
+    local[thigh] = multiply(rig.world[thigh], inverse(rig.world[spine]))[3, :3]
+    report = Report()
+    flat = replace(rig, parents=parents, translation=local, clips=(), source=None)
+    rigtri.conform(flat, to="unity", report=report)
+    texts = [warning.text for warning in report.warnings if warning.code == "hierarchy"]
+    assert any("LeftUpperLeg (below Spine)" in text for text in texts)
+
+
 def test_a_body_without_clavicles_is_told_how_far_off_clips_are() -> None:
     """Those of others turn its arms about the axes of the chest instead of the clavicle's."""
     rig = rigtri.read(SAMPLES / "biped.glb")

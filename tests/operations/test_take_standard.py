@@ -121,6 +121,30 @@ def test_sides_that_names_exchange_are_refused() -> None:
         take_clips(other_body(), from_=replace(edited, names=names))
 
 
+def below_the_neck(rig: Rig) -> Rig:
+    """The rig with its clavicles below the neck, as 3ds Max's Biped has them; its axes are the world's."""
+    neck, parents, translation = rig.find("Neck"), rig.parents.copy(), rig.translation.copy()
+    for shoulder in (rig.find("LeftShoulder"), rig.find("RightShoulder")):
+        parents[shoulder] = neck
+        translation[shoulder] = (rig.world[shoulder] - rig.world[neck])[3, :3]
+    return replace(rig, parents=parents, translation=translation)
+
+
+def test_clavicles_below_the_neck_are_rotated_as_in_edited_and_keep_their_bones() -> None:
+    """Before, they were refused: their bones would stretch between neck and chest."""
+    rig, edited = below_the_neck(other_body()), biped()
+    report = Report()
+    home = take_clips(rig, from_=edited, report=report)
+    keys = key_times(edited.clip("walk"))
+    assert degrees_apart(pointing(home, "walk", keys), pointing(edited, "walk", keys)) < 0.01
+    moved = [t for t in home.clip("walk").tracks if t.path == "translation"]
+    for shoulder in (home.find("LeftShoulder"), home.find("RightShoulder")):
+        for track in (t for t in moved if t.node == shoulder):
+            np.testing.assert_allclose(track.values, rig.translation[[shoulder]], atol=1e-6)
+    (text,) = (notice.text for notice in report.warnings if notice.code == "other-parents")
+    assert "LeftShoulder" in text
+
+
 def test_a_library_without_a_skin_plays_on_another_character() -> None:
     rig, edited = other_body(), biped()
     home = take_clips(rig, from_=without_skin(edited))

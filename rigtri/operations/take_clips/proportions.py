@@ -101,6 +101,19 @@ class Proportions:
         size = self.ratio(node)
         return _scaled(size, bone.ours - size * bone.theirs)
 
+    def stays(self, node: int) -> bool:
+        """Whether a joint of a standard pose keeps its place below a parent that is not above it in EDITED.
+
+        Rotations count from there, and a bone between the two would stretch with what only one of them has.
+        """
+        both = self.both
+        if both.at_rest is None or node not in self.bones:
+            return False
+        parent = int(both.rig.parents[node])
+        while parent >= 0 and parent not in both.of:
+            parent = int(both.rig.parents[parent])
+        return parent != both.line(node)[2]
+
     def ratio(self, node: int) -> float:
         """How long the bone of a joint is in RIG for one in EDITED; above the legs, how long these are."""
         bone = self.bones[node]

@@ -124,7 +124,8 @@ class Transfer:
             placed = multiply(placed, inverse(multiply(both.turns[parent], self._along(above, times))))
         else:
             placed = multiply(placed, both.space)
-        if (place := self.bodies.place(node)) is not None:
+        stays = self.bodies.stays(node)
+        if not stays and (place := self.bodies.place(node)) is not None:
             if parent != both.line(node)[2]:
                 raise GeometryError(
                     f"'{both.rig.title(node)}' has another parent and another length in EDITED: through the "
@@ -134,6 +135,8 @@ class Transfer:
         for k in apart[::-1]:
             carrier = local_of(both.rig, k, self.own.get(k, {}), self.ours(times))
             placed = multiply(placed, inverse(carrier))
+        if stays:
+            placed[..., 3, :3] = both.rig.local[node, 3, :3]
         self._refuse_shear(node, placed)
         parts = to_parts(placed)
         held = all(track.interpolation == "STEP" or len(track.times) == 1 for track in tracks)
