@@ -100,10 +100,10 @@ class GeometryError(RigtriError):
 class NoLimbError(GeometryError):
     """A character none of whose limbs is recognised with enough confidence."""
 
-    def __init__(self) -> None:
+    def __init__(self, option: str = "--limb") -> None:
         super().__init__(
             "--limbs auto: no arms or legs are recognised with enough confidence. Name the limbs with "
-            f"--limb ROOT MIDDLE END. {SEE_LIMBS}"
+            f"{option} ROOT MIDDLE END. {SEE_LIMBS}"
         )
 
 

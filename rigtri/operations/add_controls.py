@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import GeometryError
+from rigtri.errors import GeometryError, NoLimbError
 from rigtri.evaluation.sampling import world_of
 from rigtri.evaluation.zero_pose import SAME_POSITION, idle_ik, ik_obstacle, moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
@@ -66,7 +66,7 @@ from rigtri.operations.rigtri_nodes import (
 )
 from rigtri.operations.skin_joints import add_joint, is_joint_kind, move_joint, skin_sibling_parent
 from rigtri.progress import counted
-from rigtri.recognition.limbs import Limb, forward, named_limbs, upright, with_recognised
+from rigtri.recognition.limbs import Limb, built_limbs, forward, named_limbs, upright, with_recognised
 from rigtri.recognition.one_character import bodies, within
 from rigtri.report import Report
 
@@ -127,8 +127,13 @@ class _Builder:
         return self.options.whole_character or self.options.limbs is not None
 
     def _recognised(self, named: tuple[Limb, ...]) -> Iterator[Limb]:
-        """The recognised limbs beside those that are named, but those where IK has nothing to move."""
-        for limb in with_recognised(self.rig, named)[len(named) :]:
+        """The limbs beside those that are named: those of make-limb, then those that are recognised.
+
+        But for those where IK has nothing to move.
+        """
+        taken = {node for limb in named for node in limb.triple}
+        made = (limb for limb in built_limbs(self.rig) if taken.isdisjoint(limb.triple))
+        for limb in with_recognised(self.rig, (*named, *made))[len(named) :]:
             if why := idle_ik(self.rig, limb.triple, self.tree.carries):
                 title = self.rig.title(limb.end)
                 self.report.warn("no-ik", f"No IK end for '{title}': {why}", joint=title)
@@ -144,6 +149,8 @@ class _Builder:
         self.above_controls = self.rig.with_ancestors([holder])
         self.new = NewNodes(self.rig)
         joints = self._joints()
+        if options.limbs is not None and not (joints or self.limbs or options.root_control):
+            raise NoLimbError("--ik")
         known = self.rig.records(ControlRecord).items()
         self.fk = {one.joint: node for node, one in reversed(known) if one.kind == "fk"}
         if options.root_control or (options.whole_character and self._root_carries(joints)):

@@ -18,6 +18,7 @@ from rigtri.maths.vectors import cross, dot, normalise
 from rigtri.model.joint_names import side
 from rigtri.model.limb import Limb as Limb
 from rigtri.model.limb import LimbKind
+from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import CONFIDENT, MAP, NAMES, Chain
 from rigtri.recognition.naming_schemes import limb_kind_in_name
@@ -143,6 +144,13 @@ def limb_title(rig: Rig, chain: Chain) -> str:
     """A recognised limb in a message: its name, its three joints, and how sure it is."""
     joints = " - ".join(rig.title(node) for node in chain.bend)
     return f"{chain.name} ({joints}; {chain.confidence:.2f})"
+
+
+def built_limbs(rig: Rig) -> list[Limb]:
+    """The limbs that make-limb has built, without chains; of those whose joints are all there."""
+    records = [one for one in rig.records(LimbRecord).values() if one.chain and one.middle]
+    triples = [(one.chain[0], one.middle, one.chain[-1]) for one in records]
+    return [given(rig, *triple) for triple in triples if all(rig.known(name) is not None for name in triple)]
 
 
 def with_recognised(rig: Rig, mine: tuple[Limb, ...]) -> tuple[Limb, ...]:

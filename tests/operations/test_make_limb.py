@@ -19,10 +19,11 @@ from second_opinions import khronos_errors, usd_errors, validator
 
 import rigtri
 from rigtri.cli.make_limb import spread
-from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.errors import FileError, GeometryError, NoLimbError, UsageError
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import ReadOptions, read, write_blank
 from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.make_limb import MakeLimbOptions, make_limb
@@ -505,6 +506,28 @@ def test_nodes_that_a_pattern_means_are_guides_of_a_skeleton() -> None:
 def test_nodes_that_are_no_guides_are_refused_by_name(rig: Rig, words: str) -> None:
     with pytest.raises(UsageError, match=words):
         rigtri.make_limb(rig, guide_nodes="*_loc")
+
+
+def test_controls_move_limbs_that_were_built_by_ik() -> None:
+    """Before, they got FK alone with --whole-character, and nothing with --limbs auto."""
+    spine, arm = (
+        ((0, 1, 0), (0, 1.2, 0.02), (0, 1.4, 0), (0, 1.6, 0)),
+        ((0.2, 1.4, 0), (0.5, 1.4, -0.05), (0.8, 1.4, 0)),
+    )
+    rig = rigtri.make_limb(EMPTY, guides={"spine": spine, "arm_L": {"points": arm, "parent": "spine_3"}})
+    for options in ({"whole_character": True}, {"limbs": "auto"}):
+        built = rigtri.add_controls(rig, **options)
+        (end,) = [one.joint for one in built.records(ControlRecord).values() if one.kind == "ik"]
+        assert end == "arm_L_3"
+        assert built.find("arm_L_2_pole") == rig.find("arm_L_2_pole")
+        np.testing.assert_array_equal(rigtri.add_controls(built, **options).local, built.local)
+
+
+def test_controls_of_no_limb_are_refused() -> None:
+    """Before, a file was written as it was, with "0 controls ()"."""
+    rig = rigtri.make_limb(EMPTY, points=((0, 0, 0), (0, 1, 0)), up_from="world:+x")
+    with pytest.raises(NoLimbError, match=r"Name the limbs with ik=\(ROOT"):
+        rigtri.add_controls(rig, limbs="auto")
 
 
 def test_a_straight_limb_among_guides_is_reported_where_its_bend_goes(tmp_path: Path) -> None:
