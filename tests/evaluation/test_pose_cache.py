@@ -1,13 +1,16 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from rigs import chain, random_rig
 
 from rigtri.evaluation.constraint_solver import Parts
-from rigtri.evaluation.pose_cache import PoseCache, cut, joined
+from rigtri.evaluation.pose_cache import PoseCache, cut, joined, sample_parts
 from rigtri.maths.matrices import compose, multiply
+from rigtri.model.animation import Clip, Track
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -63,3 +66,20 @@ def test_zero_scales_are_a_share_of_the_others_where_a_way_without_them_is_asked
     assert_allclose(found[0], [[6, 0, 0, 0], [0, 1.5, 0, 0], [0, 0, 12, 0], [2, 0.5, 4, 1]])
     assert_allclose(found[1], [[3, 0, 0, 0], [0, 3, 0, 0], [0, 0, 3, 0], [1, 1, 1, 1]])
     assert_allclose(PoseCache(rig).unflattened(2, 0.125)[0], rig.world[2])
+
+
+def test_parts_of_a_clip_are_sampled_where_its_keys_are_not() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0))
+    times, turns = np.array([0.0, 2.0]), np.array([[0.0, 0, 0, 2], [0, 0, 2, 0]])
+    moves = Track(1, "translation", "LINEAR", times, np.array([[0.0, 0, 0], [4, 0, 0]]))
+    clip = Clip(
+        "c", (moves, Track(0, "rotation", "LINEAR", times, turns), replace(moves, node=0, path="weights"))
+    )
+    there = sample_parts(rig, clip, times)
+    assert there[1].translation.tolist() == [[0, 0, 0], [4, 0, 0]]
+    assert there[0].rotation.tolist() == [[0, 0, 0, 1], [0, 0, 1, 0]]
+    between = sample_parts(rig, clip, times + 0.5)  # as many times, all others
+    assert between[1].translation.tolist() == [[1, 0, 0], [4, 0, 0]]
+    assert set(sample_parts(rig, clip, times, only=[0])) == {0}
+    alone = Clip("c", (Track(1, "translation", "LINEAR", times[:1], moves.values[1:]),))
+    assert sample_parts(rig, alone, times)[1].translation.tolist() == [[4, 0, 0]]

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from baked_rigs import WHOLE, control
 from places import SAMPLES, slow
+from rigs import rig_of
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.key_reduction import is_reduction_of
-from rigtri.evaluation.shared_key_times import with_shared_times
+from rigtri.evaluation.shared_key_times import Shared, with_shared_times
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.formats import read
 from rigtri.maths.matrices import nearest_rotation
@@ -233,3 +234,12 @@ def test_a_root_control_stays_where_keys_of_others_count_from_it() -> None:
     times = np.array([0.0, 0.5]) * rig.rules.per_second
     shown = [sampling.worlds(each, sampling.locals_at(each, each.clips[0], times)) for each in (lying, again)]
     np.testing.assert_allclose(shown[1][:, pole, 3], shown[0][:, pole, 3], atol=1e-9)
+
+
+def test_states_have_the_same_times_where_all_their_arrays_have() -> None:
+    times = np.array([0.0, 1.0])
+    rig = rig_of(["a"], [-1], np.zeros((1, 3)))
+    one = Shared(rig, {("walk", "rotation"): times, ("walk", "scale"): times}, {})
+    assert one.same_times(replace(one, times=dict(one.times)))
+    assert not one.same_times(replace(one, times={("walk", "rotation"): times}))
+    assert not one.same_times(replace(one, times={**one.times, ("walk", "scale"): times + 1}))
