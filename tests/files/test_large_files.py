@@ -327,3 +327,18 @@ def test_a_small_file_is_written_without_a_thread(
         with fsync_while_writing(file, large=large):
             assert threading.active_count() - before == large
         assert threading.active_count() == before
+
+
+def test_only_the_largest_meshes_are_looked_at_in_parts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    b = small()
+    large = {"attributes": {"POSITION": b.points(np.arange(30.0).reshape(10, 3))}}
+    b.gltf["meshes"].append({"name": "large", "primitives": [large]})
+    b.gltf["nodes"].append({"name": "wall", "mesh": 1})
+    b.gltf["scenes"][0]["nodes"].append(len(b.gltf["nodes"]) - 1)
+    document = crowded(b.glb(tmp_path / "a.glb"), monkeypatch, MOST_POINTS=3, SAMPLE=2)
+    boxed = {mesh.name: mesh.box is not None for mesh in document.outlines()}
+    assert boxed == {"#3/0": False, "wall/0": True}
+    assert [mesh.box for mesh in document.meshes()] == [None, None]
+    assert [len(mesh.points) for mesh in document.meshes()] == [3, 10]
