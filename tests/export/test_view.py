@@ -478,3 +478,24 @@ def test_files_that_a_page_cannot_carry_are_lacking_with_the_reason(tmp_path: Pa
     assert set(embedded.files) == {"there.png"}
     told = [text for text in embedded.lacking if "gone.png" in text or "outside.png" in text]
     assert len(told) == 2
+
+
+def test_instances_of_a_usd_file_become_prims_and_its_layers_stay_as_they_were(tmp_path: Path) -> None:
+    from pxr import Usd
+
+    path = tmp_path / "in.usda"
+    mesh = "int[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2]\n"
+    points = "point3f[] points = [(0,0,0), (1,0,0), (0,0,1)]\n"
+    shared = "(\ninherits = <{}>\ninstanceable = true\n) {{}}\n"
+    inner = f'class "Part" {{\ndef Mesh "M" {{\n{mesh}{points}}}\n}}\n'
+    outer = f'class "Whole" {{\ndef "P" {shared.format("/Part")}}}\n'
+    path.write_text(f'#usda 1.0\n{inner}{outer}def "A" {shared.format("/Whole")}')
+    document = read(path, ReadOptions(empty=True))
+    content = document.embedded().content
+    assert isinstance(content, bytes)
+    (tmp_path / "out.usdc").write_bytes(content)
+    carried = Usd.Stage.Open(str(tmp_path / "out.usdc"))
+    assert carried.GetPrimAtPath("/A/P/M").GetTypeName() == "Mesh"
+    assert not any(prim.IsInstance() for prim in carried.Traverse())
+    assert not Usd.Stage.Open(str(path)).GetRootLayer().dirty
+    assert Usd.Stage.Open(str(path)).GetPrimAtPath("/A").IsInstance()

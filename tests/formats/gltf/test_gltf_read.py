@@ -231,3 +231,25 @@ def test_unknown_required_extensions_are_noticed(tmp_path: Path) -> None:
 def test_read_finds_the_format_by_the_suffix(tmp_path: Path) -> None:
     for suffix in (".glb", ".vrm", ".VRMA"):
         assert len(read(small().glb(tmp_path / f"a{suffix}")).rig) == 4
+
+
+@pytest.mark.parametrize(
+    ("mode", "kind"),
+    [
+        (None, "triangles"),
+        (0, "points"),
+        (3, "line strip"),
+        (6, "triangle fan"),
+        (7, "mode 7"),
+        (99, "mode 99"),
+    ],
+)
+def test_what_a_primitive_draws_is_told_by_its_mode(mode: int | None, kind: str, tmp_path: Path) -> None:
+    builder = small()
+    (primitive,) = builder.gltf["meshes"][0]["primitives"]
+    primitive |= {} if mode is None else {"mode": mode}
+    (mesh,) = GltfDocument.read(builder.glb(tmp_path / "a.glb")).meshes()
+    assert mesh.surface is not None
+    surface = mesh.surface()
+    assert surface is not None
+    assert surface.kind == kind

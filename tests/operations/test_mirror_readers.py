@@ -1,0 +1,94 @@
+"""What a mirrored pose reader drives, by hand: twins of joints in their own axes, and of morph targets."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from rigs import rig_of
+
+from rigtri.frames.mirroring import Across
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.metadata import OutputRecord, PoseReaderRecord
+from rigtri.operations.mirror import pose_readers
+from rigtri.operations.mirror.mirror import MirrorOptions
+from rigtri.operations.mirror.pose_readers import _changed, _morph, _outputs
+from rigtri.report import Report
+
+OPTIONS = MirrorOptions(across=Across())
+NONE = np.array([0.0, 0, 0, 1])
+
+
+def _twin(turn: Any, **changes: Any) -> OutputRecord | None:
+    """What the changes of a joint along the world's axes are for its twin, whose axes are turned."""
+    rig = rig_of(["root", "a_L", "a_R"], [-1, 0, 0], np.zeros((3, 3)), np.array([NONE, NONE, turn]))
+    return _changed(rig, OutputRecord(target="up", joint="a_L", **changes), 1, 2, OPTIONS)
+
+
+def test_a_scale_is_along_the_axes_of_the_twin() -> None:
+    quarter, odd = from_axis_angle([0.0, 0, 1], np.pi / 2), from_axis_angle([0.0, 0, 1], 0.3)
+    for turn, scale, twins in (
+        (NONE, (1.0, 2.0, 3.0), (1.0, 2.0, 3.0)),
+        (quarter, (1.0, 2.0, 3.0), (2.0, 1.0, 3.0)),
+        (odd, (2.0, 2.0, 2.0), (2.0, 2.0, 2.0)),
+    ):
+        found = _twin(turn, scale=scale)
+        assert found is not None
+        assert found.scale == twins
+    assert _twin(odd, scale=(1.0, 2.0, 3.0)) is None
+
+
+def test_a_move_and_a_rotation_are_mirrored_across_the_plane() -> None:
+    found = _twin(NONE, translation=(1.0, 2.0, 3.0), rotation=tuple(from_axis_angle([0.6, 0, 0.8], 0.5)))
+    assert found is not None
+    assert found.translation == pytest.approx((-1.0, 2.0, 3.0))
+    expected = from_axis_angle([0.6, 0, -0.8], 0.5)
+    assert found.rotation is not None
+    assert abs(np.dot(found.rotation, expected)) == pytest.approx(1.0)
+    assert found.scale is None
+
+
+@pytest.mark.parametrize(
+    ("name", "same", "twin"),
+    [
+        ("smile_L", True, "smile_R"),
+        ("smile_L", False, "smile_R"),
+        ("blink_L", False, "blink_L"),  # a mesh of its own has the same one
+        ("blink_L", True, None),
+        ("jaw", False, "jaw"),
+        ("jaw", True, None),
+        ("gone_L", False, None),
+        ("3", False, "3"),  # by its number
+        ("4", False, None),
+        ("", True, ""),
+    ],
+)
+def test_the_twin_of_a_morph_target(
+    name: str, same: bool, twin: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = ("smile_L", "smile_R", "blink_L", "jaw")
+    mesh = SimpleNamespace(morph_names=names, morphs=np.zeros((4, 1, 3)))
+    monkeypatch.setattr(pose_readers, "meshes_named", lambda rig, path: [mesh])
+    rig = rig_of(["root", "face"], [-1, 0], np.zeros((2, 3)))
+    assert _morph(rig, 1, OutputRecord(target="up", mesh="face", morph=name), same=same) == twin
+
+
+def test_what_drives_twins_is_listed_and_what_has_none_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh = SimpleNamespace(morph_names=("smile_L", "smile_R"), morphs=np.zeros((2, 1, 3)))
+    monkeypatch.setattr(pose_readers, "meshes_named", lambda rig, path: [mesh])
+    rig = rig_of(["root", "face", "knob_L", "knob_R"], [-1, 0, 0, 0], np.zeros((4, 3)))
+    face, knob = rig.path(1), rig.address(2)
+    outputs = (
+        OutputRecord(target="up", mesh=face, morph="smile_L"),
+        OutputRecord(target="up", mesh=face, morph="frown"),
+        OutputRecord(target="down", control=knob, attribute="curl"),
+        OutputRecord(target="down", control="gone", attribute="curl"),
+    )
+    about: dict[str, Any] = {"name": "r", "driver": "knob_L", "frame": "", "axis": (1.0, 0.0, 0.0)}
+    record = PoseReaderRecord(**about, reader="dot", targets=(), outputs=outputs, within=0.1)
+    report = Report()
+    found = _outputs(rig, 2, record, report)
+    assert found == ((("up", face, "smile_R"),), (("down", rig.address(3), "curl"),))
+    assert [notice.text.count("it has no twin") for notice in report.warnings] == [1, 1]
