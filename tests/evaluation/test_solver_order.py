@@ -51,5 +51,7 @@ def test_a_child_has_a_say_in_what_no_rule_sets_whole(
         for weight in weights
     )
     step = ConstraintStep(rig, rules)
+    assert step.needs == (*(2 for _ in rules), 0)  # its drivers, and what it hangs on
+    assert step.reads == ()
     assert step.writes == writes
     assert step.left == left

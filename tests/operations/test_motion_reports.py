@@ -14,6 +14,7 @@ from morphs import arm
 from places import SAMPLES, slow
 from program import cli
 
+import rigtri
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
 from rigtri.formats import read
@@ -335,3 +336,12 @@ def test_controls_are_not_what_moves_where_an_exporter_has_dropped_the_metadata(
     assert told is not None
     assert told.motion is not None
     assert told.motion.deviation == 0
+
+
+@pytest.mark.parametrize("clips", [True, False])
+def test_fewer_weights_without_clips_are_measured_at_rest_alone(clips: bool, samples: Path) -> None:
+    rig, report = rigtri.read(samples / "biped.glb"), Report()
+    rig = rig if clips else replace(rig, clips=())
+    rigtri.limit_weights(rig, max_influences=1, report=report)
+    assert report.added
+    assert report.warned("no-clips") is not clips

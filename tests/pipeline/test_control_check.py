@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ import rigtri
 from rigtri.errors import GeometryError
 from rigtri.formats import read
 from rigtri.model.content import Content
+from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -23,6 +25,7 @@ from rigtri.operations.add_twist.twist import twists_skin
 from rigtri.operations.rigtri_nodes import with_record
 from rigtri.pipeline.rigspec import auto
 from rigtri.pipeline.rigspec.control_check import CheckedControl, check_controls, refuse_idle_controls
+from rigtri.verification.compare.without_twist import _changed_vertices
 
 
 def rigged(name: str = "biped.glb") -> Rig:
@@ -194,3 +197,32 @@ def test_a_control_of_a_joint_that_a_constraint_moves_is_not_tried() -> None:
 def test_what_auto_builds_of_a_real_character_does_what_it_is_for(path: Path, tmp_path: Path) -> None:
     result = cli("auto", path, "-o", tmp_path / f"out{path.suffix}", "--no-spec", "--json")
     assert result.exit_code == 0 or "no character was recognised" in result.stderr
+
+
+def test_vertices_that_are_others_or_have_other_influences_have_changed() -> None:
+    points, joints = np.zeros((3, 3)), np.array([[0, 1], [0, 1], [0, 1]])
+    mine = Mesh("m", 0, points, 0, joints, np.full((3, 2), 0.5), morphs=np.zeros((2, 3, 3)))
+
+    def changed(**other: Any) -> list[int]:
+        found = _changed_vertices(mine, replace(mine, **other))
+        assert found.shape == (3,)
+        return list(np.flatnonzero(found))
+
+    def with_one(array: Any, *place: int) -> Any:
+        array = array.copy()
+        array[place] += 1
+        return array
+
+    assert changed() == []
+    assert changed(points=with_one(points, 1, 2)) == [1]
+    assert changed(joints=with_one(joints, 2, 0)) == [2]
+    assert changed(weights=with_one(mine.weights, 0, 1)) == [0]
+    assert changed(morphs=with_one(mine.morphs, 1, 2, 0)) == [2]
+    # Columns that one of them has more count where they hold something.
+    wider = np.pad(joints, ((0, 0), (0, 2))), np.pad(mine.weights, ((0, 0), (0, 2)))
+    assert changed(joints=wider[0], weights=wider[1]) == []
+    assert changed(joints=wider[0], weights=with_one(wider[1], 1, 3)) == [1]
+    for shape in ({"points": np.zeros((4, 3))}, {"morphs": np.zeros((1, 3, 3))}):
+        assert changed(**shape) == [0, 1, 2]
+    rigid = replace(mine, joints=np.zeros((3, 0), dtype=np.int64), weights=np.zeros((3, 0)))
+    assert not _changed_vertices(rigid, rigid).any()

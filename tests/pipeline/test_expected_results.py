@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
-from rigs import chain
+from rigs import chain, rig_of
 
 from rigtri.pipeline import edit
 from rigtri.report import Report
+from rigtri.verification.compare.expected_result import _keyed
 
 
 @pytest.fixture
@@ -58,3 +61,18 @@ def test_the_same_bytes_of_the_same_rig_are_not_read_again(
     assert compared(Report(), edited=False, same=False) == (False, True)
     monkeypatch.setattr(edit, "_LARGE", 4)
     assert compared(Report(), edited=False, same=True) == (False, True)
+
+
+def test_nodes_that_got_other_paths_are_known_by_those_that_they_have_now() -> None:
+    """As in USD, whose keys are paths: below a prim that is renamed, or new, all have others."""
+    rig = replace(rig_of([*"abc"], [-1, 0, 1], np.zeros((3, 3))), keys=("/a", "/a/b", "/a/b/c"))
+    assert _keyed(rig, rig, rig) is rig
+    held = replace(rig, names=("a", "x", "c"))
+    after = replace(held, keys=("/a", "/a/x", "/a/x/c"))
+    found = _keyed(rig, held, after)
+    assert found.keys == after.keys
+    assert found.names == ("a", "x", "c")
+    new = rig_of(["a", "new", "b", "c"], [-1, 0, 1, 2], np.zeros((4, 3)))
+    new = replace(new, keys=("/a", None, "/a/b", "/a/b/c"))
+    read = replace(new, keys=("/a", "/a/new", "/a/new/b", "/a/new/b/c"))
+    assert _keyed(rig, new, read).keys == ("/a", "/a/new/b", "/a/new/b/c")

@@ -7,6 +7,7 @@ import time
 import tracemalloc
 from collections.abc import Iterable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,10 +21,13 @@ from broken_vrm import VRM, avatar_0, avatar_1, motion
 from gltf_files import glb_bytes, glb_parts
 from places import SAMPLES, sample_files
 from program import cli
+from pxr import UsdValidation
 from usd_files import save
 from wrong_values import refusal
 
 from rigtri.verification.checks import RULES, Finding, check
+from rigtri.verification.checks.findings import Findings
+from rigtri.verification.checks.usd import usd_validation
 
 BROKEN = GLTF | VRM | USD | AXES | {"clips.far": [*GLTF["clips.far"], *USD["clips.far"]]}
 # What a mistake brings with it: the smallest file with the one has the other, too.
@@ -298,3 +302,50 @@ def test_the_bounds_of_keys_that_are_read_together_are_each_looked_at(wrong: obj
     found = [item for item in check(path) if f"/accessors/{samplers[1]['output']}/" in item.pointer]
     assert [item.id for item in found] == ["gltf.accessor.bounds" if wrong == 1e9 else "gltf.json.value"]
     assert not [item for item in check(path) if f"/accessors/{samplers[0]['output']}/" in item.pointer]
+
+
+def test_findings_of_openusd_are_told_with_their_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its first site: a property, else a prim, else a layer. A text that quotes other bytes is not told."""
+
+    def site(**of: Any) -> Any:
+        def get(kind: str) -> Any:
+            return lambda: of.get(kind)
+
+        return SimpleNamespace(GetProperty=get("property"), GetPrim=get("prim"), GetLayer=get("layer"))
+
+    def error(kind: str, message: Any, *sites: Any) -> Any:
+        return SimpleNamespace(
+            GetSites=lambda: list(sites),
+            GetIdentifier=lambda: f"usd:{kind}",
+            GetType=lambda: getattr(UsdValidation.ValidationErrorType, kind),
+            GetMessage=message,
+        )
+
+    def no_text() -> str:
+        return b"\xff".decode()
+
+    at = {name: SimpleNamespace(GetPath=lambda name=name: f"/{name}") for name in ("a.b", "a", "c")}
+    layer = SimpleNamespace(GetDisplayName=lambda: "a.usda")
+    found = [
+        error("Error", lambda: "one\n  two", site(property=at["a.b"], prim=at["a"]), site(prim=at["c"])),
+        error("Warn", lambda: "three", site(prim=at["a"])),
+        error("Info", no_text, site(layer=layer)),
+        error("Error", lambda: "four"),
+    ]
+    context = SimpleNamespace(Validate=lambda stage: found)
+    fake = SimpleNamespace(
+        ValidationRegistry=lambda: SimpleNamespace(GetOrLoadAllValidators=list),
+        ValidationContext=lambda validators: context,
+    )
+    monkeypatch.setattr(usd_validation, "UsdValidation", fake)
+    findings = Findings({})
+    usd_validation.validate(None, findings, tmp_path)
+    told = [(each.id, each.severity, each.pointer, each.message) for each in findings.all()]
+    assert told == [
+        ("usd:Error", "error", "</a.b>", "one two"),
+        ("usd:Error", "error", "", "four"),
+        ("usd:Warn", "warning", "</a>", "three"),
+        ("usd:Info", "info", "a.usda", "its text about the file quotes bytes that are not text"),
+    ]

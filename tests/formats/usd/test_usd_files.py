@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from places import USD, asset_files, sample_files
-from pxr import Sdf
+from pxr import Sdf, Usd, UsdGeom
 from second_opinions import usd_errors
 from usd_files import deviation, error_of, read, turned, write
 
+from rigtri.formats.usd.blank import write_blank
 from rigtri.verification.compare.compare import self_check
 
 FILES = [path for path in (*sample_files(*USD), *asset_files(*USD)) if not error_of(path)]
@@ -87,3 +88,16 @@ def test_a_usd_run_imports_nothing_of_gltf(samples: Path) -> None:
         "assert not [name for name in sys.modules if 'gltf' in name]"
     )
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+@pytest.mark.parametrize("suffix", [".usd", ".usda", ".usdc", ".usdz"])
+@pytest.mark.parametrize(("up", "unit"), [("Y", 1.0), ("Z", 0.01)])
+def test_an_empty_file_states_its_up_axis_and_unit(suffix: str, up: str, unit: float, tmp_path: Path) -> None:
+    path = tmp_path / f"a{suffix}"
+    write_blank(path, up, unit)
+    stage = Usd.Stage.Open(str(path))
+    assert (UsdGeom.GetStageUpAxis(stage), UsdGeom.GetStageMetersPerUnit(stage)) == (up, unit)
+    assert str(stage.GetDefaultPrim().GetPath()) == "/Root"
+    assert stage.GetDefaultPrim().GetTypeName() == "SkelRoot"
+    kind = {".usda": b"#usda 1.0", ".usdz": b"PK"}.get(suffix, b"PXR-USDC")
+    assert path.read_bytes().startswith(kind)
