@@ -14,6 +14,7 @@ import pytest
 from morphs import arm_usd
 from places import SAMPLES, first
 from program import cli
+from rigs import chain
 from usd_files import deviation
 
 import rigtri
@@ -23,7 +24,7 @@ from rigtri.formats import read
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as product
-from rigtri.model.animation import Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.report import Report
@@ -612,3 +613,21 @@ def test_ik_bones_whose_bone_is_not_known_stay_with_all_above_them() -> None:
     assert np.allclose(
         out.world[names.index("ik_hand_root")], rig.world[names.index("ik_hand_root")], atol=1e-6
     )
+
+
+@pytest.mark.parametrize("mode", ["LINEAR", "STEP"])
+def test_motion_over_the_ground_is_added_to_that_of_the_root_at_the_same_times(
+    mode: Literal["LINEAR", "STEP"],
+) -> None:
+    rig = chain((0, 0, 0), (0, 1, 0))
+    times, zero = np.array([0.0, 1.0]), np.zeros(3)
+    own = Track(0, "translation", mode, times, np.array([zero, [0, 0, 5.0]]))
+    hips = Track(1, "translation", mode, times, np.array([[0, 1.0, 0], [2.0, 1.5, 0]]))
+    rig = replace(rig, clips=(Clip("walk", (own, hips)),))
+    moved = rigtri.root_motion(rig, to="a", hips="b")
+    root, above = (next(t for t in moved.clips[0].tracks if t.node == node) for node in (0, 1))
+    assert root.values.tolist() == [[0, 0, 0], [2, 0, 5]]
+    assert above.values.tolist() == [[0, 1, 0], [0, 1.5, 0]]
+    late = replace(rig, clips=(Clip("walk", (replace(own, times=times * 2), hips)),))
+    with pytest.raises(GeometryError, match="moves at other times than its hips"):
+        rigtri.root_motion(late, to="a", hips="b")

@@ -7,6 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rigtri.maths.quaternions import from_axis_angle, to_axes
+from rigtri.verification.checks.gltf.accessor_bounds import fitting
+from rigtri.verification.diff.axis_diff import all_moved
 from rigtri.verification.diff.change import (
     SHOWN,
     Change,
@@ -90,3 +93,42 @@ def test_how_many_numbers_differ_and_by_how_much() -> None:
 def test_the_order_of_what_both_have() -> None:
     assert order_of(["a", "b", "x"], ["y", "a", "b"]) == ""
     assert order_of(["a", "b", "c"], ["c", "x", "a", "b"]) == "a b c → c a b"
+
+
+@pytest.mark.parametrize(
+    ("stated", "fits"),
+    [
+        (None, True),
+        ([1, 2.0], True),
+        ([1 + 1e-6, 2.0], True),
+        ([1.1, 2.0], False),
+        ([1.0], False),
+        ([1.0, 2.0, 3.0], False),
+        ([True, 2.0], False),
+        (["1", 2.0], False),
+        ([1, 10**400], False),
+        ([float("nan"), 2.0], False),
+        ({"0": 1.0, "1": 2.0}, False),
+        ("12", False),
+    ],
+    ids=repr,
+)
+def test_bounds_fit_where_they_are_none_or_those_that_are_found(stated: Any, fits: bool) -> None:
+    found = np.array([[1.0, 2.0], [5.0, 6.0]])
+    assert fitting([stated, [5, 6]], found).tolist() == [fits, True]
+
+
+def test_frames_differ_in_words_by_rotation_position_and_scale() -> None:
+    quarter = to_axes(from_axis_angle([0.0, 0, 1], np.pi / 2))
+    before = np.tile(np.eye(4), (5, 1, 1))
+    before[:, 3, :3] = (1, 2, 3)
+    after = before.copy()
+    after[1, :3, :3], after[2, 3, 0], after[3, 1, 1] = quarter, 4.0, 2.0
+    after[4, :3, :3] *= 0.5
+    assert all_moved(before, after) == [
+        f"matrix: {furthest(before[0], after[0])}",
+        "rotated 90° about its local +z",
+        "position 1 2 3 → 4 2 3",
+        "scale 1 1 1 → 1 2 1",
+        "scale 1 1 1 → 0.5 0.5 0.5",
+    ]

@@ -177,8 +177,6 @@ def _skins(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iter
             yield Change("skins", "removed", title, f"{len(skin.joints)} joints")
             continue
         other = after.skins[now]
-        if skin.name != other.name:
-            yield Change("skins", "changed", title, f"renamed to {other.name or 'nothing'}")
         if skin.stored != other.stored:
             yield Change("skins", "changed", title, f"has {'' if other.stored else 'no '}inverse binds now")
         yield from _skin_joints(before, after, m, (skin, other), title)
