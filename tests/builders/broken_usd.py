@@ -364,6 +364,7 @@ USD: dict[str, list[Make]] = {
         _note('custom token rigtri:type = "group"'),
         _note('custom int rigtri:v = 1\ncustom token rigtri:type = "control"'),
         _note(POLE + 'custom token[] rigtri:chain = ["a", "a/b", "gone"]'),
+        _note(POLE + 'custom token[] rigtri:chain = ["a", "a/b", "/gone"]'),
         bones(names='custom token[] rigtri:joints = ["a"]\ncustom string[] rigtri:jointNotes = ["no JSON"]'),
         bones(names='custom token[] rigtri:joints = ["a"]'),
         bones(names=f'custom token[] rigtri:joints = ["x"]\ncustom string[] rigtri:jointNotes = [{GROUP}]'),

@@ -31,6 +31,7 @@ from rigtri.export.drawing.primitives import Mark, as_json
 from rigtri.export.drawing.scene import Scene, marks
 from rigtri.export.drawing.silhouette import outline
 from rigtri.export.drawing.style import LEGEND, variables
+from rigtri.export.drawing.svg import _hex
 from rigtri.formats import read
 from rigtri.frames.skeleton import skeleton
 from rigtri.maths.trigonometry import Floats
@@ -479,3 +480,11 @@ def test_joints_are_called_by_what_their_names_do_not_have_in_common(
     scene = Scene.of(rig, PoseCache(rig), Selection())
     found = [mark.name for mark in marks(scene) if mark.kind == "joint"]
     assert found == called
+
+
+@pytest.mark.parametrize(
+    ("linear", "code"),
+    [(0.0, "00"), (-1.0, "00"), (0.002, "07"), (0.0031, "0a"), (0.2140, "7f"), (1.0, "ff"), (9, "ff")],
+)
+def test_linear_colours_are_those_of_the_screen_in_the_picture(linear: float, code: str) -> None:
+    assert _hex((linear, linear, 0.0)) == f"#{code}{code}00"

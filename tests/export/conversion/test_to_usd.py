@@ -217,9 +217,12 @@ def test_extras_filters_and_materials_without_a_place_in_usd_are_listed(tmp_path
     }
     b.gltf["meshes"][0] |= {"extras": {"targetNames": ["is converted"]}}
     b.gltf["meshes"][0]["primitives"][0]["extras"] = [3]
+    b.gltf["meshes"][0]["primitives"].append({"attributes": {"POSITION": 99}})
     report = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usda").report
     lost = {n.text.removeprefix("not converted: ") for n in report.warnings if n.code == "lost"}
+    where = f"{tmp_path / 'in.glb'}: meshes[0].primitives[1].attributes.POSITION"
     assert lost == {
+        f"a mesh that cannot be read: {where}: there is no accessor 99, the file has 6",
         "extras of the file",
         "extras of asset (1)",
         "extras of textures (1)",
