@@ -28,6 +28,7 @@ from rigtri.formats.usd.opinions.xform_edits import (
     stated_types,
     transform_ops,
 )
+from rigtri.formats.usd.passes.scale_instancers import scale_instancers
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, sets_transform
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.xform_hierarchy import (
@@ -88,6 +89,13 @@ def reorient_xforms(edit: UsdEdit) -> None:
         if not found[node].is_same and prim.HasCustomDataKey(":".join(_NOTE)):
             edit.removals.append(_without_generated(prim.GetPath()))
     _check_instances(before, found)
+    nodes = {before.labels[k]: k for k in range(len(before)) if kind(before.keys[k]) == "prim"}
+
+    def frame_at(path: Any) -> _Frame:
+        node = next((nodes[str(one)] for one in path.GetAncestorsRange() if str(one) in nodes), -1)
+        return top if node < 0 else found.get(node, _Frame())
+
+    edit.values += scale_instancers(edit.source, frame_at)
 
 
 def _check_instances(rig: Rig, found: Mapping[int, _Frame]) -> None:

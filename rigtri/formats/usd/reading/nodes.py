@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
-from pxr import UsdGeom
+from pxr import Usd, UsdGeom
 
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT
@@ -227,10 +227,14 @@ def _moment(xformable: Any) -> Any:
     return ops_times(xformable)[0] if has_splines(xformable.GetPrim()) else mesh_reader.EARLIEST
 
 
+def _holds_skeletons(prim: Any) -> bool:
+    return any(each.GetTypeName() == "Skeleton" for each in Usd.PrimRange(prim))
+
+
 def _shows(prim: Any) -> bool:
     return bool(
         prim.IsA(UsdGeom.Gprim)
         or prim.IsA(UsdGeom.Camera)
-        or prim.IsA(UsdGeom.PointInstancer)
+        or (prim.IsA(UsdGeom.PointInstancer) and not _holds_skeletons(prim))
         or prim.GetTypeName().endswith("Light")
     )

@@ -1,0 +1,90 @@
+"""Point instancers: what they draw stays where it is when sizes above it or its prototypes change."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from program import cli
+from pxr import Usd, UsdGeom, UsdSkel
+from usd_files import MESH, animation, save, scene, skeleton
+
+ROCK = """def Mesh "Rock"
+{
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+}"""
+ARMY = """int[] protoIndices = [0, 1, 0]
+    point3f[] positions.timeSamples = {
+        1: [(0, 0, 0), (3, 0, 0), (6, 0, 1)],
+        5: [(1, 0, 0), (3, 2, 0), (6, 0, 4)],
+    }
+    quath[] orientations = [(1, 0, 0, 0), (0.7071, 0, 0.7071, 0), (0.5, 0.5, 0.5, 0.5)]
+    float3[] extent = [(-1, -1, -1), (7, 2, 5)]"""
+
+
+def stage_of(*, below: bool, scales: bool, above: str = "") -> str:
+    """An instancer of a character and a rock, which are below it or beside it below other ops."""
+    place = "/World/Army/P" if below else "/World/P"
+    hero = (
+        scene(skeleton(), animation(), MESH).partition("def SkelRoot")[2].replace("/Root/", f"{place}/Root/")
+    )
+    protos = f'def Xform "P"\n{{\n{"" if below else above}\ndef SkelRoot{hero}\n{ROCK}\n}}'
+    scaled = "float3[] scales = [(1, 1, 1), (2, 1, 1), (1, 1.5, 1)]" if scales else ""
+    army = f"rel prototypes = [<{place}/Root>, <{place}/Rock>]\n{ARMY}\n{scaled}"
+    inner = f"{above}\n{protos}" if below else ""
+    beside = "" if below else protos
+    head = '#usda 1.0\n(\n    defaultPrim = "World"\n    upAxis = "Y"\n    metersPerUnit = 1\n)\n'
+    return f'{head}def Xform "World"\n{{\n{beside}\ndef PointInstancer "Army"\n{{\n{army}\n{inner}\n}}\n}}\n'
+
+
+def drawn(path: Path, time: float) -> np.ndarray:
+    """The world points of all instances, (v, 3)."""
+    stage = Usd.Stage.Open(str(path))
+    stage.SetEditTarget(stage.GetSessionLayer())
+    UsdSkel.BakeSkinning(stage.Traverse(Usd.PrimAllPrimsPredicate))
+    army = UsdGeom.PointInstancer(stage.GetPrimAtPath("/World/Army"))
+    places = UsdGeom.XformCache(time)
+    found: list[Any] = []
+    roots = [stage.GetPrimAtPath(target) for target in army.GetPrototypesRel().GetTargets()]
+    stands = np.array(army.ComputeInstanceTransformsAtTime(time, time))
+    within = np.array(places.GetLocalToWorldTransform(army.GetPrim()))
+    for number, matrix in zip(army.GetProtoIndicesAttr().Get(), stands, strict=True):
+        root = roots[number]
+        outside = np.linalg.inv(np.array(places.GetLocalToWorldTransform(root)))
+        for prim in Usd.PrimRange(root):
+            if prim.IsA(UsdGeom.Mesh):
+                whole = np.array(places.GetLocalToWorldTransform(prim)) @ outside @ matrix @ within
+                points = np.array(UsdGeom.Mesh(prim).GetPointsAttr().Get(time))
+                found.append(points @ whole[:3, :3] + whole[3, :3])
+    return np.concatenate(found)
+
+
+SCALED = 'float3 xformOp:scale = (3, 3, 3)\nuniform token[] xformOpOrder = ["xformOp:scale"]'
+
+
+@pytest.mark.parametrize(
+    ("options", "size"), [(["--unit", "0.01"], 100.0), (["--scale"], 1.0)], ids=["unit", "scale"]
+)
+@pytest.mark.parametrize("below", [True, False], ids=["below", "beside"])
+def test_instances_stay_where_they_are(options: list[str], size: float, below: bool, tmp_path: Path) -> None:
+    source = save(tmp_path, stage_of(below=below, scales=size == 1.0, above=SCALED))
+    out = tmp_path / "out.usda"
+    cli("freeze", source, "-o", out, *options, code=0)
+    for time in (1.0, 3.0, 5.0):
+        before, after = drawn(source, time) * size, drawn(out, time)
+        assert np.abs(before - after).max() < 1e-6 * np.abs(before).max()
+    stages = [Usd.Stage.Open(str(path)) for path in (source, out)]
+    one, other = (np.array(stage.GetAttributeAtPath("/World/Army.extent").Get()) for stage in stages)
+    assert np.allclose(one * (3.0 * size if below else 1.0), other)
+
+
+def test_what_an_instancer_draws_is_not_turned(tmp_path: Path) -> None:
+    turned = 'double xformOp:rotateY = 30\nuniform token[] xformOpOrder = ["xformOp:rotateY"]'
+    source = save(tmp_path, stage_of(below=False, scales=True, above=turned))
+    printed = cli("freeze", source, "-o", tmp_path / "out.usda", code=3).output
+    assert "What </World/Army> draws would be turned" in printed
+    assert not (tmp_path / "out.usda").exists()
