@@ -15,6 +15,7 @@ import pytest
 from baked_rigs import with_keyed_controls
 from engines import Shown, blender_scenes, blender_setup, blender_trip
 from gltf_files import glb_bytes, glb_parts
+from pairs import pair
 from places import NO_ASSETS, ROOT, SAMPLES, asset_files, slow
 from program import cli
 from pxr import Usd, UsdGeom
@@ -546,6 +547,16 @@ def test_a_scene_that_lacks_something_is_left_alone(rigged: dict[str, Path], tmp
 
 
 @pytest.mark.slow
+def test_two_characters_of_one_file_are_set_up_together(tmp_path: Path) -> None:
+    """Bones of one name are told apart by what the armatures are below. Before, an error."""
+    rigged = tmp_path / "rigged.gltf"
+    cli("add-controls", pair(SAMPLES, tmp_path, "gltf"), "-o", rigged, "--whole-character", code=0)
+    job = {"source": str(rigged), "script": str(script_for(rigged, tmp_path)), "poses": [{}]}
+    (found,) = blender_setup(job, folder=tmp_path)
+    checked(found)
+
+
+@pytest.mark.slow
 def test_each_character_of_a_scene_is_its_own(rigged: dict[str, Path], tmp_path: Path) -> None:
     """Two characters, two of one file, and what the user has changed before."""
     first, second = rigged["biped.glb"], tmp_path / "tpose.glb"
@@ -599,7 +610,7 @@ def _setup_in_words(plan: dict[str, Any]) -> str:
     for control in plan["controls"]:
         about, above = plan["nodes"][int(control["node"][1:])], control["above"]
         under = _name(plan, plan["controls"][above]["node"]) if above >= 0 else "-"
-        words = [f"{about['name']:<26} under {under:<26} {control['kind']:<9} {_stand(about['world'])}"]
+        words = [f"{about['name']:<26} under {under:<26} {control['kind']:<9}  {_stand(about['world'])}"]
         words += [f"size {control['size']:.6f}"] if control["size"] else []
         words += [f"colour {_numbers(control['color'])}"] if control["color"] else []
         lines.append("  ".join([*words, f"locked {control['locked'] or '-'}"]))

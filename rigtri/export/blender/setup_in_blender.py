@@ -166,6 +166,8 @@ def bones_for(about: dict[str, Any]) -> list[tuple[Any, str]]:
     tests = [
         lambda pair: pair[1].name == about["name"],
         lambda pair: below(line(pair[1]), about["above"]),
+        # Of characters of one file those above the armature tell which is which.
+        lambda pair: below([*line(pair[1]), name_of(pair[0]), *line(pair[0])], about["above"]),
         lambda pair: is_selected(pair[0]),
     ]
     return [(armature, bone.name) for armature, bone in narrowed(found, tests)]

@@ -1,0 +1,58 @@
+"""Two characters of one file, whose joints have the same names."""
+
+from __future__ import annotations
+
+import copy
+import json
+import shutil
+from pathlib import Path
+
+PAIR = """#usda 1.0
+(
+    upAxis = "Y"
+    timeCodesPerSecond = 24
+)
+def "A" (references = @./biped.usda@)
+{
+}
+def "B" (references = @./biped.usda@)
+{
+    double3 xformOp:translate = (3, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+"""
+
+
+def pair(samples: Path, folder: Path, suffix: str) -> Path:
+    """Two bipeds side by side, A and B, whose joints have the same names."""
+    out = folder / f"pair.{suffix}"
+    if suffix == "usda":
+        shutil.copy(samples / "biped.usda", folder)
+        out.write_text(PAIR)
+        return out
+    shutil.copy(samples / "biped.bin", folder)
+    scene = json.loads((samples / "biped.gltf").read_text())
+    count = len(scene["nodes"])
+    for node in copy.deepcopy(scene["nodes"]):
+        node["children"] = [child + count for child in node.get("children", [])]
+        scene["nodes"].append({key: value for key, value in node.items() if value} | _second(node))
+    scene["nodes"][count]["translation"] = [3, 0, 0]
+    skin = copy.deepcopy(scene["skins"][0])
+    scene["skins"].append(skin | {"joints": [joint + count for joint in skin["joints"]]})
+    scene["skins"][1].pop("skeleton", None)
+    for animation in scene["animations"]:
+        for channel in copy.deepcopy(animation["channels"]):
+            channel["target"]["node"] += count
+            animation["channels"].append(channel)
+    tops = scene["scenes"][0]["nodes"]
+    scene["nodes"] += [
+        {"name": "A", "children": tops},
+        {"name": "B", "children": [top + count for top in tops]},
+    ]
+    scene["scenes"][0]["nodes"] = [2 * count, 2 * count + 1]
+    out.write_text(json.dumps(scene))
+    return out
+
+
+def _second(node: dict[str, object]) -> dict[str, int]:
+    return {"skin": 1} if "skin" in node else {}
