@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from copy import copy
 from functools import cached_property
 
 import numpy as np
@@ -40,6 +41,14 @@ class Tree:
         self.below: dict[int, list[int]] = {node: [] for node in [-1, *self.nodes]}
         for node in self.nodes:
             self.below[self.above[node]].append(node)
+
+    def of(self, rig: Rig) -> Tree:
+        """The same tree, with all that is known of it, of a rig that differs in names alone."""
+        if rig is self.rig:
+            return self
+        other = copy(self)
+        other.rig = rig
+        return other
 
     @cached_property
     def at(self) -> list[Vector]:

@@ -18,11 +18,28 @@ from rigtri.model.animation import Clip
 from rigtri.model.bounding_boxes import boxes, corners
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import PoseName
+from rigtri.recognition.symmetry import Pair, Plane, pairs_of, plane_of
 
 # Moments that are looked at: so many clips, the longest first, at these parts of their keys.
 CLIPS = 4
 PARTS = (0.0, 0.25, 0.5, 0.75)
+
+
+@dataclass(eq=False)
+class Measured:
+    """A tree of joints, the pairs of its branches that are alike, and the plane between all of them."""
+
+    tree: Tree
+
+    @cached_property
+    def pairs(self) -> list[Pair]:
+        return pairs_of(self.tree)
+
+    @cached_property
+    def plane(self) -> Plane | None:
+        return plane_of(self.tree, self.pairs)
 
 
 @dataclass(eq=False)
@@ -36,6 +53,11 @@ class Poses:
         bare = Poses(replace(self.rig, names=("",) * len(self.rig)))
         vars(bare).update({key: known for key, known in vars(self).items() if key != "rig"})
         return bare
+
+    @cached_property
+    def measured(self) -> dict[tuple[PoseName, tuple[int, ...]], Measured]:
+        """What is measured of joints in a pose, whatever their names: once, for `without_names`, too."""
+        return {}
 
     @cached_property
     def rest(self) -> Floats:
@@ -116,12 +138,22 @@ class Poses:
                 found.setdefault(int(skin.joints[row]), []).append(ends)
         return found
 
+    @cached_property
+    def _corners(self) -> dict[tuple[bool, tuple[int, ...]], list[Vector]]:
+        return {}
+
     def box_of(self, nodes: Sequence[int], places: Floats) -> list[Vector]:
         """The corners of boxes of what joints move, where all nodes stand at ``places``: `rest` or `bind`.
 
         It reads all meshes when first called.
         """
-        bind = bind_pose(self.rig) if places is self.bind else None
+        key = places is self.bind, tuple(nodes)
+        if key not in self._corners:
+            self._corners[key] = self._box_of(nodes, bound=key[0])
+        return self._corners[key]
+
+    def _box_of(self, nodes: Sequence[int], bound: bool) -> list[Vector]:
+        bind = bind_pose(self.rig) if bound else None
         world = self.rig.world if bind is None else bind
         boxes_of = [(k, box) for k in nodes for box in self._boxes.get(k, ())]
         if not boxes_of:

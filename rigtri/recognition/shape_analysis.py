@@ -21,8 +21,8 @@ from rigtri.recognition.limb_triples import HAND, first_bend
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.many_legs import many_legs
 from rigtri.recognition.naming_schemes import parse_name
-from rigtri.recognition.pose_samples import Poses
-from rigtri.recognition.symmetry import Pair, Plane, opposite, pairs_of, plane_of
+from rigtri.recognition.pose_samples import Measured, Poses
+from rigtri.recognition.symmetry import Pair, Plane, opposite, plane_of
 from rigtri.recognition.two_or_four import settled
 
 # Where a body looks has to be so sure, 0 to 1, before knees and elbows are taken to point as they should.
@@ -51,8 +51,16 @@ class Shape:
 
 def tree_of(nodes: Sequence[int], poses: Poses, pose: PoseName) -> Tree:
     """The tree of joints; where all are children of one, each is a child of its neighbour."""
-    tree = Tree(poses.rig, nodes, poses.named(pose))
-    return _neighbours(tree) if len(nodes) <= MOST and is_flat(tree) else tree
+    return _measured(nodes, poses, pose).tree.of(poses.rig)
+
+
+def _measured(nodes: Sequence[int], poses: Poses, pose: PoseName) -> Measured:
+    known = poses.measured.get((pose, tuple(nodes)))
+    if known is None:
+        tree = Tree(poses.rig, nodes, poses.named(pose))
+        known = Measured(_neighbours(tree) if len(nodes) <= MOST and is_flat(tree) else tree)
+        poses.measured[pose, tuple(nodes)] = known
+    return known
 
 
 def shape_of(nodes: Sequence[int], poses: Poses, names: Mapping[int, LimbWords]) -> Shape:
@@ -76,8 +84,9 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
     tree = tree_of(nodes, poses, pose)
     if len(nodes) > MOST:
         return Shape(tree, pose, (), None, (), ())
-    pairs = [pair for pair in pairs_of(tree) if not _of_one_side(tree, pair)]
-    plane = plane_of(tree, pairs)
+    measured = _measured(nodes, poses, pose)
+    pairs = [pair for pair in measured.pairs if not _of_one_side(tree, pair)]
+    plane = measured.plane if len(pairs) == len(measured.pairs) else plane_of(tree, pairs)
     pairs = opposite(tree, pairs, plane)
     limbs = limbs_of(tree, pairs, poses, names)
     ways = bodies(tree, limbs, plane)
