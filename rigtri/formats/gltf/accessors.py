@@ -331,7 +331,7 @@ class Accessors:
 
 def _same_layout(a: Any, b: Any) -> bool:
     """Whether two accessors differ in no more than the bounds of their numbers."""
-    return bool(a == b or (type(a) is type(b) is dict and {**a, **_BOUNDS} == {**b, **_BOUNDS}))
+    return bool(a is b or a == b or (type(a) is type(b) is dict and {**a, **_BOUNDS} == {**b, **_BOUNDS}))
 
 
 def _whole(numbers: Floats, layout: Layout) -> Floats:

@@ -61,9 +61,19 @@ BUFFERING = 1 << 20
 
 
 class GltfDocument:
-    """A .glb, .gltf, .vrm or .vrma file. Its node keys are the node's index in the file."""
+    """A .glb, .gltf, .vrm or .vrma file. Its node keys are the node's index in the file.
 
-    def __init__(self, container: Container, options: ReadOptions, like: GltfDocument | None = None) -> None:
+    like: the file that this one was made of. accessors: those of the same content, whose layouts are known.
+    """
+
+    def __init__(
+        self,
+        container: Container,
+        options: ReadOptions,
+        like: GltfDocument | None = None,
+        *,
+        accessors: Accessors | None = None,
+    ) -> None:
         self.container, self.options = container, options
         self.notices: list[Notice] = list(container.notices)
         gltf = Value(container.gltf, f"{container.path}:")
@@ -71,7 +81,8 @@ class GltfDocument:
         check_references(gltf)
         check_extensions(gltf, self.notices)
         self._buffers = Buffers(gltf, container, allow_external=options.allow_external_paths)
-        self.accessors: Accessors = Accessors(gltf, self._buffers, None if like is None else like.accessors)
+        known = accessors if like is None else like.accessors
+        self.accessors: Accessors = Accessors(gltf, self._buffers, known)
         self.tree = read_tree(gltf)
         self._reader = MeshReader(gltf, self.accessors, self.tree, self.notices)
         self.rest: Rest = read_rest(

@@ -50,10 +50,18 @@ class UsdDocument:
         self._hidden: dict[str, list[str]] = {}
 
     @classmethod
-    def read(cls, path: Path, options: ReadOptions | None = None) -> UsdDocument:
-        """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton."""
+    def read(
+        cls,
+        path: Path,
+        options: ReadOptions | None = None,
+        opened: tuple[Any, Any, Sequence[Notice]] | None = None,
+    ) -> UsdDocument:
+        """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton.
+
+        opened: what `open_file` gave for it, with these options.
+        """
         options = options or ReadOptions()
-        stage, layer, warnings = open_file(
+        stage, layer, warnings = opened or open_file(
             path, allow_external=options.allow_external_paths, allow_missing=options.allow_missing
         )
         if options.edit_target != "root" and not options.is_override:

@@ -22,9 +22,13 @@ def check_clips(rig: Rig, findings: Findings) -> None:
     places = places[np.isfinite(places).all(axis=1)]
     with np.errstate(over="ignore"):  # places of damaged files; nothing is far from these
         size = float(length(np.ptp(places, axis=0))) if len(places) else 0.0
+    units = {"translation": size, "scale": 1.0}
     for clip in rig.clips:
+        limits = ((column, FAR * units.get(column.path, 0.0)) for column in clip.columns)
+        if not any(limit > 0 and np.abs(c.key_values).max(initial=0.0) > limit for c, limit in limits):
+            continue
         for track in clip.tracks:
-            unit = {"translation": size, "scale": 1.0}.get(track.path, 0.0)
+            unit = units.get(track.path, 0.0)
             if unit > 0 and (key := _first_far(track, FAR * unit)) is not None:
                 words = f"key {key} of '{clip.name}' has a {track.path} of {_largest(track)[key]:g}"
                 beside = f", and the skeleton is {size:g} large" if track.path == "translation" else ""

@@ -26,13 +26,10 @@ from rigtri.formats.gltf.rules import (
     values_needed,
 )
 from rigtri.formats.json_values import short_repr
-from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
+from rigtri.verification.checks.gltf.plain_animation import HALF_TURN, are_sound, is_plain, uneven
 from rigtri.verification.checks.gltf.tolerant_reader import Item, View
-
-# |dot| of two unit quaternions below this: closer to half a turn than float32 can resolve.
-HALF_TURN = 1e-4
 
 
 class Channel(NamedTuple):
@@ -60,10 +57,9 @@ def check(view: View) -> None:
     """All animations."""
     checked_times: set[int] = set()
     for animation in view.each("animations"):
+        if is_plain(animation, checked_times):
+            continue
         samplers, channels = animation.objects("samplers"), animation.objects("channels")
-        places = [sampler.raw.get(key) for sampler in samplers for key in ("input", "output")]
-        among = range(len(view.lists["accessors"]))
-        view.read_together(place for place in places if type(place) is int and place in among)
         if not channels:
             animation.add("gltf.animation.empty", "has no channels", "channels")
         seen: dict[tuple[int, str], int] = {}
@@ -178,30 +174,12 @@ def _times(view: View, sampler: Item, checked: set[int]) -> Floats | None:
 
 def _sound(keyed: list[Keys]) -> bool:
     """Whether nothing at all is wrong with some channels: one look at all keys together."""
-    if not keyed:
-        return True
-    if not np.isfinite(np.concatenate([keys.values.ravel() for keys in keyed])).all():
-        return False
-    scales = [keys.values.reshape(-1, 3) for keys in keyed if keys.channel.path == "scale"]
-    if scales and _uneven(np.concatenate(scales)).any():
-        return False
-    turns = [keys for keys in keyed if keys.channel.path == "rotation"]
-    if not turns:
-        return True
-    if any(keys.cubic for keys in turns):
-        return False
-    values = np.concatenate([keys.values[:, 0] for keys in turns])
-    if (np.abs(norm(values) - 1.0) > NON_UNIT).any():
-        return False
-    cosine = (values[1:] * values[:-1]).sum(axis=1)
-    # Neighbours of different channels are no neighbours.
-    cosine[np.cumsum([len(keys.times) for keys in turns])[:-1] - 1] = 1.0
-    return not (np.abs(cosine) < 2 * HALF_TURN).any()
-
-
-def _uneven(scales: Floats) -> Any:
-    size = np.abs(scales)
-    return size.max(axis=1) - size.min(axis=1) > SAME_SCALE * size.max(axis=1)
+    paths: dict[str, list[Floats]] = {path: [] for path in WIDTH}
+    for keys in keyed:
+        if keys.cubic and keys.channel.path == "rotation":
+            return False
+        paths[keys.channel.path].append(keys.values.reshape(-1, WIDTH[keys.channel.path]))
+    return are_sound(paths)
 
 
 def _check_keys(view: View, keys: Keys) -> None:
@@ -223,9 +201,9 @@ def _check_keys(view: View, keys: Keys) -> None:
         return
     values = keys.values[:, 1 if keys.cubic else 0]
     if channel.path == "scale" and channel.node in view.joints:
-        uneven = _uneven(values)
-        if uneven.any():
-            k = int(uneven.argmax())
+        stretched = uneven(values)
+        if stretched.any():
+            k = int(stretched.argmax())
             text = f"{channel.item.place}: {at(k)} scales by {' '.join(f'{x:g}' for x in values[k])}"
             view.stretched.setdefault(channel.node, []).append(text)
     if channel.path != "rotation":

@@ -75,7 +75,8 @@ def _check_rig(view: View, findings: Findings, *, allow_external: bool) -> Rig |
     if not waits and not any(isinstance(each, list) and len(each) >= least for each in joints):
         return None
     try:
-        rig = GltfDocument(view.container, ReadOptions(allow_external_paths=allow_external, empty=True)).rig
+        options = ReadOptions(allow_external_paths=allow_external, empty=True)
+        rig = GltfDocument(view.container, options, accessors=view.accessors).rig
     except RigtriError:
         return None
     if waits:

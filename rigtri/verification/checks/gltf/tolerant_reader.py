@@ -231,6 +231,10 @@ class View:
                 fits &= fitting([raw.get("max") for raw in stated], highs)
                 self._numbers |= {group[k]: numbers[k] for k in np.flatnonzero(fits).tolist()}
 
+    def read_already(self, index: int) -> Floats | None:
+        """The numbers of an accessor, (count, width), that was read and judged; None of others."""
+        return self._numbers.get(index)
+
     def judge(self, index: int) -> None:
         """Judge the min and max of an accessor that nothing else reads; its numbers are not kept."""
         if index not in self._numbers:

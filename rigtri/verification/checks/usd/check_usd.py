@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from rigtri.errors import RigtriError
-from rigtri.formats import ReadOptions, read
+from rigtri.formats import ReadOptions
 from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition.stage import open_file, quiet
+from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.joint_tokens import unsplit
 from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
 from rigtri.model.rig import Rig
@@ -35,7 +37,8 @@ def check_usd(
     """
     if path.suffix.lower() == ".usdz":
         _check_package(path, findings)
-    stage, _, notices = open_file(path, allow_external=allow_external, allow_missing=True)
+    options = ReadOptions(allow_external_paths=allow_external, allow_missing=True, empty=True)
+    opened = stage, _, notices = open_file(path, allow_external=allow_external, allow_missing=True)
     for notice in notices:
         findings.add(_LAYERS.get(notice.code, "usd.layer.missing"), "stage", "", notice.text)
     scene = Scene(stage, findings)
@@ -54,7 +57,10 @@ def check_usd(
         scene.guard(prim, _check_notes)
     rig, least = None, 1 if scene.animations else LEAST_JOINTS
     if scene.noted or any(len(tokens) >= least for tokens in scene.tokens.values()):
-        rig = _check_rig(path, scene, findings, allow_external=allow_external)
+        with suppress(RigtriError):  # a file that cannot be read as a rig has findings of other rules
+            rig = UsdDocument.read(path, options, opened).rig
+        if rig is not None:
+            _check_rig(rig, scene, findings)
     if external:
         from rigtri.verification.checks.usd.usd_validation import validate
 
@@ -62,17 +68,12 @@ def check_usd(
     return rig
 
 
-def _check_rig(path: Path, scene: Scene, findings: Findings, *, allow_external: bool) -> Rig | None:
-    """What only a rig shows. A file that cannot be read as one has findings of other rules."""
-    try:
-        rig = read(path, ReadOptions(allow_external_paths=allow_external, allow_missing=True, empty=True)).rig
-    except RigtriError:
-        return None
+def _check_rig(rig: Rig, scene: Scene, findings: Findings) -> None:
+    """What only a rig shows."""
     if scene.noted:
         check_cycles(rig, "usd.note.circle", findings)
     check_axes(rig, findings)
     check_clips(rig, findings)
-    return rig
 
 
 def _check_package(path: Path, findings: Findings) -> None:
