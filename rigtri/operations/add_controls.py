@@ -401,7 +401,7 @@ class _Builder:
             if found is not None:
                 return found
             above = self.tree.above[above]
-        self.rig, parent = home(self.rig)
+        self.rig, parent = home(self.rig, joint)
         return parent
 
     def _side(self, joint: int) -> Side:

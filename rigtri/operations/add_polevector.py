@@ -286,7 +286,7 @@ def _placed(
     if options.as_ == "joint":
         parent, like = skin_sibling_parent(rig, limb.start)
         return add_joint(rig, name, parent, record, position, axes, like=like)
-    rig, parent = home(rig)
+    rig, parent = home(rig, limb.start)
     rig, node = add(rig, name, parent, record)
     return stand(rig, node, position, axes), node
 

@@ -28,20 +28,29 @@ _SAME_POSITION = 1e-7
 _REST = ("translation", "rotation", "scale", "matrix")
 
 
-def group(rig: Rig) -> tuple[Rig, int]:
-    """The node that holds everything rigtri adds.
+def group(rig: Rig, about: int = -1) -> tuple[Rig, int]:
+    """The node that holds everything rigtri adds; of several, one for each character, that above a node.
 
     Where there is none it is new: a root, or a child of `FormatRules.group_parent`.
     """
-    for node in rig.nodes_of("group"):
-        return rig, node
+    if groups := list(rig.nodes_of("group")):
+        above = set(rig.path_to_root(about)) if about >= 0 else set[int]()
+        return rig, next((node for node in groups if node in above), groups[0])
     return add(rig, rig.rules.group_name, rig.rules.group_parent, GroupRecord())
 
 
-def home(rig: Rig) -> tuple[Rig, int]:
-    """The node that new locators and IK controls go under: the root control, else the group."""
-    root = find(rig, ControlRecord, kind="root")
-    return (rig, root) if root is not None else group(rig)
+def home(rig: Rig, joint: int) -> tuple[Rig, int]:
+    """The node that new locators and IK controls of a limb go under: its root control, else the group."""
+    roots = root_controls(rig, joint)
+    return (rig, roots[0]) if roots else group(rig)
+
+
+def root_controls(rig: Rig, node: int) -> list[int]:
+    """The root controls; of several those above a node, or that carry a joint above it, if there are such."""
+    every, above = list(find_all(rig, ControlRecord, kind="root")), set(rig.path_to_root(node))
+    carried = (rig.known(rig.records(ControlRecord)[root].joint) for root in every)
+    mine = [root for root, joint in zip(every, carried, strict=True) if not above.isdisjoint((root, joint))]
+    return mine or every
 
 
 def add(rig: Rig, name: str, parent: int, record: Record) -> tuple[Rig, int]:

@@ -8,7 +8,7 @@ for them is not seen.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.model.characters import characters
+from rigtri.model.metadata import ConstraintRecord
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
 
@@ -95,6 +96,7 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
     # Nodes of the file may have other numbers: a split puts some between them.
     now = {(key, label): node for node, (key, label) in enumerate(zip(made.keys, made.labels, strict=True))}
     place = [now[both] for both in zip(rig.keys, rig.labels, strict=True)]
+    _refuse_others(small, made, {place[node] for node in hidden}, place)
     whole = list(made.skins)
     for k, skin in others.items():
         whole[k] = replace(skin, joints=np.array([place[joint] for joint in skin.joints.tolist()]))
@@ -131,6 +133,19 @@ def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:
         if others:
             hidden[node] = stored
     return hidden
+
+
+def _refuse_others(small: Rig, made: Rig, others: Collection[int], place: Sequence[int]) -> None:
+    """UsageError where an edit constrains what rigtri has built for another character."""
+    before = {place[node] for node in _constrained(small)}
+    if wrong := [made.title(node) for node in _constrained(made) if node in others and node not in before]:
+        raise UsageError(f"'{wrong[0]}' is of another character: name the node of the one that is edited")
+
+
+def _constrained(rig: Rig) -> set[int]:
+    """What constraints move."""
+    found = {rig.known(record.child) for record in rig.records(ConstraintRecord).values()}
+    return {node for node in found if node is not None}
 
 
 def _about(rig: Rig, node: int, seen: Nodes) -> set[int]:

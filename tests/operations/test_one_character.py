@@ -11,8 +11,11 @@ from pairs import PAIR, pair
 from places import SAMPLES, slow
 from program import cli
 
+from rigtri import constrain
+from rigtri.errors import UsageError
 from rigtri.formats import read
 from rigtri.model.characters import characters
+from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 
@@ -96,6 +99,26 @@ def test_the_spaces_of_a_control_go_with_its_character(space: str, samples: Path
     assert kinds.count("constraint") == 1
     assert kinds.count("constraintWeight") == 2
     assert kinds.count("group") == 1
+
+
+def test_spaces_are_those_of_the_child_s_own_character(samples: Path, tmp_path: Path) -> None:
+    """Before, a control of B followed the root control of A, and --character B constrained a control of A."""
+    source, out = (tmp_path / f"{name}.gltf" for name in ("pair", "out"))
+    pair(samples, tmp_path, "gltf")
+    cli("add-controls", source, "-o", out, "--whole-character", code=0)
+    rig = read(out).rig
+    for child, root, holder in zip(
+        ("hand_L_ik_ctl", "hand_L_ik_ctl_2"),
+        (node for node, one in rig.records(ControlRecord).items() if one.kind == "root"),
+        rig.nodes_of("group"),
+        strict=True,
+    ):
+        held = constrain(rig, child=child, space=("root", "world"))
+        ((drivers, moved),) = [(one.drivers, one.child) for one in constraints_of(held).values()]
+        assert drivers == (root, holder)
+        assert held.type_of(moved) == "offset"
+    with pytest.raises(UsageError, match="'hand_L_ik_ctl' is of another character"):
+        constrain(rig, child="hand_L_ik_ctl", space=("root", "world"), character="B")
 
 
 def test_a_character_that_is_not_there_is_named_with_those_that_are(samples: Path, tmp_path: Path) -> None:

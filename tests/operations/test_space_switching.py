@@ -115,6 +115,18 @@ def test_a_driver_that_counts_from_the_start_of_a_clip_takes_over_there_too() ->
     assert_allclose(world(faded, "sword", 0.0, 2.0)[:, 3, :3], [[1, 1, 0], [2, 1, 0]], atol=1e-6)
 
 
+def test_a_world_that_clips_move_is_named() -> None:
+    """In USD what rigtri adds is below the character: before, a hand went with that without a word."""
+    rig = hands()
+    rig = replace(rig, rules=replace(rig.rules, group_parent=0))
+    track = replace(rig.clips[0].tracks[0], node=0)
+    for clip, codes in ((rig.clips[0], []), (Clip("swing", (track,)), ["world-moves"])):
+        report = Report()
+        moved = replace(rig, clips=(clip,))
+        rigtri.constrain(moved, child="sword", space=("left", "world"), report=report)
+        assert [notice.code for notice in report.warnings] == codes
+
+
 def test_weights_may_move_between_keys() -> None:
     keys = {"swing": {"times": [0, 2], "left": [1, 0], "right": [0, 1], "interpolation": "LINEAR"}}
     rig = rigtri.constrain(hands(), type="point", child="sword", driver=("left", "right=0"), weight_keys=keys)

@@ -37,7 +37,7 @@ from rigtri.operations.constrain.weight_keys import WeightKeys, requested_keys
 from rigtri.operations.operation import operation
 from rigtri.operations.options.constrain import ConstrainOptions as ConstrainOptions
 from rigtri.operations.options.constrain import check_weight
-from rigtri.operations.rigtri_nodes import add, find, group, renamed, with_record
+from rigtri.operations.rigtri_nodes import add, group, renamed, root_controls, with_record
 from rigtri.operations.without_nodes import without_nodes
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
@@ -108,22 +108,30 @@ def _drivers(rig: Rig, options: ConstrainOptions) -> tuple[Rig, list[tuple[str, 
     if not options.space:
         pairs = [_driver(rig, one) for one in options.driver]
         return rig, [(name, rig.find(name, "node"), weight) for name, weight in pairs]
-    found = []
+    found, child = [], rig.find(options.child or "", "node")
     for number, name in enumerate(options.space):
         if name == "world":
-            rig, node = group(rig)
+            rig, node = group(rig, child)
         elif name == "root":
-            root = find(rig, ControlRecord, kind="root")
-            if root is None:
-                text = (
-                    "--space root: there is no root control; add one with: rigtri add-controls --root-control"
-                )
-                raise UsageError(f"{text}, or name a node")
-            node = root
+            node = _root(rig, child)
         else:
             node = rig.find(name, "node")
         found.append((name, node, 0.0 if number else 1.0))
     return rig, found
+
+
+def _root(rig: Rig, child: int) -> int:
+    """The root control that a child goes with. UsageError where there is none, and for one of several."""
+    roots = root_controls(rig, child)
+    if len(roots) == 1:
+        return roots[0]
+    if roots:
+        names = " or ".join(f"'{rig.title(root)}'" for root in roots)
+        raise UsageError(
+            f"--space root: '{rig.title(child)}' goes with none of the root controls; name {names}"
+        )
+    text = "--space root: there is no root control; add one with: rigtri add-controls --root-control"
+    raise UsageError(f"{text}, or name a node")
 
 
 def _child(rig: Rig, options: ConstrainOptions) -> int:
@@ -276,6 +284,15 @@ def _warn(rig: Rig, rule: Constraint, switched: bool, report: Report) -> None:
             f"'{rig.title(rule.child)}' is a child of '{rig.title(rule.drivers[0])}' already and goes "
             "with it: the constraint only holds it where it is",
         )
+    moving = {track.node for clip in rig.clips for track in clip.tracks}
+    for driver in (node for node in dict.fromkeys(rule.drivers) if rig.type_of(node) == "group"):
+        if above := [rig.title(node) for node in rig.path_to_root(driver) if node in moving]:
+            report.warn(
+                "world-moves",
+                f"--space world is '{rig.title(driver)}', which clips move with '{above[0]}': there "
+                f"'{rig.title(rule.child)}' goes with it. Name a node as space that stays where it is",
+                names=above,
+            )
     world = rig.normalised_world
     for driver in rule.drivers:
         size = length(world[driver, :3, :3])
