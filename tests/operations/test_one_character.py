@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from pairs import PAIR, pair
 from places import SAMPLES, slow
 from program import cli
+from rigs import rig_of
 
 from rigtri import constrain
 from rigtri.errors import UsageError
@@ -18,6 +21,8 @@ from rigtri.model.characters import characters
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
+from rigtri.recognition.one_character import _of_others
 
 
 def built(rig: Rig) -> list[list[str]]:
@@ -160,3 +165,21 @@ def test_each_character_is_mirrored_about_its_own_plane(suffix: str, samples: Pa
     assert counts[0] == 2 * counts[1] > 0
     cli("mirror", out, "-o", again, code=0)
     assert again.read_bytes() == out.read_bytes()
+
+
+def test_metadata_of_other_characters_are_those_about_their_joints_alone_and_groups_of_such() -> None:
+    """a with its joint, b with its; a control of each, in a group each, and one that names joints of both."""
+    names = ["a", "a joint", "b", "b joint", "a group", "a ctl", "b group", "b ctl", "both"]
+    rig = rig_of(names, [-1, 0, -1, 2, -1, 4, -1, 6, -1], np.zeros((9, 3)))
+    skins = tuple(Skin(name, np.array([node]), np.eye(4)[np.newaxis]) for name, node in (("a", 1), ("b", 3)))
+    about: dict[int, Any] = {
+        4: {"v": 1, "type": "group"},
+        5: {"v": 1, "type": "control", "kind": "fk", "joint": "a joint"},
+        6: {"v": 1, "type": "group"},
+        7: {"v": 1, "type": "control", "kind": "fk", "joint": "b joint"},
+        8: {"v": 1, "type": "poleVector", "chain": ["a joint", "b joint", "a joint"]},
+    }
+    rig = replace(rig, skins=skins, metadata=about)
+    assert set(_of_others(rig, frozenset([0, 1]))) == {6, 7}
+    assert set(_of_others(rig, frozenset([2, 3]))) == {4, 5}
+    assert set(_of_others(rig, frozenset(range(4)))) == set()

@@ -221,6 +221,7 @@ def test_vertices_that_are_others_or_have_other_influences_have_changed() -> Non
     # Columns that one of them has more count where they hold something.
     wider = np.pad(joints, ((0, 0), (0, 2))), np.pad(mine.weights, ((0, 0), (0, 2)))
     assert changed(joints=wider[0], weights=wider[1]) == []
+    assert not _changed_vertices(replace(mine, joints=wider[0], weights=wider[1]), mine).any()
     assert changed(joints=wider[0], weights=with_one(wider[1], 1, 3)) == [1]
     for shape in ({"points": np.zeros((4, 3))}, {"morphs": np.zeros((1, 3, 3))}):
         assert changed(**shape) == [0, 1, 2]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -12,7 +13,9 @@ from morphs import arm
 from places import slow
 
 from rigtri import verify
+from rigtri.errors import FileError
 from rigtri.formats import read
+from rigtri.formats.gltf.garbage_collect import OWN_NAME, _taken
 from rigtri.formats.gltf.references import used_accessors
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
@@ -148,3 +151,31 @@ def test_views_that_are_left_out_in_the_middle_leave_all_others_their_numbers(
         assert known.keys() == found.keys()
         assert all((known[key].values == found[key].values).all() for key in known)
     assert not after.rig.own
+
+
+def test_bytes_that_others_need_are_whole_views_of_theirs_and_accessors_in_ours() -> None:
+    """Of a buffer: those of another, of what goes, and of what cannot be read do not count."""
+    views = [
+        {"buffer": 0, "byteLength": 40, "name": OWN_NAME},
+        {"buffer": 0, "byteOffset": 40, "byteLength": 8},
+        {"buffer": 0, "byteLength": 4},
+        {"buffer": 1, "byteLength": 99},
+    ]
+    spans = {0: (0, 0, 8), 1: (0, 8, 20), 4: (1, 0, 4)}
+
+    def span(index: int) -> tuple[int, int, int]:
+        if index not in spans:
+            raise FileError("broken")
+        return spans[index]
+
+    accessors = [
+        {"bufferView": 0},
+        {"bufferView": 0},
+        {},
+        {"bufferView": 1},
+        {"bufferView": 0},
+        {"bufferView": 0},
+    ]
+    storage: Any = SimpleNamespace(span=span)
+    taken = _taken({"bufferViews": views, "accessors": accessors}, storage, 0, {0})
+    assert list(taken) == [(40, 48), (0, 4), (8, 20)]
