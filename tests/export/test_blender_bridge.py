@@ -614,6 +614,12 @@ def _setup_in_words(plan: dict[str, Any]) -> str:
         words += [f"size {control['size']:.6f}"] if control["size"] else []
         words += [f"colour {_numbers(control['color'])}"] if control["color"] else []
         lines.append("  ".join([*words, f"locked {control['locked'] or '-'}"]))
+    lines.append("bones")
+    for each in plan["bones"]:
+        under = plan["bones"][each["parent"]]["name"] if each["parent"] >= 0 else "-"
+        lines.append(
+            f"{each['name']:<26} under {under:<26} {_stand(each['stand'])}  length {each['length']:.6f}"
+        )
     lines.append("limbs")
     lines += [
         f"{each['name']:<26} to {_name(plan, each['target'])}, pole {_name(plan, each['pole'])}"

@@ -23,7 +23,7 @@ from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
-from rigtri.operations.take_clips.bind_axes import BoundAxes
+from rigtri.operations.take_clips.bind_axes import BoundAxes, _at_one_place
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
@@ -239,3 +239,11 @@ def test_joints_that_both_files_bind_at_one_place_are_known_by_it() -> None:
     assert set(BoundAxes(rig, rig, same).turns) == joints
     mixed = BoundAxes(rig, alike, same)
     assert (mixed.at_one_place, mixed.turns) == (set(), {})
+
+
+def test_a_skin_of_one_joint_binds_nothing_at_one_place() -> None:
+    skin = rig_of().skins[0]
+    one = replace(skin, joints=skin.joints[:1], inverse_bind=skin.inverse_bind[:1])
+    assert not _at_one_place(one)
+    assert _at_one_place(replace(skin, inverse_bind=np.tile(np.eye(4), (len(skin.joints), 1, 1))))
+    assert not _at_one_place(skin)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from posed_bodies import FINGERS, Pose, posed_body
 from rigs import rig_of
 
+from rigtri.recognition.hand_hinges import _PosedHand
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_triples import thumb_of
 from rigtri.recognition.recognise import recognise
@@ -130,3 +133,16 @@ def test_of_two_fingers_that_begin_alike_the_one_of_fewer_joints_is_the_thumb(
     rig = rig_of(names, [-1, *[0] * (len(places) - 1)], places)
     chains = [range(1, joints + 1), range(joints + 1, len(places))]
     assert thumb_of(Tree(rig, range(len(places)), places), 0, chains) == thumb
+
+
+def test_a_thumb_without_fingers_or_of_one_joint_says_nothing_of_the_side_that_closes() -> None:
+    at = np.array([[0.0, 0, 0], [1, 0, 0], [0.2, 0, -0.5], [0.2, 0, -1]])
+
+    def side(thumb: list[int], fingers: list[list[int]]) -> float:
+        hand: Any = SimpleNamespace(thumb=thumb, fingers=fingers, at=at, along=np.array([1.0, 0, 0]))
+        return _PosedHand._side_of_thumb(hand, np.array([0.0, 1, 0]))
+
+    assert side([2, 3], [[1]]) > 0
+    assert side([3], [[1]]) == side([2, 3], []) == side([], []) == 1.0
+    at[3] = [0.2, 0, 1]
+    assert side([2, 3], [[1]]) < 0

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from recognition_bodies.skeletons import MAN, rig_with
 from rigs import rig_of
 
+from rigtri.maths.scalar_vector import Vector
 from rigtri.model.rig import Rig
 from rigtri.recognition import sides
+from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.sides import side_of, twin_of, twins
 
 # Two characters below one root, the second with two right arms below its left one and beside it.
@@ -111,3 +114,16 @@ def test_bones_of_a_recognised_body_are_twins_where_it_gives_axes(
     body = SimpleNamespace(sure_chains=[], bones=bones, gives_axes=axes)
     monkeypatch.setattr(sides, "recognise", lambda rig: SimpleNamespace(characters=[body]))
     assert dict(sides._by_shape(crowd())) == found
+
+
+def test_joints_are_on_the_side_where_the_farthest_of_them_stands() -> None:
+    at = [Vector(0, 1, 0), Vector(0.1, 0, 0), Vector(-0.5, 0, 0)]
+    tree = SimpleNamespace(at=at)
+    draft: Any = SimpleNamespace(left=Vector(1, 0, 0), tree=tree)
+    draft.shape = SimpleNamespace(plane=SimpleNamespace(point=Vector()))
+    sides = [Draft.side_of(draft, nodes) for nodes in ([0], [1], [2], [0, 1], [1, 2])]
+    assert sides == ["", "left", "right", "left", "right"]
+    draft.left = Vector()
+    assert Draft.side_of(draft, [1]) == ""
+    draft.left, draft.shape = Vector(1, 0, 0), SimpleNamespace(plane=None)
+    assert Draft.side_of(draft, [1]) == ""

@@ -13,9 +13,12 @@ from hypothesis import strategies as st
 from meshopt_streams import Job, by_the_c_library, encode_attributes, encode_indices
 from places import slow
 
+from rigtri.errors import FileError
 from rigtri.formats.gltf.meshopt.attributes import decode_attributes, decode_indices
 from rigtri.formats.gltf.meshopt.filters import FILTERS, color, exponential, octahedral, quaternion
 from rigtri.formats.gltf.meshopt.triangles import decode_triangles
+from rigtri.formats.gltf.meshopt.views import _check
+from rigtri.formats.json_values import Value
 
 # Around every border: a group, a block, and more than one portion.
 COUNTS = (1, 15, 16, 17, 64, 255, 256, 257, 1000)
@@ -311,3 +314,31 @@ def test_all_filters_give_the_bits_of_the_c_library() -> None:
         assert undo is not None
         found = undo(decode_attributes(memoryview(stream), job.count, job.stride))
         assert found.tobytes() == decoded, job.kind
+
+
+@pytest.mark.parametrize(
+    ("mode", "kind", "stride", "told"),
+    [
+        ("ATTRIBUTES", "NONE", 12, ""),
+        ("ATTRIBUTES", "OCTAHEDRAL", 4, ""),
+        ("ATTRIBUTES", "QUATERNION", 8, ""),
+        ("INDICES", "NONE", 4, ""),
+        ("TRIANGLES", "NONE", 2, ""),
+        ("ATTRIBUTES", "OCTAHEDRAL", 12, "filter OCTAHEDRAL does not go with ATTRIBUTES of byteStride 12"),
+        ("ATTRIBUTES", "QUATERNION", 4, "filter QUATERNION does not go with ATTRIBUTES of byteStride 4"),
+        ("INDICES", "EXPONENTIAL", 4, "filter EXPONENTIAL does not go with INDICES of byteStride 4"),
+        ("ATTRIBUTES", "NONE", 6, "byteStride 6 is not valid for ATTRIBUTES"),
+        ("ATTRIBUTES", "NONE", 260, "byteStride 260 is not valid for ATTRIBUTES"),
+        ("TRIANGLES", "NONE", 8, "byteStride 8 is not valid for TRIANGLES"),
+        ("POINTS", "NONE", 4, "mode 'POINTS' is unknown"),
+        ("ATTRIBUTES", "ZIP", 4, "filter 'ZIP' is unknown"),
+        ("ATTRIBUTES", ["NONE"], 4, "is unknown"),
+    ],
+)
+def test_modes_filters_and_strides_that_go_together(mode: str, kind: Any, stride: int, told: str) -> None:
+    how = Value({}, "bufferViews[0]")
+    if not told:
+        _check(how, mode, kind, stride)
+    else:
+        with pytest.raises(FileError, match=told):
+            _check(how, mode, kind, stride)
