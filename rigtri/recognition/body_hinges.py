@@ -66,14 +66,14 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
     """What the characters say of their joints in a pose, world (n, 4, 4).
 
     facing: where they look by the user's word, (3,), instead of what was recognised. Characters that are not
-    sure, or whose facing direction nothing shows, are left out; of a hand alone there are hinges, and no
+    sure, or whose facing direction nothing shows, are left out; of hands alone there are hinges, and no
     directions (NaN). That is one by its shape: fingers side by side close together, whatever they are of.
     """
     found = []
     for character in (k for k in characters if k.gives_axes):
         frame = _frame(rig, character, world, facing)
         if frame is None and character.form == "hand":
-            found.append(_hand_alone(character, world[:, 3, :3]))
+            found.append(_hands_alone(character, world[:, 3, :3]))
         if frame is not None:
             ahead, up, mirrored = frame
             left = cross(up, ahead)
@@ -85,10 +85,11 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
     return found
 
 
-def _hand_alone(character: Character, at: Floats) -> Body:
+def _hands_alone(character: Character, at: Floats) -> Body:
     unknown, none = np.full(3, np.nan), frozenset[int]()
-    side: Side = next((chain.side for chain in character.chains if chain.kind == "hand"), "")
-    hinges = hand_hinges(character.chains, {side: side == "left" if side else None}, at, None)
+    hands = [chain.side for chain in character.chains if chain.kind == "hand"]
+    sides: dict[Side, bool | None] = {side: side == "left" if side else None for side in hands}
+    hinges = hand_hinges(character.chains, sides, at, None)
     nodes = frozenset(part.joint for part in character.parts)
     return Body(unknown, unknown, unknown, nodes, none, none, dict(hinges))
 

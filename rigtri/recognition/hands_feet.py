@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from itertools import combinations
 
 from rigtri.maths.scalar_vector import Vector
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import Body
@@ -37,6 +39,8 @@ _SIZE, _QUALITY = 0.35, 0.3
 _OF_BODIES = frozenset(["skull", "tail"])
 # A hand alone has no more joints than this, and a finger: a metacarpal, three bones, an end.
 _HAND, _FINGER = 60, 5
+# So many of all joints are of hands where they are all there is.
+_MOST = 0.75
 
 
 def lay_ends(draft: Draft, found: Sequence[Found]) -> None:
@@ -292,35 +296,68 @@ def _kind(draft: Draft, body: Body, limbs: Limbs, size: float) -> Kind:
     return "leg" if abs((limbs.ends - body.legs.ends).dot(draft.up)) < 0.2 * size else "limb"
 
 
-def lay_hand(draft: Draft) -> bool:
-    """A hand alone: most joints are short chains that begin at one."""
+def lay_hands(draft: Draft) -> bool:
+    """A hand alone, or by names a left and a right one: most joints are of short chains that begin there."""
     tree = draft.tree
     joints = [k for k in tree.nodes if tree.rig.is_joint[k]] or tree.nodes
-    if len(joints) > _HAND:
+    if len(joints) > 2 * _HAND:
         return False
-    for node in tree.nodes:
-        if not 3 <= len(tree.below[node]) <= 6:
-            continue
-        chains = finger_chains(draft, node, 0.0)
-        if not 3 <= len(chains) <= 5:
-            continue
-        # A finger is one line to its end; what branches is a trunk, of which the chain is a beginning.
-        whole = [tree.branch(chain[0]) for chain in chains]
-        lines = [all(len(tree.below[k]) < 2 for k in branch) for branch in whole]
-        covered = 1 + sum(len(b if line else c) for b, line, c in zip(whole, lines, chains, strict=True))
-        if covered < 0.75 * len(joints):
-            continue
-        named = [k for k in chains if any(_names_finger(tree.rig.names[joint]) for joint in k)]
-        if len(named) < 3 and (_is_body_named(draft) or not _like_fingers(draft, node, chains)):
-            continue
-        sure = 0.92 if len(named) >= 3 else 0.6
-        side = parse_name(tree.rig.names[node]).side
-        why = (NAMES,) if named else (f"{len(chains)} short chains begin at it",)
+    hands = [hand for hand in map(partial(_hand_at, draft), tree.nodes) if hand is not None]
+    most = _MOST * len(joints)
+    laid = [hand for hand in hands if hand.covered >= most and len(joints) <= _HAND][:1]
+    if not laid:
+        called = [hand for hand in hands if hand.named and hand.side]
+        two = len(called) == 2 and {hand.side for hand in called} == {"left", "right"}
+        covered = sum(hand.covered for hand in called)
+        laid = called if two and covered >= most and not _have_arms(draft, called) else []
+    for hand in laid:
         draft.hips, draft.facing, draft.left = -1, Vector(), Vector()
-        draft.add_chain("hand", "hand", side, [node], sure, why)
-        lay_fingers(draft, node, chains, side, sure)
-        return True
-    return False
+        draft.add_chain("hand", "hand", hand.side, [hand.node], hand.sure, (hand.why,))
+        lay_fingers(draft, hand.node, hand.chains, hand.side, hand.sure)
+    return bool(laid)
+
+
+@dataclass(frozen=True)
+class _Hand:
+    """A joint at which fingers begin. covered: of how many joints both are, with those beside fingers.
+    named: whether names say so."""
+
+    node: int
+    side: Side
+    chains: list[list[int]]
+    covered: int
+    named: bool
+    why: str
+
+    @property
+    def sure(self) -> float:
+        return 0.92 if self.named else 0.6
+
+
+def _hand_at(draft: Draft, node: int) -> _Hand | None:
+    tree = draft.tree
+    if not 3 <= len(tree.below[node]) <= 6:
+        return None
+    chains = finger_chains(draft, node, 0.0)
+    if not 3 <= len(chains) <= 5:
+        return None
+    # A finger is one line to its end; what branches is a trunk, of which the chain is a beginning.
+    whole = [tree.branch(chain[0]) for chain in chains]
+    lines = [all(len(tree.below[k]) < 2 for k in branch) for branch in whole]
+    covered = 1 + sum(len(b if line else c) for b, line, c in zip(whole, lines, chains, strict=True))
+    named = [k for k in chains if any(_names_finger(tree.rig.names[joint]) for joint in k)]
+    if len(named) < 3 and (_is_body_named(draft) or not _like_fingers(draft, node, chains)):
+        return None
+    why = NAMES if named else f"{len(chains)} short chains begin at it"
+    side = parse_name(tree.rig.names[node]).side
+    return _Hand(node, side, chains, covered, len(named) >= 3, why)
+
+
+def _have_arms(draft: Draft, hands: Sequence[_Hand]) -> bool:
+    """Whether more than a forearm each is between two hands and what they hang from."""
+    tree = draft.tree
+    top = tree.common(hands[0].node, hands[1].node)
+    return any(len(tree.way(top, hand.node)) - (top >= 0) > 2 for hand in hands)
 
 
 def _is_body_named(draft: Draft) -> bool:

@@ -14,7 +14,7 @@ from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
 from rigtri.recognition.evidence_against import doubted
-from rigtri.recognition.hands_feet import lay_ends, lay_hand, lay_others, why_none
+from rigtri.recognition.hands_feet import lay_ends, lay_hands, lay_others, why_none
 from rigtri.recognition.joint_tree import Tree, joints_of, segments_of
 from rigtri.recognition.layout import (
     BENDS,
@@ -94,7 +94,7 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     words = limb_names(rig, body, reading)
     shape = shape_of(body, poses, words)
     draft = Draft(shape, poses, reading, certain, words, controls, segments)
-    if not (reading is not None and reading.limbs) and not certain and lay_hand(draft):
+    if not (reading is not None and reading.limbs) and not certain and lay_hands(draft):
         return draft
     found = agreed(draft, doubted(draft, find_limbs(draft)))
     if not draft.known_bones and not any(each.confidence >= UNLIKELY for each in found):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from places import SAMPLES, asset_files
 from posed_bodies import Pose, posed_body
-from recognition_bodies.skeletons import HORSE, both, line, rig_with
+from recognition_bodies.skeletons import FINGERS, HORSE, MAN, Joint, both, line, rig_with
 from rigs import chain, rig_of
 
 from rigtri.errors import NameNotFoundError, UsageError
@@ -180,3 +180,52 @@ def test_fingers_close_with_a_sure_hand_whichever_they_are() -> None:
     assert fingers
     assert fingers <= sure.hinges.keys()
     assert fingers <= unsure.hinges.keys()
+
+
+def _called(joints: list[Joint], hands: bool) -> list[Joint]:
+    """The joints whose fingers have names, or of their hands alone below one joint."""
+    words = {"t": "thumb", **{f"f{k}": word for k, word in enumerate(["index", "middle", "ring", "pinky"])}}
+    named = {}
+    for name, _, _ in FINGERS:
+        which, side = name.split(".")
+        named[name] = f"{words[which[:-1]]}_{which[-1]}.{side}"
+    called = [(named.get(name, name), named.get(above, above), at) for name, above, at in joints]
+    if not hands:
+        return called
+    below = {"hand.L", "hand.R", *named.values()}
+    cut = [(name, above if above in below else "root", at) for name, above, at in called if name in below]
+    return [("root", "", (0.0, 1.4, 0.0)), *cut]
+
+
+def test_two_hands_alone_are_hands_and_close_as_those_of_a_body() -> None:
+    """Before, they were the arms of a body, with a finger for elbow and wrist."""
+    found = []
+    for hands in (True, False):
+        joints = _called([*MAN, *FINGERS], hands)
+        rig = rig_with(joints)
+        (character,) = recognise_characters(rig).characters
+        (body,) = bodies(rig, [character], rig.world, None)
+        closing = {joints[k][0]: hinge.direction for k, hinge in body.hinges.items()}
+        found.append({name: closing[name] for name in closing if name[-3] in "123"})
+        if hands:
+            assert character.form == "hand"
+            assert [k.name for k in character.chains if k.kind == "hand" and k.is_sure] == [
+                "left hand",
+                "right hand",
+            ]
+            assert {k.kind for k in character.chains} == {"hand", "finger"}
+    alone, whole = found
+    assert len(alone) == 30
+    assert alone.keys() == whole.keys()
+    for name, direction in alone.items():
+        assert float(np.dot(direction, whole[name])) > 0.9
+
+
+def test_hands_below_arms_are_no_hands_alone() -> None:
+    """Most joints of a chest with arms and two hands are of its hands."""
+    upper = [joint for joint in MAN if joint[0].split(".")[0] in ("clavicle", "upper_arm", "forearm", "hand")]
+    joints = _called([*upper, *FINGERS], hands=False)
+    top: list[Joint] = [("chest", "", (0.0, 1.3, 0.0)), *joints]
+    (character,) = recognise_characters(rig_with(top)).characters
+    assert character.form != "hand"
+    assert sorted(k.name for k in character.limbs if k.kind == "arm") == ["left arm", "right arm"]
