@@ -40,6 +40,7 @@ class Turn:
     layers: bool = False
     beside: str = ""
     sources: tuple[Path, ...] = ()
+    standard_rest: bool = False
 
     def key(self) -> str:
         return f"turn {self.label} {self.verify} {self.relink} {self.joint}"

@@ -1,4 +1,4 @@
-"""What a skeleton is, and which axes its joints have in the bind pose, small enough for a million files."""
+"""What a skeleton is, and which axes its joints have, small enough for a million files."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ class Axes:
         return hashlib.sha256(self.joints.encode()).hexdigest()[:16]
 
 
-def axes_of(rig: Rig) -> Axes | None:
-    """The axes of all joints of a rig; None where it has none."""
+def axes_of(rig: Rig, *, at_rest: bool = False) -> Axes | None:
+    """The axes of all joints of a rig in its bind pose, or at rest; None where it has none."""
     joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.pending.removed]
     if not joints:
         return None
     place = {node: k for k, node in enumerate(joints)}
     hierarchy = [[_above(rig, node, place), rig.names[node] or rig.labels[node]] for node in joints]
     frames = np.full((len(rig), 4, 4), np.nan)
-    for skin in rig.skins:
+    for skin in () if at_rest else rig.skins:
         posed = bind_pose.bind_frames(rig, skin)
         known = np.isfinite(posed).all(axis=(1, 2))
         frames[skin.joints[known]] = posed[known]

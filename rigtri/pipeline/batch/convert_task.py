@@ -28,6 +28,7 @@ class ConvertTask:
     layers = False
     beside = ""
     relink = False
+    standard_rest = False
     paths: frozenset[str] = frozenset()
     sources: Sequence[Path] = ()
 

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -41,7 +42,8 @@ class Task(Protocol):
 
     layers: outputs are layers over their inputs. beside: the suffix of a file that goes with each output,
     "" for none. relink: outputs refer to the files of their inputs where these are. sources: the files that
-    describe what is done. paths: the variables that are paths.
+    describe what is done. paths: the variables that are paths. standard_rest: all outputs rest in one
+    standard pose, from which rotations count, whatever each is bound in.
     """
 
     @property
@@ -54,6 +56,8 @@ class Task(Protocol):
     def sources(self) -> Sequence[Path]: ...
     @property
     def paths(self) -> frozenset[str]: ...
+    @property
+    def standard_rest(self) -> bool: ...
     def key(self) -> str:
         """All that decides what becomes of a file, but for the contents of `files`, as text."""
 
@@ -163,9 +167,10 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
     adopt(scratch)
     entry, moment, began = assignment.entry, time.time_ns(), time.perf_counter()
     report, sent = Report(records=False), []
+    record_of = partial(_record, folder=folder, moment=moment, at_rest=assignment.task.standard_rest)
 
     def ready(outcome: Outcome, written: StagedOutput) -> None:
-        sent.append(_record(outcome, folder, moment, written))
+        sent.append(record_of(outcome, written))
         send_event(sent[0])
 
     try:
@@ -181,7 +186,7 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
                 shared=True,
             )
             outcome = assignment.task.run(request, report)
-            record = sent[0] if sent else _record(outcome, folder, moment, None)
+            record = sent[0] if sent else record_of(outcome, None)
             record = replace(record, seconds=dict(outcome.seconds))
     except (RigtriError, OSError) as error:
         if of_memory(error):
@@ -202,7 +207,9 @@ def _output_path(entry: Entry, dry_run: bool) -> Iterator[Path]:
         yield target
 
 
-def _record(outcome: Outcome, folder: str, moment: int, written: StagedOutput | None) -> Record:
+def _record(
+    outcome: Outcome, written: StagedOutput | None, *, folder: str, moment: int, at_rest: bool
+) -> Record:
     """What an edit did; with ``written`` also what it wrote, under the names that it will have."""
     read = {} if newer(outcome.files, moment) else _hashes.of_all(outcome.files, folder)
     made: dict[str, str] = {}
@@ -220,7 +227,7 @@ def _record(outcome: Outcome, folder: str, moment: int, written: StagedOutput | 
         seconds=dict(outcome.seconds),
         read=read,
         made=made,
-        axes=None if outcome.rig is None else axes_of(outcome.rig),
+        axes=None if outcome.rig is None else axes_of(outcome.rig, at_rest=at_rest),
     )
 
 

@@ -8,12 +8,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import get_args
 
 from rigtri.errors import UsageError
 from rigtri.export.rig_json import SUFFIX, description
 from rigtri.files.staged_output import StagedOutput, write_text
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, read
 from rigtri.model.dataclass import dataclass
+from rigtri.operations.option_kinds import StandardPose
 from rigtri.pipeline.edit import EditRequest, Outcome
 from rigtri.pipeline.rigspec.build import build_file
 from rigtri.pipeline.rigspec.load import Spec
@@ -62,6 +64,15 @@ class SpecTask:
     def paths(self) -> frozenset[str]:
         """The variables that are paths."""
         return self.spec.paths
+
+    @cached_property
+    def standard_rest(self) -> bool:
+        """Whether its steps give all outputs one standard rest pose."""
+        return any(
+            step.do == "conform" or getattr(step.options, "pose", "") in get_args(StandardPose)
+            for step in self.spec.steps
+            if step.do in ("conform", "set-rest")
+        )
 
     def key(self) -> str:
         """All that decides what becomes of a file, but for the contents of `files`, as text."""

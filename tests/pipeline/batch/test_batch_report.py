@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import json
 import sqlite3
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from places import SAMPLES
 from program import Ran, cli
 from rigs import random_rig
 from second_opinions import validator
 
+import rigtri
 from rigtri.frames.reframe import reframe
+from rigtri.maths.matrices import from_frame, inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.pipeline.batch.axis_summary import Axes, angles, axes_of
 from rigtri.pipeline.batch.file_task import Record
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.manifest_writer import Manifest
 from rigtri.pipeline.batch.report import summarise
+from rigtri.pipeline.batch.spec_task import SpecTask
+from rigtri.pipeline.rigspec.load import load
 
 
 @pytest.fixture(autouse=True)
@@ -214,6 +220,32 @@ def test_axes_are_those_of_the_joints(seed: int) -> None:
     place = np.flatnonzero(rig.is_joint).tolist().index(joint)
     assert apart[place] == pytest.approx(30.0, abs=0.02)
     assert np.delete(apart, place).max(initial=0.0) < 0.02
+
+
+@pytest.mark.parametrize(
+    ("step", "at_rest"),
+    [
+        ("conform, to: unity", True),
+        ("set-rest, pose: tpose", True),
+        ("set-rest, pose: bind", False),
+        ("freeze", False),
+    ],
+)
+def test_characters_of_one_standard_skeleton_are_compared_at_rest(
+    step: str, at_rest: bool, tmp_path: Path
+) -> None:
+    """Before, in their bind poses, which are what their makers posed: an A-pose had other axes."""
+    (tmp_path / "spec.yaml").write_text(f"steps: [{{do: {step}}}]", "utf-8")
+    assert SpecTask(load(tmp_path / "spec.yaml")).standard_rest == at_rest
+    rig = rigtri.conform(rigtri.read(SAMPLES / "biped.glb"), to="unity")
+    arm, world = rig.find("LeftUpperArm"), rig.world.copy()
+    world[arm] = multiply(from_frame(np.diag([-1.0, -1.0, 1.0]), np.zeros(3)), world[arm])
+    (skin,) = rig.skins
+    other = replace(rig, skins=(replace(skin, inverse_bind=inverse(world[skin.joints])),))
+    one, two = axes_of(rig, at_rest=at_rest), axes_of(other, at_rest=at_rest)
+    assert one is not None
+    assert two is not None
+    assert (float(angles(one.turns, two.turns).max()) < 0.02) == at_rest
 
 
 def test_the_angle_between_axes_can_be_checked_by_hand() -> None:
