@@ -46,7 +46,8 @@ class MaterialWriter:
     def _report_unsupported(self, material: Material, *, coloured: bool) -> None:
         if material.unlit:
             self._scene.lose(f"material '{material.name}' is unlit: shown as light that it emits")
-        if coloured and ("base" in material.textures or material.base[:3] != (1.0, 1.0, 1.0)):
+        shown = material.base[: 3 if material.alpha == "OPAQUE" else 4]
+        if coloured and ("base" in material.textures or shown != (1.0,) * len(shown)):
             text = "vertex colours times texture or colour: USD shows the latter, and keeps displayColor"
             self._scene.lose(f"material '{material.name}': {text}")
 
@@ -58,9 +59,7 @@ class MaterialWriter:
         if "base" in readers:
             colour.ConnectToSource(readers["base"].ConnectableAPI(), "rgb")
         elif coloured and material.base[:3] == (1.0, 1.0, 1.0):
-            reader = self._shader(f"{path}/VertexColor", "UsdPrimvarReader_float3")
-            reader.CreateInput("varname", _TYPES.String).Set("displayColor")
-            reader.CreateOutput("result", _TYPES.Float3)
+            reader = self._primvar(f"{path}/VertexColor", "float3", "displayColor", _TYPES.Float3)
             colour.ConnectToSource(reader.ConnectableAPI(), "result")
         else:
             colour.Set(Gf.Vec3f(*material.base[:3]))
@@ -70,6 +69,10 @@ class MaterialWriter:
             opacity = surface.CreateInput("opacity", _TYPES.Float)
             if "base" in readers:
                 opacity.ConnectToSource(readers["base"].ConnectableAPI(), "a")
+            elif coloured and material.base == (1.0,) * 4:
+                reader = self._primvar(f"{path}/VertexOpacity", "float", "displayOpacity", _TYPES.Float)
+                reader.CreateInput("fallback", _TYPES.Float).Set(1.0)  # of colours without alpha
+                opacity.ConnectToSource(reader.ConnectableAPI(), "result")
             else:
                 opacity.Set(material.base[3])
         if material.alpha == "MASK":
@@ -111,12 +114,18 @@ class MaterialWriter:
         shader.CreateIdAttr(kind)
         return shader
 
+    def _primvar(self, path: str, kind: str, name: str, type_name: Any) -> Any:
+        """What reads a primvar of the mesh."""
+        reader = self._shader(path, f"UsdPrimvarReader_{kind}")
+        reader.CreateInput("varname", _TYPES.String).Set(name)
+        reader.CreateOutput("result", type_name)
+        return reader
+
     def _texture(self, path: str, slot: Slot, material: Material) -> Any:
         """An image on the surface, times its factor."""
         texture = material.textures[slot]
-        reader = self._shader(f"{path}/{slot}_st", "UsdPrimvarReader_float2")
-        reader.CreateInput("varname", _TYPES.String).Set(primvar(texture.texcoord))
-        reader.CreateOutput("result", _TYPES.Float2)
+        coordinates = primvar(texture.texcoord)
+        reader = self._primvar(f"{path}/{slot}_st", "float2", coordinates, _TYPES.Float2)
         if texture.is_transformed:
             reader = self._transform(f"{path}/{slot}_transform", texture, reader)
         image = self._shader(f"{path}/{slot}", "UsdUVTexture")

@@ -168,5 +168,20 @@ def test_colours_of_points_are_shown_where_nothing_else_is() -> None:
         assert lost == [f"material 'm': {TIMES}"]
 
 
+@pytest.mark.parametrize("alpha", ["OPAQUE", "MASK", "BLEND"])
+def test_opacities_of_points_are_shown_where_the_material_has_an_opacity(alpha: Any) -> None:
+    stage, scene = written(Material("m", alpha=alpha), coloured=True)
+    shown = inputs(stage, "/m/Surface")
+    assert not scene.lost
+    if alpha == "OPAQUE":
+        assert "opacity" not in shown
+    else:
+        assert shown["opacity"] == "VertexOpacity.result"
+        assert inputs(stage, "/m/VertexOpacity") == {"varname": "displayOpacity", "fallback": 1.0}
+    assert surface(Material("m", alpha=alpha, base=(1, 1, 1, 0.5)), coloured=True)[1] == (
+        [] if alpha == "OPAQUE" else [f"material 'm': {TIMES}"]
+    )
+
+
 def test_texture_coordinates_are_called_st() -> None:
     assert [primvar(number) for number in (0, 1, 2)] == ["st", "st1", "st2"]
