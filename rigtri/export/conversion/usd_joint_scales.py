@@ -51,7 +51,7 @@ def lost_scales(rig: Rig, joints: Collection[int], halves: Iterable[Collection[i
         for clip in rig.clips
         for track in clip.tracks
         if track.path == "scale" and track.node in joints and track.interpolation != "STEP"
-        if (track.values != track.values[:1]).any()
+        if np.ptp(track.values.astype(np.float16), axis=0).any()
     }
     if stored := set[int]().union(*halves):
         yield f"scales of {_titles(rig, stored)} in full: UsdSkel has those of animations as half floats"
