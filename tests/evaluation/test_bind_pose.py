@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from rigs import chain, rig_of
 
 from rigtri.evaluation.bind_pose import bind_frames, bind_worlds, placed_bind_worlds
-from rigtri.maths.matrices import compose
+from rigtri.maths.matrices import compose, inverse
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -78,3 +78,17 @@ def test_a_character_that_is_placed_in_its_scene_keeps_its_place() -> None:
     found = placed_bind_worlds(rig, 0)
     assert_allclose(found[[1, 2], 3, :3], [[7, 0, 0], [8, 0, 0]], atol=1e-9)
     assert_allclose(found[1], compose(np.array([7.0, 0, 0]), IDENTITY, np.ones(3)), atol=1e-9)
+
+
+def test_a_skin_without_matrices_or_joints_is_not_placed() -> None:
+    """Its bind pose is not known; one that is known and stands elsewhere is placed where its mesh is."""
+    rig = chain((5, 0, 0), (6, 0, 0))
+    away = replace(rig.skins[0], inverse_bind=inverse(chain((0, 0, 0), (1, 0, 0)).world))
+    for skin in (
+        replace(away, stored=False),
+        replace(away, joints=away.joints[:0], inverse_bind=away.inverse_bind[:0]),
+    ):
+        unknown = replace(rig, skins=(skin,))
+        assert np.array_equal(placed_bind_worlds(unknown, 0), bind_worlds(unknown, skin), equal_nan=True)
+    placed = placed_bind_worlds(replace(rig, skins=(away,)), 0)
+    assert placed[:, 3, 0].tolist() == [0.0, 1.0]

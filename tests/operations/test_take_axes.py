@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from itertools import product
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.operations.take_clips.bind_axes import BoundAxes, _at_one_place
 from rigtri.operations.take_clips.take_clips import take_clips
+from rigtri.operations.take_clips.unsure_axes import _shown_by_bones
 from rigtri.report import Report
 
 CLOSE = 1e-4
@@ -247,3 +249,20 @@ def test_a_skin_of_one_joint_binds_nothing_at_one_place() -> None:
     assert not _at_one_place(one)
     assert _at_one_place(replace(skin, inverse_bind=np.tile(np.eye(4), (len(skin.joints), 1, 1))))
     assert not _at_one_place(skin)
+
+
+def test_two_bones_that_point_as_in_rig_and_not_along_one_line_show_axes() -> None:
+    x, y = np.array([1.0, 0, 0]), np.array([0.0, 1, 0])
+
+    def bone(ours: Floats, theirs: Floats, size: float = 1.0, slides: bool = False) -> Any:
+        return SimpleNamespace(ours=ours, theirs=theirs, slides=slides, sizes=(1.0, size))
+
+    def shown(*bones: Any) -> set[int]:
+        both = SimpleNamespace(size=1.0, line=lambda node: (0, 0, 7))
+        bodies: Any = SimpleNamespace(both=both, bones=dict(enumerate(bones)), at_rest={})
+        return _shown_by_bones(bodies)
+
+    assert shown(bone(x, x), bone(y, y)) == {7}
+    assert shown(bone(x, x)) == shown(bone(x, x), bone(x, x)) == shown(bone(x, x), bone(-x, -x)) == set()
+    assert shown(bone(x, x), bone(y, x)) == set()  # points elsewhere
+    assert shown(bone(x, x), bone(y, y, slides=True)) == shown(bone(x, x), bone(y, y, size=1e-9)) == set()

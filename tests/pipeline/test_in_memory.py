@@ -107,3 +107,10 @@ def test_what_is_wrong_with_an_object_is_reported_as_of_a_file(tmp_path: Path) -
     with pytest.raises(UsageError, match="from_pygltflib"):
         to_pygltflib(read(SAMPLES / "biped.gltf"))
     assert not os.listdir(tmp_path)
+
+
+def test_an_object_whose_buffer_is_not_there_is_refused() -> None:
+    gltf = held(SAMPLES / "biped.glb")
+    gltf.set_binary_blob(None)
+    with pytest.raises(FileError):
+        write(from_pygltflib(gltf), os.devnull)

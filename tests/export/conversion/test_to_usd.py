@@ -530,3 +530,12 @@ def test_what_hangs_on_a_hidden_joint_is_hidden_and_its_camera_can_be_looked_thr
     nodes = glb_json(tmp_path / "back.glb")["nodes"]
     hidden = [n["name"] for n in nodes if "KHR_node_visibility" in n.get("extensions", {})]
     assert sorted(hidden) == ["lamp", "staff"]
+
+
+@pytest.mark.parametrize("dry_run", [True, False])
+def test_a_dry_run_converts_and_writes_nothing(dry_run: bool, tmp_path: Path) -> None:
+    target = tmp_path / "out.usda"
+    outcome = rigtri.convert(small().glb(tmp_path / "in.glb"), target, dry_run=dry_run)
+    assert outcome.written is target.exists() is not dry_run
+    assert outcome.changed
+    assert outcome.verification is not None

@@ -89,3 +89,17 @@ def test_secrets_of_urls_are_kept_apart_and_go_to_another_process(monkeypatch: p
     assert urls.secrets() == (users, queries)
     urls.add_secrets(({"https://other": "you"}, {"https://other/b": "?q"}))
     assert urls.secrets() == (users | {"https://other": "you"}, queries | {"https://other/b": "?q"})
+
+
+@pytest.mark.parametrize(
+    ("tags", "found"), [(["etag:1", "etag:1"], "etag:1"), (["etag:1", "etag:2"], ""), (["", ""], "")]
+)
+def test_a_file_that_somebody_wrote_while_it_was_fetched_has_no_hash(
+    tags: list[str], found: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = tmp_path / "in.bin"
+    source.write_bytes(b"content")
+    left = iter(tags)
+    monkeypatch.setattr(urls, "etag", lambda url: next(left))
+    assert urls.get(source.as_uri(), tmp_path / "below" / "out.bin") == found
+    assert (tmp_path / "below" / "out.bin").read_bytes() == b"content"
