@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,13 @@ from numpy.testing import assert_allclose
 from rigs import chain
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import skeleton_size
+from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.orient_joints.controls_check import _deviation
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.operations.orient_joints.scaled_controls import scales_by_controls
 
@@ -96,3 +101,22 @@ def test_the_error_of_axes_that_such_a_scale_refuses_says_whose_it_is(own: float
     with pytest.raises(GeometryError) as error:
         orient_joints(rig, options=OrientJointsOptions(on_nonuniform_scale="error"))
     assert told in str(error.value)
+
+
+def test_joints_that_controls_move_elsewhere_are_told_with_the_moment() -> None:
+    """As a share of the size of the skeleton: here half of a unit of four, where the last key is."""
+    rig = chain((0, 0, 0), (4, 0, 0))
+    times = np.array([0.0, 1.0, 2.0])
+
+    def moving(*places: float) -> tuple[Rig, Timeline]:
+        values = np.array([[x, 0.0, 0.0] for x in places])
+        moved = replace(rig, clips=(Clip("c", (Track(1, "translation", "LINEAR", times, values),)),))
+        (line,) = timelines(moved)
+        return moved, line
+
+    one, other = moving(4, 4, 4), moving(4, 4.25, 3.5)
+    size = skeleton_size(one[0])
+    assert _deviation(one, one, [0, 1])[0] == 0.0
+    far, joint, time = _deviation(one, other, [0, 1])
+    assert (far * size, joint, time) == (0.5, 1, 2.0)
+    assert _deviation(one, other, [0])[0] == 0.0
