@@ -11,7 +11,7 @@ import pytest
 from posed_bodies import FINGERS, Pose, posed_body
 from rigs import rig_of
 
-from rigtri.recognition.hand_hinges import _PosedHand
+from rigtri.recognition.hand_hinges import SIMILAR_BEND, _Curl, _mean, _PosedHand
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_triples import thumb_of
 from rigtri.recognition.recognise import recognise
@@ -146,3 +146,15 @@ def test_a_thumb_without_fingers_or_of_one_joint_says_nothing_of_the_side_that_c
     assert side([3], [[1]]) == side([2, 3], []) == side([], []) == 1.0
     at[3] = [0.2, 0, 1]
     assert side([2, 3], [[1]]) < 0
+
+
+def test_two_hands_that_are_bent_alike_count_with_their_mean_bend() -> None:
+    x, y = np.array([1.0, 0, 0]), np.array([0.0, 1, 0])
+    one = _Curl(x, 0.5, 0.75, 1.0)
+    alike, other = _Curl(y, 0.5 + SIMILAR_BEND / 2, 0.25, 0.0), _Curl(y, 0.5 + SIMILAR_BEND * 2, 0.25, 0.0)
+    mean = (0.5 + SIMILAR_BEND / 4, 0.5, 0.5)
+    found = _mean([one, alike])
+    assert [each[1:] for each in found] == [pytest.approx(mean)] * 2
+    assert [each.hinge is hinge for each, hinge in zip(found, (x, y), strict=True)] == [True, True]
+    for curls in ([one, other], [one], [one, alike, one], []):
+        assert _mean(curls) == curls
