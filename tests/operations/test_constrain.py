@@ -38,7 +38,7 @@ from rigtri.model.metadata import ConstraintKind, ConstraintRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
-from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
+from rigtri.operations.constrain.constrain import ConstrainOptions, _chain, constrain
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -883,3 +883,20 @@ def test_metadata_that_is_no_complete_constraint_moves_nothing(wrong: dict[str, 
     turns = np.tile([0.5, 0.5, 0.5, 0.5], (len(rig), 1))
     assert reframe(broken, turns).metadata == broken.metadata
     assert len(constrain(broken, options=options("point", "driver"))) == len(rig) + 1
+
+
+def test_the_limb_of_a_pole_vector_is_that_whose_control_or_joint_follows() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0), (4, 0, 0), (5, 0, 0))
+    about: dict[int, Any] = {
+        4: {"v": 1, "type": "control", "kind": "ik", "joint": "c", "chain": ["a", "b", "c"]},
+        5: {"v": 1, "type": "poleVector", "chain": ["a", "b", "gone"]},
+    }
+    rig = replace(rig, metadata=about)
+
+    def found(child: str) -> tuple[int, ...]:
+        return _chain(rig, ConstrainOptions(type="polevector", child=child, driver=(("f", 1.0),)))
+
+    assert found("e") == found("a") == found("b") == found("c") == (0, 1, 2)
+    for child in ("d", "f"):  # of no limb, and of one that has lost a joint
+        with pytest.raises(UsageError):
+            found(child)

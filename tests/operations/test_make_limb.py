@@ -26,6 +26,7 @@ from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS
+from rigtri.operations.limb_guides import _readable
 from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -572,3 +573,21 @@ def test_guides_that_say_more_than_is_read_are_refused(
     told = cli("make-limb", samples / "biped.glb", "-o", out, "--guides", guides).stderr
     assert words in told
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("given", "read"),
+    [
+        ({"points": "0,1,2 3,4,5", "bend": "0,0,1"}, {"points": ((0, 1, 2), (3, 4, 5)), "bend": (0, 0, 1)}),
+        ({"points": [[0, 1, 2]], "bend": None}, {"points": [[0, 1, 2]], "bend": None}),
+        ({"end_aim": ["x", "child"]}, {"end_aim": ("x", "child")}),
+        ({"end_aim": "x", "name": "1,2,3"}, {"end_aim": "x", "name": "1,2,3"}),
+    ],
+)
+def test_guides_have_points_as_words_or_numbers(given: dict[str, Any], read: dict[str, Any]) -> None:
+    assert _readable(given) == read
+
+
+def test_words_of_guides_that_are_no_points_are_refused() -> None:
+    with pytest.raises(UsageError):
+        _readable({"points": "0,1"})

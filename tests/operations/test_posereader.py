@@ -15,6 +15,7 @@ from numpy.testing import assert_allclose
 from places import SAMPLES
 from program import cli
 from pxr import Usd
+from rigs import chain
 from second_opinions import khronos_errors, usd_errors, validator
 
 import rigtri
@@ -28,9 +29,11 @@ from rigtri.maths.matrices import compose, identity, multiply, rotate_before
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, exponential
+from rigtri.model.animation import Track
 from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_posereader.corrective_joints import _at_rest
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
@@ -709,3 +712,16 @@ def test_other_axes_of_a_sheared_driver_are_seen_as_just_that_rotation() -> None
     expected = product(relative(driver, frame), turn)
     found = relative(rotate_before(turn, driver), frame)
     assert min(abs(found - expected).max(), abs(found + expected).max()) < 1e-12
+
+
+def test_keys_that_hold_a_joint_where_it_rests_are_none_of_its_own() -> None:
+    rig = chain((0, 0, 0), (1, 2, 0))
+    times, half = np.array([0.0, 1.0]), np.array([0.0, 0, 0, 1])
+    still = {"translation": [1.0, 2, 0], "rotation": half, "scale": [1.0, 1, 1]}
+    other = {"translation": [1.0, 2, 0.1], "rotation": [0.1, 0, 0, 1], "scale": [1.0, 1.1, 1]}
+    for path, rest in still.items():
+        again = -half if path == "rotation" else rest
+        for last, rests in ((rest, True), (again, True), (other[path], False)):
+            values = np.array([rest, last])
+            track = Track(1, path, "LINEAR", times, values)  # type: ignore[arg-type]
+            assert _at_rest(rig, track) is rests, path
