@@ -1,0 +1,142 @@
+"""What operations say of what they could not do, or did otherwise, as a rigger has read it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from places import SAMPLES
+from rigs import chain, rig_of
+
+import rigtri
+from rigtri.export.blender.script import blender_setup
+from rigtri.maths.quaternions import IDENTITY, from_axis_angle
+from rigtri.model.animation import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
+from rigtri.operations.merge_joints import _warn_unmerged
+from rigtri.operations.rename_joints import _warn_unnamed_trunk
+from rigtri.operations.root_motion import _warn_still_moving
+from rigtri.operations.without_nodes import warn_lost_clips
+from rigtri.report import Report
+
+ARM = chain((0, 0, 0), (4, 0, 0), (8, 1, 0), (9, 1, 0))
+TIMES = np.array([0.0, 1.0])
+TURN = from_axis_angle([1.0, 0, 0], 0.5)
+UNEVEN = np.array([[1.0, 2, 1], [1, 1, 1], [1, 1, 1], [1, 1, 1]])
+
+
+def _biped() -> Rig:
+    return rigtri.read(SAMPLES / "biped.glb")
+
+
+def _moving(rig: Rig, *nodes: int) -> Clip:
+    values = np.array([[0.0, 0, 0], [0, 0, 1]])
+    return Clip("walk", tuple(Track(node, "translation", "LINEAR", TIMES, values) for node in nodes))
+
+
+def _frames(**joints: Any) -> dict[str, Any]:
+    return {"rigtri": "frames", "v": 1, "joints": {name: turn.tolist() for name, turn in joints.items()}}
+
+
+def _three_drivers(report: Report) -> None:
+    rig = rigtri.add_controls(_biped(), whole_character=True)
+    drivers = ["hand_L_ik_ctl", "hand_R_ik_ctl", "foot_L_ik_ctl"]
+    rig = rigtri.constrain(rig, type="orient", child="head", driver=drivers)
+    blender_setup(rig, gltf=True, report=report)
+
+
+def _lost_clip(report: Report) -> None:
+    still = replace(ARM, clips=(_moving(ARM, 3), _moving(ARM, 1), Clip("", ())))
+    less = replace(still, clips=(Clip("walk", ()), still.clips[1], still.clips[2]))
+    warn_lost_clips(still, less, report)
+
+
+def _twice(rig: Rig) -> Rig:
+    """Two roots of one name, each with a skin of its own."""
+    skins = [
+        Skin(name, np.array([node]), np.eye(4)[np.newaxis]) for name, node in (("left", 0), ("right", 1))
+    ]
+    return replace(rig, skins=tuple(skins))
+
+
+CASES: dict[str, tuple[Callable[[Report], object], str]] = {
+    "blender-differs": (
+        _three_drivers,
+        "'head' follows more than two drivers; Blender mixes their turns one after another",
+    ),
+    "not-frozen": (
+        lambda report: rigtri.freeze(replace(ARM, scale=UNEVEN), report=report),
+        "The scale of a is not uniform: what is not uniform of it stays",
+    ),
+    "still-kept": (
+        lambda report: _warn_unmerged(ARM, [1, 2], report),
+        "b, c never move against the joints above them, and stay: they or joints below have a mesh, camera "
+        "or light, or the file or rigtri's metadata name them",
+    ),
+    "still-moving": (
+        lambda report: _warn_still_moving(ARM, _moving(ARM, 0, 1, 3), 2, report),
+        "In clip 'walk', a, b above the hips move, too, and keep their keys: key the hips for that in a DCC",
+    ),
+    "spine-unnamed": (
+        lambda report: _warn_unnamed_trunk(_biped(), {_biped().find("spine")}, report),
+        "chest of the spine: no new name, for schemes have three joints there. Name each with --name "
+        "JOINT=NAME, or merge them before",
+    ),
+    "clip-lost": (
+        _lost_clip,
+        "Clip 'walk' moved nothing but d, and is lost with that: to keep it, leave one out with --exclude",
+    ),
+    "nothing-to-split": (
+        lambda report: rigtri.add_twist(
+            replace(ARM, skins=()), joint="a", to="b", upper=True, split_weights=True, report=report
+        ),
+        "'a' is in no skin, so no weight is split",
+    ),
+    "rivet-far": (
+        lambda report: rigtri.add_rivet(_biped(), mesh="body", at=[(9.0, 0.0, 0.0)], report=report),
+        "The point of rivet 'body_rivet' is 8.332 away from mesh 'body': the rivet is at the nearest point "
+        "there",
+    ),
+    "zero-length": (
+        lambda report: rigtri.orient_joints(chain((0, 0, 0), (1, 0, 0), (1, 0, 0), (2, 1, 0)), report=report),
+        "bones of length 0 aim at the next joint at another position: b",
+    ),
+    "up-source-turns": (
+        lambda report: rigtri.orient_joints(ARM, up_from="noderot:y:b", report=report),
+        "noderot:y:b: 'b' is re-oriented too; a second run would see other axes",
+    ),
+    "frames-unmatched": (
+        lambda report: rigtri.orient_joints(ARM, frames=_frames(a=IDENTITY, gone=IDENTITY), report=report),
+        "1 stored frames fit no joint: gone",
+    ),
+    "frames-shared": (
+        lambda report: rigtri.orient_joints(
+            _twice(rig_of(["a", "a"], [-1, -1], np.eye(3)[:2])), frames=_frames(a=TURN), report=report
+        ),
+        "frames=: 'a' is a joint of left, right: all of them get the stored frames. To re-orient those of "
+        "one, name it with skin=, e.g. skin= left.",
+    ),
+    "like-unmatched": (
+        lambda report: rigtri.orient_joints(
+            ARM, like=chain((0, 0, 0), (4, 0, 0), (8, 1, 0), names="abc"), report=report
+        ),
+        "1 joints have no namesake: skipped: d",
+    ),
+    "map-unknown": (
+        lambda report: rigtri.rename_joints(ARM, map={"names": {"old": "a", "older": "gone"}}, report=report),
+        "Of the joints that map= renames, 1 of 2 have their new names already, and the others are not here: "
+        "is it of another skeleton?",
+    ),
+}
+
+
+@pytest.mark.parametrize("code", CASES)
+def test_a_warning_is_told_in_these_words(code: str) -> None:
+    make, text = CASES[code]
+    report = Report()
+    make(report)
+    assert [notice.text for notice in report.warnings if notice.code == code] == [text]
