@@ -26,6 +26,7 @@ from rigtri.report import Report
 ARM = chain((0, 0, 0), (4, 0, 0), (8, 1, 0), (9, 1, 0))
 TIMES = np.array([0.0, 1.0])
 TURN = from_axis_angle([1.0, 0, 0], 0.5)
+LEG: dict[str, Any] = {"name": "leg", "points": [(0, 0, 0), (0, -1, 0), (0, -2, 0.3)]}
 UNEVEN = np.array([[1.0, 2, 1], [1, 1, 1], [1, 1, 1], [1, 1, 1]])
 
 
@@ -125,6 +126,20 @@ CASES: dict[str, tuple[Callable[[Report], object], str]] = {
             ARM, like=chain((0, 0, 0), (4, 0, 0), (8, 1, 0), names="abc"), report=report
         ),
         "1 joints have no namesake: skipped: d",
+    ),
+    "mirrored-parent": (
+        lambda report: rigtri.make_limb(
+            replace(ARM, scale=np.array([[-1.0, 1, 1]] + [[1.0, 1, 1]] * 3)), parent="a", **LEG, report=report
+        ),
+        "'a' is mirrored, and so are the joints of leg: aim and up are kept.",
+    ),
+    "up-along-bone": (
+        lambda report: rigtri.make_limb(ARM, parent="a", up_from="world:y", **LEG, report=report),
+        "Joint 1 of leg points along world:y; its plane says up.",
+    ),
+    "nothing-selected": (
+        lambda report: rigtri.draw(ARM, joints="a", exclude="a", report=report),
+        "The file: the selection leaves no joint to be drawn",
     ),
     "map-unknown": (
         lambda report: rigtri.rename_joints(ARM, map={"names": {"old": "a", "older": "gone"}}, report=report),
