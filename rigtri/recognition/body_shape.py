@@ -210,9 +210,12 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
     cost = (_UPWARDS if down.dot(on) > 0.3 else 0.0) + (_DEEPER if tier < 0 else 0.0)
     cost += _MISNAMED * (legs.place == "front" or arms.place == "hind")
     front_legs = arms.kind == "leg" and arms.place == "front"
-    beyond, seen = _beyond(tree, legs, arms), []
+    beyond = _beyond(tree, legs, arms)
+    seen: list[Body] = []
     for up, trust in _ups(tree, legs, arms):
         tall, stands, hangs = on.dot(up), down.dot(-up), out.dot(-up)
+        if front_legs and trust < 1.0 and abs(tall) > _LEANING and seen:
+            continue  # from hind to front legs it goes ahead
         above = abs(lowest(tree, legs, up) - lowest(tree, arms, up)) / height(tree, legs, up)
         lies = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75
         four = front_legs or (lies and above < LEVEL)

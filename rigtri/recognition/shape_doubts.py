@@ -43,6 +43,8 @@ _POINTED, _MOVED = 0.5, 0.26
 _LOW = 0.2
 # Legs go down by this (a cosine), of those that sit, too.
 _STANDS = 0.5
+# A bone that is so small a part of the next one is hardly any.
+_HARDLY_ANY = 0.2
 # A clavicle is at most so long a part of the upper arm.
 _CLAVICLE = 0.6
 # A joint of a leg with a hock stands so far beside the line of its neighbours, as a part of that.
@@ -102,15 +104,17 @@ def other_bend(_: Draft, each: Found) -> str:
 def goes_on(draft: Draft, each: Found) -> str:
     """A limb that ends before a bone longer than its lower one: it may end, and bend, a joint later.
 
-    So are the legs of machines, with an axle each at the hip, and hands never.
+    So are the legs of machines, with an axle each at the hip, and hands never. Names tell it apart, but of
+    no bone that is all but none: there a wrist is called that turns the forearm at the elbow.
     """
     mine, tree = each.pair, draft.tree
-    if mine is None or len(mine.at) < 3 or mine.named > 0.0 or mine.fingers >= HAND:
+    if mine is None or len(mine.at) < 3 or mine.fingers >= HAND:
         return ""
     path, (_, middle, end) = mine.pair.paths[0], mine.at
     lower = (tree.at[path[end]] - tree.at[path[middle]]).length
     further = tree.bone[path[end + 1]] if end + 1 < len(path) else 0.0
-    return "a longer bone follows its end, so another joint may bend" if further > lower else ""
+    longer = further > (lower if mine.named <= 0.0 else lower / _HARDLY_ANY)
+    return "a longer bone follows its end, so another joint may bend" if longer else ""
 
 
 def later_start(draft: Draft, each: Found) -> str:

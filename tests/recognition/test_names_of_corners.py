@@ -182,3 +182,41 @@ def test_what_moves_points_below_a_hand_is_no_socket() -> None:
     """Before, a chain that skin hangs on was an attachment, and got new axes all the same."""
     more = both([("flap.L", "hand.L", (0.9, 1.3, 0.3)), ("flap_2.L", "flap.L", (0.95, 1.1, 0.5))])
     assert roles([*MAN, *more])["flap.L"] == "deform"
+
+
+def test_a_body_on_two_legs_has_no_front_legs() -> None:
+    """Makers of machines on two legs call them front left and front right, as those of machines on four."""
+    joints = on_four_legs("FL FR RL RR", "SHOULDER", "UPPER_LEG", "LOWER_LEG", "FOOT")
+    joints = [joint for joint in joints if not joint[0].startswith("R")]
+    (found,) = recognise(rig_with(joints)).characters
+    assert {k.name for k in found.chains if k.kind == "leg"} == {"left leg", "right leg"}
+
+
+def test_from_hind_to_front_legs_it_goes_ahead_however_they_spread() -> None:
+    """Before, legs that spread to the corners had the way from hind to front ones for up."""
+    joints: list[Joint] = [("torso", "", (0.0, 0.57, 0.0))]
+    for place, z in (("front", 1.0), ("back", -1.0)):
+        for side, x in (("left", 1.0), ("right", -1.0)):
+            places = [(0.2, 0.57, 0.2), (0.41, 0.68, 0.41), (0.59, 0.43, 0.59), (0.59, 0.13, 0.59)]
+            above = "torso"
+            for word, (across, up, ahead) in zip(["hip", "knee", "ankle", "toe"], places, strict=True):
+                joints.append((f"{word}_{place}_{side}", above, (across * x, up, ahead * z)))
+                above = joints[-1][0]
+    (found,) = recognise(rig_with(joints)).characters
+    assert found.up == (0.0, 1.0, 0.0)
+    assert found.facing == (0.0, 0.0, 1.0)
+
+
+def test_a_wrist_at_the_elbow_ends_no_forearm() -> None:
+    """Before, the axle that turns a machine's forearm, named for its wrist, was surely the end of an arm."""
+    arm = line(
+        "ShoulderYaw.L ElbowPitch.L WristYaw.L WristRoll.L Gripper.L nub.L",
+        "chest",
+        *[(0.29, 1.45, 0), (0.29, 1.14, 0.015), (0.29, 1.14, 0), (0.28, 0.89, 0), (0.29, 0.86, 0)],
+        (0.29, 0.84, 0),
+    )
+    joints = [*TRUNK, *both(arm)]
+    (found,) = recognise(rig_with(joints)).characters
+    arms = {" ".join(joints[k][0] for k in chain.bend): chain for chain in found.chains if chain.bend}
+    wrong = arms.get("ShoulderYaw.L ElbowPitch.L WristYaw.L")
+    assert wrong is None or not wrong.is_sure
