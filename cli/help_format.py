@@ -89,11 +89,12 @@ option: Callable[..., Callable[[Any], Any]] = partial(click.option, cls=Option)
 class Command(click.Command):
     """A command whose options stand in groups; rare ones only in its whole help.
 
-    help: the docstring of its module, of which the line of the catalogue takes the first paragraph's place.
+    help: the docstring of its module, of which the line of the catalogue takes the first paragraph's place;
+    None where Python leaves docstrings out (``-OO``).
     """
 
-    def __init__(self, name: str, *, help: str, **about: Any) -> None:
-        words = "\n\n".join([COMMANDS[name], *help.split("\n\n")[1:]])
+    def __init__(self, name: str, *, help: str | None, **about: Any) -> None:
+        words = "\n\n".join([COMMANDS[name], *(help or "").split("\n\n")[1:]])
         super().__init__(name, help=words, **about)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:

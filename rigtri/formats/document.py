@@ -50,7 +50,7 @@ class ReadOptions(FileOptions):
         return self.edit_target in ("new", "bare")
 
 
-ReadOptions.__doc__ = f"{ReadOptions.__doc__}\nOptions:\n{described(FileOptions)}"
+ReadOptions.__doc__ = f"{ReadOptions.__doc__ or ''}\nOptions:\n{described(FileOptions)}"
 
 
 @dataclass(frozen=True)

@@ -207,7 +207,7 @@ def _shown(called: Callable[..., T], function: Callable[..., Any], *kinds: type)
     ]
     first = [p for p in named if p.name not in ("options", "report")]
     called.__signature__ = own.replace(parameters=[*first, *both, *more])  # type: ignore[attr-defined]
-    text, lines = str(inspect.getdoc(function)), "\n".join(map(described, kinds))
+    text, lines = inspect.getdoc(function) or "", "\n".join(map(described, kinds))
     parameters = [f"    {p.name}: {_PARAMETERS[p.name]}" for p in named if _undescribed(p.name, text)]
     about = "\n".join(["", "", "Parameters:", *parameters]) if parameters else ""
     called.__doc__ = f"{text}{about}\n\nOptions:\n{lines}"

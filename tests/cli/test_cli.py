@@ -189,6 +189,18 @@ def test_the_package_runs_as_a_module() -> None:
     assert done.stdout == run("--version").stdout
 
 
+def test_commands_and_functions_are_there_without_docstrings() -> None:
+    """Programs that are packed for others often run with -OO."""
+    text = (
+        "import click, rigtri; from rigtri.cli.main import program; "
+        "from rigtri.cli.catalogue import COMMANDS; "
+        "print(all(program.get_command(click.Context(program), name).get_short_help_str() "
+        "for name in COMMANDS), 'None' in rigtri.orient_joints.__doc__[:9])"
+    )
+    done = subprocess.run([sys.executable, "-OO", "-c", text], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("True False\n", "")
+
+
 def test_errors_and_warnings_name_what_the_user_gave(samples: Path, tmp_path: Path) -> None:
     """A GLB called .gltf, a name without suffix, a moment outside the clip, a point far from the mesh."""
     biped, out = samples / "biped.glb", tmp_path / "out.glb"
