@@ -2,7 +2,7 @@
 
 Blender's Apply Transforms, exact. A node's frame gets another size (`rigtri.frames.rescale`) or other axes
 (`rigtri.frames.reframe`) and what stands in it follows. Nodes that show something keep theirs, so that
-vertices, cameras and lights stay the numbers that they are.
+vertices, cameras and lights stay the numbers that they are, but for what cameras see in a stage's unit.
 """
 
 from __future__ import annotations

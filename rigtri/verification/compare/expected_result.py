@@ -30,6 +30,7 @@ from rigtri.verification.compare.compare import (
     self_check,
     verify,
 )
+from rigtri.verification.compare.converted_lenses import resized_lens
 from rigtri.verification.compare.correspondence import same_track, timeline
 from rigtri.verification.compare.deviation import denormalisation, lost_unit_rotations
 from rigtri.verification.compare.scene_facts import SceneFacts
@@ -99,7 +100,10 @@ class ConvertedView(DocumentView):
     def scene_facts(self, *, closely: bool = False) -> SceneFacts:
         found = self.document.scene_facts(closely=closely)
         metrics = {"up axis": self.conversion.up.upper(), "metersPerUnit": self.conversion.metres}
-        return replace(found, whole={**found.whole, **metrics})
+        nodes = found.nodes
+        if self.conversion.size != 1.0:
+            nodes = {node: resized_lens(facts, self.conversion.size) for node, facts in nodes.items()}
+        return replace(found, whole={**found.whole, **metrics}, nodes=nodes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from rigtri.model.dataclass import dataclass
 # What of a skeleton and its animation decides how they look.
 VALUES = ("joints", "bindTransforms", "restTransforms", "translations", "rotations", "scales")
 # What says where a thing is and how large, besides transforms.
-_PLACES = (*VALUES, "points", "positions", BIND)
+_PLACES = (*VALUES, "points", "positions", "clippingRange", "focusDistance", BIND)
 # Prims that are there: a deactivated one still has a path.
 _SHOWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # More ways than this to show one skeleton are more than anyone can look through.

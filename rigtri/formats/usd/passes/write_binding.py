@@ -14,6 +14,7 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_locked
 from rigtri.formats.usd.composition.value_types import BIND
 from rigtri.formats.usd.opinions.edits import Edit, binding_schema, set_value
+from rigtri.formats.usd.passes.scale_cameras import scale_cameras
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.maths.matrices import multiply
@@ -36,6 +37,8 @@ def write_binding(edit: UsdEdit) -> None:
         edit.values.append(set_value(prim.GetPath(), BIND, Sdf.ValueTypeNames.Matrix4d, value))
         edit.values += binding_schema(prim)
     if pending.conversion is not None:
+        if pending.conversion.size != 1.0:
+            edit.values += scale_cameras(source, pending.conversion.size)
         edit.removals.append(_metrics(pending.conversion.up.upper(), pending.conversion.metres))
 
 
