@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +27,7 @@ from rigtri.maths.quaternions import (
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
-from rigtri.model.animation import Clip, Interpolation, Track
+from rigtri.model.animation import Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.options.root_motion import RootMotionOptions
 from rigtri.report import Report
@@ -106,7 +107,9 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
     Hips and root get keys at the same times, as many as it takes that nothing else moves between them. What
     the root moves itself stays. Raises GeometryError where it rotates or scales.
     """
-    mine = {t.path: t for t in clip.tracks if t.node == hips and t.path in ("translation", "rotation")}
+    mine: dict[Path, Track] = {
+        t.path: t for t in clip.tracks if t.node == hips and t.path in ("translation", "rotation")
+    }
     if not mine:
         return clip
     own = [t for t in clip.tracks if t.node == root and t.path == "translation"]
@@ -118,10 +121,7 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
 
     def parts(times: Floats) -> Floats:
         """Position and rotation of the root, of the hips seen from it, (f, 14)."""
-        place, turn = (
-            sample(mine[path], times) if path in mine else np.tile(getattr(rig, path)[hips], (len(times), 1))
-            for path in ("translation", "rotation")
-        )
+        place, turn = _of_hips(rig, hips, mine, times)
         yaw = twist(product(turn, conjugate(rig.rotation[hips])), up)
         shift = over_ground(rig, root, place - rotate(yaw, rest), options.axis)
         back = conjugate(yaw)
@@ -133,7 +133,9 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
     at_keys = parts(times)
     places = mine["translation"].values if "translation" in mine else rest
     still = _is_small(at_keys[:, :3] - place_of_root(times), places * rig.scale[root])
-    if still and angle_between(at_keys[:, 3:7], rig.rotation[root]).max() <= _NO_YAW:
+    # Near where hips stand on their head, rounding has an angle about the up axis, but no part along it.
+    turn = product(_of_hips(rig, hips, mine, times)[1], conjugate(rig.rotation[hips]))
+    if still and np.abs(dot(turn[:, :3], up)).max() <= 0.5 * _NO_YAW:
         return clip
     _refuse_turning(rig, clip, root, options)
     if options.mode == "extract":
@@ -161,6 +163,15 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
     return replace(clip, tracks=(*kept, *new.values()))
 
 
+def _of_hips(rig: Rig, hips: int, mine: Mapping[Path, Track], times: Floats) -> tuple[Floats, Floats]:
+    """Position, (f, 3), and rotation, (f, 4), of hips by their tracks, and at rest without one."""
+    place, turn = (
+        sample(mine[path], times) if path in mine else np.tile(getattr(rig, path)[hips], (len(times), 1))
+        for path in ("translation", "rotation")
+    )
+    return place, turn
+
+
 def _refuse_turning(rig: Rig, clip: Clip, root: int, options: RootMotionOptions) -> None:
     """GeometryError where the root has a rotation or a scale of its own in a clip."""
     if any(t.node == root and t.path in ("rotation", "scale") and not rests(t, rig) for t in clip.tracks):
@@ -185,11 +196,17 @@ def _refuse_shear(rig: Rig, root: int, up: Floats) -> None:
 
 
 def twist(turn: Floats, axis: Floats) -> Floats:
-    """What rotations, (f, 4), turn about an axis, (3,): none where they turn it around."""
+    """What rotations, (f, 4), turn about an axis, (3,): where they turn it around, as the row before does.
+
+    None where there is no such row.
+    """
     along = dot(turn[:, :3], axis)[:, np.newaxis]
     found = np.concatenate([axis * along, turn[:, 3:]], axis=1)
-    size = norm(found)[:, np.newaxis]
-    return np.where(size > _NO_YAW, found / np.maximum(size, _NO_YAW), IDENTITY)
+    size = norm(found)
+    # A somersault goes through there, and a yaw of none would be a jump.
+    row = np.maximum.accumulate(np.where(size > _NO_YAW, np.arange(len(found)), -1))
+    known = found[row] / np.maximum(size[row], _NO_YAW)[:, np.newaxis]
+    return np.where((row >= 0)[:, np.newaxis], known, IDENTITY)
 
 
 def _hips(values: Floats, scale: Floats) -> tuple[Floats, Floats]:

@@ -226,6 +226,26 @@ def test_yaw_goes_to_the_root_with_the_ground_and_nothing_else_moves(suffix: str
         rigtri.root_motion(rigtri_with(after, (*others, *curve)), yaw=True)
 
 
+def test_a_somersault_keeps_its_heading_and_a_second_run_changes_no_byte(tmp_path: Path) -> None:
+    """Before, the root faced ahead for a key where hips stand on their head, and a second run was refused."""
+    rooted, source, out, again = (tmp_path / f"{name}.glb" for name in ("rooted", "source", "out", "again"))
+    cli("add-root", SAMPLES / "biped.glb", "-o", rooted, code=0)
+    rig, times = rigtri.read(rooted), np.linspace(0.0, 1.0, 21)
+    hips, clip = rig.find("hips"), rig.clips[0]
+    heading = from_axis_angle(np.array([0.0, 1.0, 0.0]), float(np.radians(30.0)))
+    over = [from_axis_angle(np.array([1.0, 0.0, 0.0]), float(np.radians(360.0 * t))) for t in times]
+    turns = np.array([product(product(heading, turn), rig.rotation[hips]) for turn in over])
+    tracks = tuple(t for t in clip.tracks if t.node != hips)
+    made = rigtri_with(rig, (*tracks, Track(hips, "rotation", "LINEAR", times, turns)))
+    rigtri.write(made, source, verify=False)
+    cli("root-motion", source, "-o", out, "--yaw", "--clip", clip.name, code=0)
+    after = rigtri.read(out)
+    root = worlds(after, locals_at(after, after.clips[0], times))[:, after.find("root")]
+    np.testing.assert_allclose(np.degrees(np.arctan2(root[:, 2, 0], root[:, 2, 2])), 30.0, atol=0.01)
+    cli("root-motion", out, "-o", again, "--yaw", "--clip", clip.name, code=0)
+    assert again.read_bytes() == out.read_bytes()
+
+
 def test_a_yaw_comes_to_what_the_root_moves_itself(rooted: Path, tmp_path: Path) -> None:
     """Before, a root that a jump lifts was refused, and `--mode remove --yaw` was no way out."""
     rig = walking_in_a_curve(rigtri.read(rooted))
