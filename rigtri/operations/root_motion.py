@@ -22,7 +22,7 @@ from rigtri.operations.options.root_motion import RootMotionOptions as RootMotio
 from rigtri.operations.root_children import besides, keeping_children
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.text import and_more
+from rigtri.text import and_more, list_names
 
 
 @operation(RootMotionOptions)
@@ -132,8 +132,13 @@ def _joints(rig: Rig, options: RootMotionOptions) -> tuple[int, int]:
         hips = rig.find(options.hips)
     else:
         found = [body.hips for body in recognise(rig).characters if body.hips >= 0]
-        if len(found) != 1:
-            raise GeometryError("The hips of one character are not recognised here: name them with --hips")
+        if not found:
+            raise GeometryError("No hips of a character are recognised here: name them with --hips")
+        if len(found) > 1:
+            titles = list_names(rig.title(node) for node in found)
+            raise GeometryError(
+                f"There are {len(found)} characters here: name one's hips ({titles}) with --hips"
+            )
         (hips,) = found
     above = [node for node in rig.path_to_root(hips)[1:] if rig.is_joint[node]]
     root = rig.find(options.to) if options.to is not None else (above or [-1])[0]

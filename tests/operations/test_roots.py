@@ -12,6 +12,7 @@ import numpy as np
 import pygltflib
 import pytest
 from morphs import arm_usd
+from pairs import pair
 from places import SAMPLES, first
 from program import cli
 from rigs import chain
@@ -224,6 +225,13 @@ def test_yaw_goes_to_the_root_with_the_ground_and_nothing_else_moves(suffix: str
     others = [t for t in after.clips[0].tracks if t.node != after.find("hips")]
     with pytest.raises(GeometryError, match="rotates or scales in clip 'walk' already"):
         rigtri.root_motion(rigtri_with(after, (*others, *curve)), yaw=True)
+
+
+def test_of_several_characters_the_hips_are_asked_for(tmp_path: Path) -> None:
+    """Before, "the hips of one character are not recognised", though those of two were."""
+    rig = rigtri.read(pair(SAMPLES, tmp_path, "gltf"))
+    with pytest.raises(GeometryError, match=r"There are 2 characters here: name one's hips \('"):
+        rigtri.root_motion(rig)
 
 
 def test_a_somersault_keeps_its_heading_and_a_second_run_changes_no_byte(tmp_path: Path) -> None:
