@@ -427,6 +427,37 @@ def test_a_pole_below_the_group_rests_where_the_other_world_has_it_below_a_turne
     assert (found.scale[pole] == 1).all()
 
 
+def test_bones_of_controls_below_a_scaled_armature_have_keys_in_its_unit() -> None:
+    """As Blender exports a character below a node with a scale of 0.5: before, 0.3 of the size off."""
+    plain = read(SAMPLES / "biped.glb").rig
+    top = plain.find("biped")
+    plain = placed(plain, top, plain.rotation[top].tolist(), 0.5)
+    rig = rigtri.bake(rigtri.add_controls(plain, whole_character=True), to="controls")
+    own = [n for n in range(len(rig)) if rig.type_of(n) in ("control", "offset", "poleVector")]
+    parents, translation = rig.parents.copy(), rig.translation.copy()
+    parents[rig.find("hips_root_ctl_offset")] = top
+    translation[own] *= 2.0
+
+    def doubled(track: Track) -> Track:
+        moved = track.node in own and track.path == "translation"
+        return replace(track, values=track.values * 2.0) if moved else track
+
+    clips = tuple(replace(clip, tracks=tuple(map(doubled, clip.tracks))) for clip in rig.clips)
+    shown = replace(rig, metadata={}, parents=parents, translation=translation, clips=clips)
+    report = Report()
+    found = as_described(shown, rig, report=report)
+    assert not report.warnings
+    there, here = (joint_places(rigtri.bake(one, to="joints")) for one in (rig, found))
+    np.testing.assert_allclose(here, there, atol=1e-5)
+
+
+def joint_places(rig: Rig) -> Any:
+    """Where joints are in the first clip, (f, j, 3)."""
+    times = np.linspace(0.0, 1.0, 9)
+    worlds = sampling.worlds(rig, sampling.locals_at(rig, rig.clips[0], times))
+    return worlds[:, rig.is_joint, 3, :3]
+
+
 def swivelled(rig: Rig) -> Rig:
     """The rig with its objects, but not its joints, turned in their own axes, as Blender does for glTF."""
     bare = [node for node in range(len(rig)) if not rig.is_joint[node] and node not in rig.own]

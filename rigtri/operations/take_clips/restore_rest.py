@@ -15,6 +15,7 @@ import numpy as np
 from rigtri.maths.matrices import decompose, from_frame, inverse, multiply, nearest_rotation
 from rigtri.maths.similarity_fit import SAME_TURN, nearest_axis_turn
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.metadata import ADDED, GroupRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
@@ -87,14 +88,16 @@ class _ZeroPoses:
 
     def enter(self, node: int, theirs: int) -> None:
         """Note a node where it rests."""
-        self._put(node, theirs, self.rig.local[node])
+        other = None if self._same_above(node, theirs) else self.worlds.local_of(node, theirs)
+        unit = 1.0 if other is None else self._unit(node, theirs, other)
+        self._put(node, theirs, self.rig.local[node], unit)
 
-    def _put(self, node: int, theirs: int, local: Floats) -> None:
+    def _put(self, node: int, theirs: int, local: Floats, unit: float) -> None:
         above = self._above(node)
         self.ours[node] = above if self.rig.type_of(node) == "control" else multiply(local, above)
         self.between[theirs] = self.between.get(int(self.described.parents[theirs]), _SAME_AXES)
         if not self._same_above(node, theirs):
-            self.between[theirs] = multiply(inverse(self.theirs[theirs]), self.ours[node])
+            self.between[theirs] = multiply(inverse(self.theirs[theirs]), _scaled(self.ours[node], unit))
 
     def _same_above(self, node: int, theirs: int) -> bool:
         """Whether two nodes have the same above them, under whatever names; what changes no place is passed
@@ -124,8 +127,23 @@ class _ZeroPoses:
             if np.abs(above - there).max() > _SAME_PLACE * self.size:
                 place = multiply(multiply(self.theirs[theirs], between), inverse(above))
         if place is not None:
-            self._put(node, theirs, place)
+            unit = self._unit(node, theirs, place)
+            place = _scaled(place, 1.0 / unit) if unit != 1.0 else place
+            self._put(node, theirs, place, unit)
         return place
+
+    def _unit(self, node: int, theirs: int, place: Floats) -> float:
+        """The unit of what holds a node in the rig, in which keys below it are: 1 where its own scale has it.
+
+        Bones of controls in an armature with a scale have the scale that they have in the other file.
+        place: where the node stands in the other file, seen from its parent in the rig.
+        """
+        files = self.rig.local[node], self.described.local[theirs], place
+        ours, there, now = (length(matrix[:3, :3]) for matrix in files)
+        unit = float(now.max()) / (float(there.max()) or 1.0)
+        same = np.abs(ours - there).max() <= _SAME_PLACE
+        even = np.abs(now - unit * there).max() <= _SAME_PLACE * unit
+        return unit if same and even and abs(unit - 1.0) > _SAME_PLACE else 1.0
 
 
 class _Worlds:
@@ -177,6 +195,11 @@ class _Worlds:
         )
         zero = _zero(self.described, theirs)
         return multiply(zero, self.described.world[top]) if top >= 0 else zero
+
+
+def _scaled(matrix: Floats, factor: float) -> Floats:
+    """A matrix, (4, 4), with axes of other lengths."""
+    return np.vstack([matrix[:3] * factor, matrix[3:]])
 
 
 def _same(local: Floats, place: Floats, size: float) -> bool:
