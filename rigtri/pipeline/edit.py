@@ -15,7 +15,14 @@ from rigtri.errors import DeviationError, FileError, UsageError
 from rigtri.files.atomic_write import same_file
 from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.input_stream import called, opened, path_of
-from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination, recover
+from rigtri.files.staged_output import (
+    StagedOutput,
+    as_file_error,
+    check_not_an_input,
+    destination,
+    in_turn,
+    recover,
+)
 from rigtri.files.text_files import check_utf8_path
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadOptions, output_suffixes, read
 from rigtri.model.dataclass import dataclass
@@ -316,7 +323,8 @@ def target_of(request: EditRequest) -> Path:
     with as_file_error(Path(request.target)):
         final = destination(Path(request.target))
         if request.is_kept and not request.shared:
-            recover(final, request.side_files)
+            with in_turn(final.parent):  # what bears the number of this process may be a thread's
+                recover(final, request.side_files)
     return final
 
 
@@ -338,9 +346,11 @@ def allowed_target(final: Path, path: Path, overwrite: bool) -> Path:
 
 @contextmanager
 def working_folder(final: Path, request: EditRequest) -> Iterator[Path]:
-    """Where the part is written: beside the target, or in a folder that is thrown away."""
+    """Where the part is written: beside the target, as soon as no other thread does, or in a folder that is
+    thrown away."""
     if request.is_kept:
-        yield final.parent
+        with in_turn(final.parent):
+            yield final.parent
         return
     from rigtri.files import temp_dirs
 

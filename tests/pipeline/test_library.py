@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
@@ -725,3 +726,20 @@ def test_names_with_halves_of_characters_are_read_as_text(tmp_path: Path) -> Non
     cli("build", source, "--spec", tmp_path / "rig.yaml", "-o", tmp_path / "built.glb", code=0)
     cli("orient-joints", source, "-o", turned, code=0)
     assert b'"upp\\ud800_L"' in turned.read_bytes()
+
+
+@pytest.mark.parametrize("names", [["a.gltf", "b.gltf", "c.gltf", "d.gltf"], ["same.gltf"] * 4])
+def test_threads_write_into_one_folder(names: list[str], tmp_path: Path) -> None:
+    """Outputs share the buffer, and parts of one process have one name."""
+    presets = ("maya", "blender", "mgear", "talk")
+    rigs = [rigtri.orient_joints(rigtri.read(SAMPLES / "biped.gltf"), preset=one) for one in presets]
+    with ThreadPoolExecutor(4) as pool:
+        done = [
+            pool.submit(rigtri.write, rig, tmp_path / name, overwrite=True)
+            for rig, name in zip(rigs, names, strict=True)
+        ]
+        assert all(one.result().written for one in done)
+    for name in names:
+        rigtri.read(tmp_path / name)
+    assert len([*tmp_path.glob("*.gltf")]) == len(set(names))
+    assert [*tmp_path.glob(".*")] == []
