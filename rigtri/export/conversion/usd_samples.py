@@ -16,6 +16,7 @@ from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sample, sorted_unique
 from rigtri.maths.quaternions import dot, slerp, unit
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 
 # How far splines may be off between two samples: rotations in radians, translations as a share of the size of
@@ -94,3 +95,20 @@ def motion_times(sampled: Callable[[Floats], Floats], times: Floats, within: flo
         return np.asarray(np.abs(found - left - (right - left) * share[:, np.newaxis]).max(axis=1))
 
     return adaptive_key_times(sampled, error, times, within=within) if len(times) > 1 else times
+
+
+def frame_times(sampled: Callable[[Floats], Floats], times: Floats, within: float) -> Floats:
+    """As many times as straight lines need to follow a frame, (f, 4, 4).
+
+    within: a share of its distance from the origin. Short axes, as below an armature of 0.01, are as exact.
+    """
+    frames = sampled(times)
+    size = max(float(np.abs(frames).max()), 1e-9)
+    longest = float(length(frames[:, :3, :3]).max())
+    scale = longest if 0.0 < longest < 0.5 else 1.0
+
+    def rows(times: Floats) -> Floats:
+        found = sampled(times)
+        return np.concatenate([found[:, :3] / scale, found[:, 3:]], axis=1).reshape(-1, 16)
+
+    return motion_times(rows, times, within * size)

@@ -26,7 +26,7 @@ from rigtri.export.conversion.usd_joint_scales import (
 )
 from rigtri.export.conversion.usd_materials import MaterialWriter
 from rigtri.export.conversion.usd_names import Names, distinct, node_identifiers
-from rigtri.export.conversion.usd_samples import motion_times, rate_of
+from rigtri.export.conversion.usd_samples import frame_times, rate_of
 from rigtri.export.conversion.usd_skeletons import Skeleton, joints_of, plan_skeletons
 from rigtri.formats.usd.codeless_schemas import register_usd_schemas
 from rigtri.formats.usd.composition import layers
@@ -378,12 +378,10 @@ class _Writer:
             motion = Motion(*with_half_scales(small, clip, [place[joint] for joint in halved]))
 
             def sampled(times: Floats) -> Floats:
-                return worlds(small, motion.locals_at(times))[:, place[node]].reshape(-1, 16)
+                return worlds(small, motion.locals_at(times))[:, place[node]]
 
-            keys = key_times(clip)
-            size = max(float(np.abs(sampled(keys)).max()), 1e-9)
-            times = motion_times(sampled, keys, BAKED * size)
-            parts = decompose(sampled(times).reshape(-1, 4, 4))
+            times = frame_times(sampled, key_times(clip), BAKED)
+            parts = decompose(sampled(times))
         names: tuple[Path, ...] = ("translation", "rotation", "scale")
         rest = decompose(rig.normalised_world[node])
         samples = {name: (times, part[:, np.newaxis]) for name, part in zip(names, parts, strict=True)}

@@ -21,6 +21,7 @@ from rigtri.errors import FileError, GeometryError
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, tokens_of, why_locked
 from rigtri.formats.usd.composition.time_samples import ops_times
 from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_tokens, set_value
+from rigtri.formats.usd.opinions.instancer_edits import scale_instancers
 from rigtri.formats.usd.opinions.xform_edits import (
     SAME_ROTATION,
     op_value,
@@ -28,7 +29,6 @@ from rigtri.formats.usd.opinions.xform_edits import (
     stated_types,
     transform_ops,
 )
-from rigtri.formats.usd.passes.scale_instancers import scale_instancers
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, sets_transform
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.xform_hierarchy import (

@@ -13,8 +13,8 @@ from pxr import Gf, Sdf
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_locked
 from rigtri.formats.usd.composition.value_types import BIND
+from rigtri.formats.usd.opinions.camera_edits import scale_cameras
 from rigtri.formats.usd.opinions.edits import Edit, binding_schema, set_value
-from rigtri.formats.usd.passes.scale_cameras import scale_cameras
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.maths.matrices import multiply
