@@ -167,6 +167,8 @@ def test_head_and_abdomen_are_looked_for_by_name_each_in_its_middle() -> None:
     at = [Vector(0, 1, 0), Vector(0, 1, 3), Vector(0, 1, 5), Vector(0, 2, -2)]
     tree: Any = SimpleNamespace(nodes=range(4), rig=rig, at=at)
     assert list(_named_ends(tree, Vector(0, 1, 1))) == [0, -1, 3 + 3]
+    rig.names = ("thorax", "head", "head tip", "tail")
+    assert list(_named_ends(tree, Vector(0, 1, 1))) == [0, 0, 3]
 
 
 def test_segments_of_a_bone_are_on_the_way_along_it() -> None:
