@@ -32,6 +32,7 @@ from rigtri.errors import FileError, RigtriError
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes, unit
 from rigtri.maths.vectors import normalise
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.orient_joints.orient import orient_joints
@@ -711,3 +712,22 @@ def test_two_siblings_may_be_renamed_at_once() -> None:
     )
     found = [str(each) for each in rig_changes(before, after)]
     assert [each.partition("  ")[2] for each in found] == ["renamed to left", "renamed to right"]
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "told"),
+    [
+        (0, 0, ["~ walk  renamed to run"]),
+        (0, 5, ["- walk  1 tracks", "+ run  1 tracks"]),
+        (None, None, ["- walk  1 tracks", "+ run  1 tracks"]),
+        (0, None, ["- walk  1 tracks", "+ run  1 tracks"]),
+    ],
+)
+def test_a_clip_of_another_name_is_the_same_by_its_key(before: Any, after: Any, told: list[str]) -> None:
+    rig = chain((0, 0, 0), (1, 0, 0))
+    track = Track(1, "translation", "LINEAR", np.array([0.0, 1.0]), np.eye(3)[:2])
+    pair = [
+        replace(rig, clips=(Clip(name, (track,), key=key),))
+        for name, key in (("walk", before), ("run", after))
+    ]
+    assert [str(each) for each in rig_changes(*pair)] == told

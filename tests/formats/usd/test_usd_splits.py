@@ -17,6 +17,7 @@ from usd_files import deviation, save
 
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.formats import ReadOptions, read
+from rigtri.formats.usd.opinions.joint_influences import _names
 from rigtri.formats.usd.reading.joint_tokens import split_token, unsplit
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
@@ -420,3 +421,24 @@ def test_the_metadata_of_a_split_joint_names_it_also_where_two_skeletons_have_it
     for joint, holder in rig.frame_of.items():
         assert rig.find(str(rig.metadata[holder]["joint"])) == joint
     assert "usd.note.broken" not in {finding.id for finding in check(out)}
+
+
+def test_attributes_name_joints_by_paths_and_by_plain_names_where_they_are_about_joints() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    prim, tokens = stage.DefinePrim("/A"), {"hips", "hips/spine"}
+
+    def names(name: str, kind: Any, value: Any) -> bool:
+        attribute = prim.CreateAttribute(name, kind)
+        attribute.Set(value)
+        return _names(attribute, tokens)
+
+    types = Sdf.ValueTypeNames
+    assert names("path", types.String, "hips/spine")
+    assert names("paths", types.TokenArray, ["other", "hips/spine"])
+    assert names("myJoint", types.Token, "hips")
+    assert not names("place", types.Token, "hips")  # a plain word may mean anything
+    assert not names("joint", types.String, "hips/other")
+    assert not names("other", types.StringArray, ["a/b", "joint"])
+    assert not names("skel:joints", types.TokenArray, ["hips/spine"])
+    assert not names("rigtri:joint", types.Token, "hips/spine")
+    assert not names("asset", types.Asset, Sdf.AssetPath("hips/spine"))
