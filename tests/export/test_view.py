@@ -499,3 +499,31 @@ def test_instances_of_a_usd_file_become_prims_and_its_layers_stay_as_they_were(t
     assert not any(prim.IsInstance() for prim in carried.Traverse())
     assert not Usd.Stage.Open(str(path)).GetRootLayer().dirty
     assert Usd.Stage.Open(str(path)).GetPrimAtPath("/A").IsInstance()
+
+
+def test_the_image_of_a_texture_is_the_one_that_a_browser_takes(tmp_path: Path) -> None:
+    """That of WebP before that of AVIF, and either before its own; KTX2 is none of a page's."""
+    builder = small()
+    names = ("webp", "avif", "own", "ktx2")
+    kinds = (("EXT_texture_webp", 0), ("EXT_texture_avif", 1), ("KHR_texture_basisu", 3))
+    every = {name: {"source": number} for name, number in kinds}
+    builder.gltf["images"] = [{"uri": f"{name}.bin"} for name in names]
+    for name in names:
+        (tmp_path / f"{name}.bin").write_bytes(b"no image")
+
+    def told(*taken: str, source: int | None = 2) -> str:
+        extensions = {name: every[name] for name in taken}
+        own = {} if source is None else {"source": source}
+        builder.gltf["textures"] = [{"extensions": extensions, **own}]
+        lacking = (
+            read(builder.gltf_file(tmp_path / "a.gltf", embedded=True), ReadOptions()).embedded().lacking
+        )
+        (text,) = [text for text in lacking if "not shown" in text]
+        return text
+
+    webp, avif, ktx2 = every
+    assert told(webp, avif, ktx2).endswith("are not shown: 'webp.bin'")
+    assert told(avif, ktx2).endswith("are not shown: 'avif.bin'")
+    assert told(ktx2).endswith("are not shown: 'own.bin'")
+    assert told().endswith("are not shown: 'own.bin'")
+    assert told(ktx2, source=None).startswith("textures in KTX2 are not shown (1)")
