@@ -19,6 +19,7 @@ from ruamel.yaml import YAML
 from rigtri.pipeline.rigspec.build import build
 from rigtri.pipeline.rigspec.errors import SpecError
 from rigtri.pipeline.rigspec.load import Spec, load
+from rigtri.pipeline.rigspec.models.spec import SpecModel
 from rigtri.pipeline.rigspec.parse import _first_line, json_values
 
 
@@ -537,3 +538,12 @@ def test_what_is_deep_is_not_what_is_long(tmp_path: Path) -> None:
 )
 def test_of_an_error_its_first_line_is_told_or_its_kind(error: Exception, line: str) -> None:
     assert _first_line(error) == line
+
+
+@pytest.mark.parametrize(
+    ("steps", "empty"), [(["strip"], False), (["make-limb"], True), (["strip", "make-limb", "strip"], True)]
+)
+def test_a_file_without_a_skeleton_is_read_where_a_step_makes_one(steps: list[str], empty: bool) -> None:
+    model = SpecModel.model_validate({"lenient": True, "steps": [{"do": step} for step in steps]})
+    reading = model.reading()
+    assert (reading.empty, reading.lenient, reading.allow_missing) == (empty, True, False)
