@@ -12,7 +12,7 @@ from gltf_files import glb_bytes, glb_json
 from gltf_files import glb_parts as read_glb
 from places import SAMPLES, asset_files, sample_files, slow
 from program import cli
-from pxr import Sdf, Usd, UsdGeom, UsdShade
+from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 from second_opinions import khronos_errors
 from usd_files import MESH, animation, deviation, save, scene, skeleton
 
@@ -294,3 +294,44 @@ def test_colours_of_points_are_shown_where_usd_shows_them(material: str, shown: 
     colours = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
     gltf = _coloured(tmp_path / "in.usda", "vertex", colours, material)
     assert ("COLOR_0" in gltf["meshes"][0]["primitives"][0]["attributes"]) == shown
+
+
+@pytest.mark.parametrize(
+    ("points", "normals", "target"),
+    [
+        (None, [(1, 0, 0), (0, 2, 0), (0, 0, 3)], [[1, 0, 0], [0, 2, 0], [0, 0, 3]]),
+        ([2, 0], [(1, 0, 0), (0, 2, 0)], [[0, 2, 0], [0, 0, 0], [1, 0, 0]]),
+        (None, [(1, 0, 0)], None),  # not one for each point
+        ([7], [(1, 0, 0)], None),  # of a point that is not there
+    ],
+)
+def test_normals_of_blend_shapes_are_those_of_morph_targets(
+    points: list[int] | None, normals: list[Any], target: Any, tmp_path: Path
+) -> None:
+    path = save(tmp_path, scene(skeleton(), animation(), MESH))
+    stage = Usd.Stage.Open(str(path))
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/Root/Skin"))
+    mesh.CreateNormalsAttr([(0, 0, 1)] * 3)
+    mesh.SetNormalsInterpolation("vertex")
+    shape = UsdSkel.BlendShape.Define(stage, "/Root/Skin/smile")
+    count = 3 if points is None else len(points)
+    shape.CreateOffsetsAttr([(0, 1, 0)] * count)
+    shape.CreateNormalOffsetsAttr(normals)
+    if points is not None:
+        shape.CreatePointIndicesAttr(points)
+    binding = UsdSkel.BindingAPI(mesh.GetPrim())
+    binding.CreateBlendShapesAttr(["smile"])
+    binding.CreateBlendShapeTargetsRel().SetTargets([shape.GetPath()])
+    stage.Save()
+    rigtri.convert(path, tmp_path / "out.glb", verify=False)
+    gltf, binary = read_glb(tmp_path / "out.glb")
+    (primitive,) = gltf["meshes"][0]["primitives"]
+    (found,) = primitive.get("targets", [{}])
+    if target is None:
+        assert "NORMAL" not in found
+    else:
+        accessor = gltf["accessors"][found["NORMAL"]]
+        start = gltf["bufferViews"][accessor["bufferView"]].get("byteOffset", 0) + accessor.get(
+            "byteOffset", 0
+        )
+        assert np.frombuffer(binary, "<f4", 9, start).reshape(3, 3).tolist() == target
