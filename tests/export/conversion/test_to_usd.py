@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from convertible import png, write_everything
 from gltf_files import glb_bytes, glb_json, glb_parts, small
+from morphs import arm
 from places import SAMPLES, asset_files, first, sample_files, slow
 from program import cli
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
@@ -538,3 +539,30 @@ def test_a_dry_run_converts_and_writes_nothing(dry_run: bool, tmp_path: Path) ->
     assert outcome.written is target.exists() is not dry_run
     assert outcome.changed
     assert outcome.verification is not None
+
+
+@pytest.mark.parametrize("clips", [True, False])
+def test_morph_targets_of_a_mesh_without_a_skin_are_blend_shapes(clips: bool, tmp_path: Path) -> None:
+    """A skeleton of its own drives them, in clips or as they rest; `convert` compares every pose."""
+    builder = arm(clips=clips)
+    del builder.gltf["nodes"][2]["skin"]
+    (primitive,) = builder.gltf["meshes"][0]["primitives"]
+    for name in ("JOINTS_0", "WEIGHTS_0"):
+        del primitive["attributes"][name]
+    outcome = rigtri.convert(builder.glb(tmp_path / "in.glb"), tmp_path / "out.usda")
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-6
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    (mesh,) = (prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
+    binding = UsdSkel.BindingAPI(mesh)
+    assert list(binding.GetBlendShapesAttr().Get()) == ["bulge", "other"]
+    skeleton = binding.GetInheritedSkeleton()
+    assert list(skeleton.GetJointsAttr().Get()) == ["Skin"]
+    animation = UsdSkel.Animation(UsdSkel.BindingAPI(skeleton.GetPrim()).GetInheritedAnimationSource())
+    weights = animation.GetBlendShapeWeightsAttr()
+    assert bool(weights.GetNumTimeSamples()) is clips
+    assert list(weights.Get(0.0 if clips else Usd.TimeCode.Default()))[1] == 0.25
+    back = tmp_path / "back.glb"
+    rigtri.convert(tmp_path / "out.usda", back)
+    (shown,) = rigtri.read(back).meshes
+    assert shown.morphs[0].tolist() == [[0, 0, 1]] * 3
