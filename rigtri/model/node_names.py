@@ -103,11 +103,9 @@ class NodeNames(Hierarchy, ABC):
         if not isinstance(name, str):
             raise TypeError(f"a node is found by its name, or as text by its number ('#3'), not by {name!r}")
         found = self._by_name.get(name, []) if name else []
-        if len(found) > 1:
-            # A joint wins over a mesh node of the same name; nothing else is guessed.
-            joints = [node for node in found if self.is_joint[node]]
-            found = joints if len(joints) == 1 else found
-        found = found or self._by_address.get(name, [])
+        # A joint wins over a mesh node of the same name; nothing else is guessed.
+        joints = [node for node in found if self.is_joint[node]]
+        found = joints if len(joints) == 1 else found or self._by_address.get(name, [])
         if not found:
             raise NameNotFoundError(kind, name, self._hints)
         if len(found) > 1:
