@@ -39,6 +39,8 @@ _BALANCE = 0.4
 _ENOUGH = 3
 # Of a body one of these names alone does not tell: planes have tails.
 _HEADS = frozenset(["skull", "tail"])
+# Of an animal all of these do.
+_ANIMAL = frozenset(["ear", "tail"])
 
 
 def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
@@ -208,6 +210,7 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
 def _no_trunk(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """A limb by names where no trunk or head is named: chairs have arms and legs, too, and scales a head.
 
+    What has ears and a tail is an animal.
     Not one that a naming scheme knows, of clear words for all three joints; nor four legs of such words.
     """
     named = _is_named(draft, each)
@@ -220,7 +223,8 @@ def _no_trunk(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         return ""
     names = [draft.tree.rig.names[k] for k in draft.tree.nodes if draft.words.get(k, NO_WORDS).trunk]
     heads = [name for name in names if not _HEADS.isdisjoint(roles_in_name(name))]
-    return "" if len(names) > min(1, len(heads)) else "nothing else of a body is named"
+    roles = frozenset[str]().union(*(roles_in_name(draft.tree.rig.names[k]) for k in draft.tree.nodes))
+    return "" if len(names) > min(1, len(heads)) or roles >= _ANIMAL else "nothing else of a body is named"
 
 
 def _has_clear_words(draft: Draft, each: Found) -> bool:

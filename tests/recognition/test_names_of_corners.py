@@ -220,3 +220,32 @@ def test_a_wrist_at_the_elbow_ends_no_forearm() -> None:
     arms = {" ".join(joints[k][0] for k in chain.bend): chain for chain in found.chains if chain.bend}
     wrong = arms.get("ShoulderYaw.L ElbowPitch.L WristYaw.L")
     assert wrong is None or not wrong.is_sure
+
+
+@pytest.mark.parametrize(("ends", "certain"), [(("Ear", "Tail"), True), (("Knob", "Handle"), False)])
+def test_legs_beside_ears_and_a_tail_are_an_animals(ends: tuple[str, str], *, certain: bool) -> None:
+    """Before, they were not sure, as those of a table are not: nothing of the trunk had a name."""
+    ear, tail = ends
+    trunk: list[Joint] = [
+        ("Root", "", (0.0, 0.65, -0.4)),
+        ("joint2", "Root", (0.0, 0.78, -0.2)),
+        ("joint3", "joint2", (0.0, 0.8, 0.1)),
+        ("joint4", "joint3", (0.0, 0.72, 0.33)),
+        (tail, "Root", (0.0, 0.6, -0.5)),
+        ("joint18", tail, (0.0, 0.45, -0.52)),
+    ]
+    places = [(0.1, 0.68, 0.2), (0.1, 0.34, 0.16), (0.1, 0.12, 0.17), (0.1, 0.01, 0.2)]
+    words = ["Oberschenkel", "Knee", "Foot", "FootEnd"]
+    legs = [
+        *line(" ".join(f"{word}_F.L" for word in words), "joint3", *places),
+        *line(" ".join(f"{word}_B.L" for word in words), "Root", *((x, y, z - 0.6) for x, y, z in places)),
+    ]
+    ears: list[Joint] = [
+        (f"{ear}.L", "joint4", (0.1, 0.76, 0.39)),
+        (f"{ear}2.L", f"{ear}.L", (0.2, 0.76, 0.3)),
+    ]
+    joints = [*trunk, *both([*legs, *ears])]
+    (found,) = recognise(rig_with(joints)).characters
+    legs_found = [k for k in found.chains if k.kind == "leg"]
+    assert len(legs_found) == 4
+    assert all(k.is_sure is certain for k in legs_found)
