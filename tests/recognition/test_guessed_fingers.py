@@ -11,9 +11,11 @@ import pytest
 from posed_bodies import FINGERS, Pose, posed_body
 from rigs import rig_of
 
+from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.hand_hinges import SIMILAR_BEND, _Curl, _mean, _PosedHand
+from rigtri.recognition.hands_feet import _like_fingers
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_triples import thumb_of
+from rigtri.recognition.limb_triples import _cosines, thumb_of
 from rigtri.recognition.recognise import recognise
 
 
@@ -158,3 +160,39 @@ def test_two_hands_that_are_bent_alike_count_with_their_mean_bend() -> None:
     assert [each.hinge is hinge for each, hinge in zip(found, (x, y), strict=True)] == [True, True]
     for curls in ([one, other], [one], [one, alike, one], []):
         assert _mean(curls) == curls
+
+
+def test_bends_of_a_path_are_cosines_and_none_at_ends_or_beside_bones_without_length() -> None:
+    tree: Any = SimpleNamespace(
+        at=[Vector(5, 1, 0), Vector(6, 1, 0), Vector(6, 3, 0), Vector(6, 3, 0), Vector(5, 3, 0)]
+    )
+    assert _cosines(tree, [0, 1, 2]) == [1.0, 0.0, 1.0]
+    assert _cosines(tree, [0, 1]) == [1.0, 1.0]
+    assert _cosines(tree, [0, 1, 4]) == [1.0, pytest.approx(-(0.5**0.5)), 1.0]
+    assert _cosines(tree, [1, 2, 3, 4]) == [1.0, 1.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("sizes", "spread", "alike"),
+    [
+        ([3, 3, 3, 3, 2], False, True),
+        ([3, 3, 3, 3], False, True),
+        ([3, 3, 3], False, False),  # below four joints of a hand
+        ([3, 3, 2, 2], False, False),  # most of them have fewer joints
+        ([3, 3, 3, 9], False, False),  # no finger has so many
+        ([3, 3, 3, 3], True, False),  # and they go the same way
+    ],
+)
+def test_chains_like_fingers_have_three_joints_and_go_one_way(
+    sizes: list[int], spread: bool, alike: bool
+) -> None:
+    at, chains = [Vector()], list[list[int]]()
+    for number, size in enumerate(sizes):
+        turn = number * np.pi / 2 if spread else 0.1 * number
+        chains.append([])
+        for step in range(1, size + 1):
+            chains[-1].append(len(at))
+            at.append(Vector(step * float(np.cos(turn)), step * float(np.sin(turn)), 0))
+    tree = SimpleNamespace(below={0: [chain[0] for chain in chains]}, at=at)
+    draft: Any = SimpleNamespace(tree=tree)
+    assert _like_fingers(draft, 0, chains) is alike
