@@ -168,7 +168,7 @@ def test_bends_of_a_path_are_cosines_and_none_at_ends_or_beside_bones_without_le
     )
     assert _cosines(tree, [0, 1, 2]) == [1.0, 0.0, 1.0]
     assert _cosines(tree, [0, 1]) == [1.0, 1.0]
-    assert _cosines(tree, [0, 1, 4]) == [1.0, pytest.approx(-(0.5**0.5)), 1.0]
+    assert _cosines(tree, [0, 1, 4]) == [1.0, pytest.approx(-(5.0**-0.5)), 1.0]
     assert _cosines(tree, [1, 2, 3, 4]) == [1.0, 1.0, 1.0, 1.0]
 
 
