@@ -9,7 +9,7 @@ import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import overload
+from typing import Any, overload
 
 from rigtri.errors import FileError, UsageError
 from rigtri.model.dataclass import dataclass
@@ -116,7 +116,18 @@ def look_up(base: sqlite3.Connection, output: str) -> Known | None:
     if row is None:
         return None
     status, task, read, made, deviation = row
-    return Known(status, task, json.loads(read), json.loads(made), deviation)
+    return Known(status, task, stored(read), stored(made), deviation)
+
+
+def stored(text: str) -> dict[str, Any]:
+    """What a manifest holds as JSON; sqlite3.DatabaseError where somebody has damaged it."""
+    try:
+        found = json.loads(text)
+    except (ValueError, TypeError, RecursionError):
+        found = None
+    if not isinstance(found, dict):
+        raise sqlite3.DatabaseError(f"a value in it is damaged. {_WITHOUT}")
+    return found
 
 
 @contextmanager

@@ -118,7 +118,7 @@ class Manifest:
 
     def known(self, entry: Entry) -> Known | None:
         """What is known of an entry's output; None for a new one."""
-        with self._lock:
+        with self._lock, sqlite_errors(self._path):
             return look_up(self._base, self.name(entry))
 
     def name(self, entry: Entry) -> str:

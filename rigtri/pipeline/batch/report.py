@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sqlite3
 from collections import Counter
@@ -17,7 +16,7 @@ from rigtri.errors import FileError
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.axis_summary import angles, names
 from rigtri.pipeline.batch.file_task import STATUSES, missing
-from rigtri.pipeline.batch.manifest_lookup import NAME, opened
+from rigtri.pipeline.batch.manifest_lookup import NAME, opened, stored
 
 # Axes of one skeleton that are nearer than this, in degrees, are the same: what files store is rounded.
 SAME = 0.1
@@ -99,7 +98,7 @@ class _Part:
             "GROUP BY axes) JOIN axes ON axes.id=own JOIN skeletons ON skeletons.id=axes.skeleton"
         ).fetchall()
         self.runs = [
-            dict(row) | {"counts": json.loads(row["counts"]) if row["counts"] else None}
+            dict(row) | {"counts": stored(row["counts"]) if row["counts"] else None}
             for row in base.execute("SELECT rigtri, shard, began, ended, counts FROM runs ORDER BY id")
         ]
 

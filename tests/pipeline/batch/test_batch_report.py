@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from rigs import random_rig
 from second_opinions import validator
 
 import rigtri
+from rigtri.errors import FileError
 from rigtri.frames.reframe import reframe
 from rigtri.maths.matrices import from_frame, inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
@@ -175,6 +177,26 @@ def test_a_manifest_of_old_gets_what_a_quick_summary_needs(tmp_path: Path) -> No
     base.close()
     assert wanted <= found
     assert all("COVERING INDEX" in way for way in ways), ways
+
+
+@pytest.mark.parametrize(
+    ("table", "column"), [("contents", "read"), ("contents", "made"), ("runs", "counts")]
+)
+@pytest.mark.parametrize("value", ["{", "[1]", b"\xff\0bad"])
+def test_a_manifest_with_damaged_values_is_an_error_of_that_file(
+    table: str, column: str, value: Any, tmp_path: Path
+) -> None:
+    path = wrote(tmp_path, {"a.glb": ok(1e-7, 1.0)})
+    with closing(sqlite3.connect(path)) as base, base:
+        base.execute(f"UPDATE {table} SET {column}=?", (value,))
+    with pytest.raises(FileError, match=r"rigtri-batch\.sqlite: the manifest cannot be used: .* is damaged"):
+        summarise([path]) if table == "runs" else known(path, tmp_path)
+
+
+def known(path: Path, folder: Path) -> None:
+    """Ask a manifest for a file as a run does."""
+    with Manifest(path) as manifest:
+        manifest.known(Entry(str(folder / "in" / "a.glb"), str(folder / "out" / "a.glb")))
 
 
 def test_a_file_that_was_mended_counts_as_it_is_now(tmp_path: Path) -> None:
