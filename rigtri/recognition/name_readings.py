@@ -151,18 +151,25 @@ def _next(parsed: ParsedName) -> ParsedName:
 
 
 def _fill(tree: Tree, reading: Reading, by_bone: Mapping[tuple[str, Side], list[tuple[bool, int]]]) -> None:
-    """The bones beside limbs: of joints of one name the highest, below the hips where these are known."""
-    taken = set(reading.bones.values())
-    joint = tree.rig.is_joint
+    """The bones beside limbs: of joints of one name the highest, below the hips where these are known.
+
+    Of hips the lowest that carry all limbs: MikuMikuDance has up to three that move the whole in turn.
+    """
+    taken, joint = set(reading.bones.values()), tree.rig.is_joint
+    starts = [start for start, _, _ in reading.limbs.values()]
     for (bone, which), found in sorted(by_bone.items(), key=lambda each: each[0][0] != "hips"):
         middle = bone in MIDDLE
         if middle != (not which):
             continue
         hips = reading.bones.get("hips", -1)
+
+        def place(node: int, bone: str = bone, hips: int = hips) -> tuple[bool, int]:
+            if bone == "hips" and starts:
+                return not all(tree.is_below(start, node) for start in starts), -tree.depth[node]
+            return not tree.is_below(node, hips), tree.depth[node]
+
         free = sorted(
-            (not exact, not joint[node], not tree.is_below(node, hips), tree.depth[node], node)
-            for exact, node in found
-            if node not in taken
+            (not exact, not joint[node], *place(node), node) for exact, node in found if node not in taken
         )
         if free and which + bone not in reading.bones:
             reading.bones[which + bone] = free[0][-1]

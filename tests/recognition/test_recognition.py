@@ -507,6 +507,32 @@ def test_the_names_of_a_scheme_are_read_as_it_means_them(scheme: str) -> None:
     assert any(title in words for chain in layout.chains for words in chain.evidence)
 
 
+MOVERS = ["センター", "グルーブ", "腰"]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_of_joints_that_move_the_whole_in_turn_the_last_that_carries_all_is_the_hips(
+    count: int,
+) -> None:
+    """MikuMikuDance has up to three of them; the pelvis, below the last, carries legs alone."""
+    known = dict(zip(_JOINTS.split(), NAMED["MMD"].split(), strict=True))
+    names = {
+        name: known.get(name.replace(".R", ".L"), "").replace("左", "右" if ".R" in name else "左")
+        for name, _, _ in MAN
+    }
+    movers = [(name, above, (0.0, 0.9, 0.0)) for name, above in zip(MOVERS, ["", *MOVERS], strict=False)][
+        :count
+    ]
+    joints = [*movers, ("下半身", movers[-1][0], (0.0, 0.95, 0.0))]
+    for name, above, place in MAN[1:]:
+        over = "下半身" if name.startswith("thigh") else movers[-1][0] if above == "hips" else names[above]
+        joints.append((names[name], over, place))
+    (character,) = recognise(rig_with(joints)).characters
+    found = {bone: joints[node][0] for bone, node in character.bones.items()}
+    assert found["hips"] == MOVERS[count - 1]
+    assert (found["spine"], found["chest"]) == ("上半身", "上半身2")
+
+
 def test_every_scheme_is_tried_and_those_of_nobody_last() -> None:
     titles = [scheme.title for scheme in schemes()]
     assert len(titles) == len(set(titles)) >= 16
