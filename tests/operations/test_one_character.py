@@ -14,9 +14,10 @@ from places import SAMPLES, slow
 from program import cli
 from rigs import rig_of
 
-from rigtri import constrain
+from rigtri import constrain, take_clips
 from rigtri.errors import UsageError
 from rigtri.formats import read
+from rigtri.model.animation import Track
 from rigtri.model.characters import characters
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
@@ -124,6 +125,22 @@ def test_spaces_are_those_of_the_child_s_own_character(samples: Path, tmp_path: 
         assert held.type_of(moved) == "offset"
     with pytest.raises(UsageError, match="'hand_L_ik_ctl' is of another character"):
         constrain(rig, child="hand_L_ik_ctl", space=("root", "world"), character="B")
+
+
+def test_take_clips_of_one_character_leaves_the_controls_of_the_other(samples: Path, tmp_path: Path) -> None:
+    """In glTF controls are beside the characters. Before, keys of all of them were taken."""
+    source, out = (tmp_path / f"{name}.gltf" for name in ("pair", "out"))
+    pair(samples, tmp_path, "gltf")
+    cli("add-controls", source, "-o", out, "--whole-character", code=0)
+    rig = read(out).rig
+    heads = [rig.find(name) for name in ("head_ctl", "head_ctl_2")]
+    turned = np.array([[0.0, 0.0, 0.0, 1.0], [0.0, 0.6, 0.0, 0.8]])
+    tracks = [Track(node, "rotation", "LINEAR", np.array([0.0, 1.0]), turned) for node in heads]
+    first = rig.clips[0]
+    edited = replace(rig, clips=(replace(first, tracks=(*first.tracks, *tracks)), *rig.clips[1:]))
+    for who, head in zip("AB", heads, strict=True):
+        home = take_clips(rig, from_=edited, character=who)
+        assert [t.node for t in home.clips[0].tracks if t.node in heads] == [head]
 
 
 def test_a_character_that_is_not_there_is_named_with_those_that_are(samples: Path, tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from rigtri.model.metadata import SWITCH
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.morph_targets import MorphPairs
+from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.recognition.one_character import titles
 from rigtri.text import list_names
 
@@ -37,12 +38,19 @@ def without(edited: Rig, patterns: Sequence[str]) -> Rig:
     return replace(edited, clips=tuple(clips), names=names)
 
 
-def others_of(edited: Rig, name: str) -> list[str]:
-    """The nodes of EDITED that are of other characters than one, by their labels; none where it has none."""
+def others_of(rig: Rig, edited: Rig, name: str) -> list[str]:
+    """The nodes of EDITED that are of other characters than one, by their labels; none where it has none.
+
+    Also what is in RIG neither at or below the one, nor above it, nor built for it: others' controls.
+    """
     mine = edited.known(name)
     inside = set() if mine is None else set(edited.below(mine))
     tops = [edited.below(edited.find(title)) for title in titles(edited)] if inside else []
-    return [edited.labels[node] for nodes in tops if inside.isdisjoint(nodes) for node in nodes]
+    below = [node for nodes in tops if inside.isdisjoint(nodes) for node in nodes]
+    of = pairs(rig, edited).of
+    own = rig.with_ancestors({*rig.below(rig.find(name, "character")), *rig.own})
+    apart = [theirs for node, theirs in of.items() if node not in own]
+    return [edited.labels[node] for node in dict.fromkeys((*below, *apart))]
 
 
 def refuse_lost(both: Counterparts, clip: Clip, morphs: MorphPairs) -> None:

@@ -74,7 +74,8 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             "read(path).rig is that of a file"
         )
     if options.character is not None:
-        one = replace(options, from_=without(edited, others_of(edited, options.character)), character=None)
+        alone = without(edited, others_of(rig, edited, options.character))
+        one = replace(options, from_=alone, character=None)
         small = of_character(rig, options.character)
         made = take_clips(small, options=one, report=report)
         return rig if made is small else replace(made, names=rig.names)
