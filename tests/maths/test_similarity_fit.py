@@ -94,3 +94,12 @@ def test_what_is_left_is_a_share_of_the_size_of_ours() -> None:
     expected = np.sqrt((left**2).sum(axis=1).mean() / (middle**2).sum(axis=1).mean())
     assert fit.residual == pytest.approx(expected, rel=0.2)
     assert 1e-4 < fit.residual < 0.05
+
+
+@pytest.mark.parametrize("about_origin", [True, False])
+def test_points_at_one_place_have_no_size_to_fit(about_origin: bool) -> None:
+    at_one_place = np.ones((len(POINTS), 3))
+    for theirs, ours in ((at_one_place, POINTS), (POINTS, at_one_place)):
+        fit = fit_similarity(theirs, ours, about_origin=about_origin)
+        assert np.isfinite(fit.matrix).all()
+        assert_allclose(np.linalg.norm(fit.matrix[:3, :3], axis=1), 1.0)
