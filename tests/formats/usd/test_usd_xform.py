@@ -19,6 +19,7 @@ from rigtri.evaluation.sampling import sample
 from rigtri.formats.usd.reading.xform_hierarchy import sampled_tracks
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, multiply, unit
+from rigtri.model.animation import PATHS
 from rigtri.verification.compare.compare import self_check
 
 LEG = """#usda 1.0
@@ -367,3 +368,19 @@ def test_euler_angles_that_begin_anew_within_a_frame_go_the_short_way(apart: flo
     (turn,) = (track for track in tracks if track.path == "rotation")
     way = sample(turn, np.linspace(0.0, apart, 200))
     assert np.degrees(angle_between(way[1:], way[:-1]).sum()) == pytest.approx(turned, abs=0.5)
+
+
+@pytest.mark.parametrize(("scaled", "paths"), [(False, ["translation", "rotation"]), (True, list(PATHS))])
+def test_prims_have_tracks_of_scale_where_an_op_scales(scaled: bool, paths: list[str]) -> None:
+    """What rounding leaves of a scale of 1 is no motion: bake could not write it, and refused."""
+    stage = Usd.Stage.CreateInMemory()
+    prim = UsdGeom.Xform.Define(stage, "/elbow")
+    turn = prim.AddRotateXYZOp()
+    for time in range(3):
+        turn.Set((10.0 * time, 7.0, 20.0 * time), float(time))
+    prim.AddTranslateOp().Set((1.0, 0.0, 0.0))
+    if scaled:
+        prim.AddScaleOp().Set((2.0, 2.0, 2.0))
+    tracks = sampled_tracks(prim.GetPrim(), 0, "LINEAR")
+    assert tracks
+    assert [track.path for track in tracks] == paths

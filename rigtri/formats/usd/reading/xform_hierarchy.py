@@ -225,7 +225,8 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
     """The tracks of a prim with any ops, by its matrices; None where these are flat, or sheared at samples.
 
     Between them elements of matrices go straight, which shears and shrinks what turns: tracks move the same
-    way, turn as the nearest rotation does, which is the same in other axes, and scale from sample to sample.
+    way, turn as the nearest rotation does, which is the same in other axes, and scale from sample to sample,
+    where an op scales at all.
     Euler angles that begin anew at ±180° from one frame to the next go the short way, as they did in the
     program whose exporter has sampled them.
     """
@@ -262,7 +263,9 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
         order = np.argsort([*times, *(between[k] for k in new)], kind="stable")
         times = np.array([*times, *(between[k] for k in new)])[order].tolist()
         found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, now, strict=True))
-    return _tracks(node, interpolation, times, found)
+    tracks = _tracks(node, interpolation, times, found)
+    kinds = (op.GetOpName().split(":")[1] for op in xformable.GetOrderedXformOps())
+    return tracks if any(kind.startswith(("scale", "transform")) for kind in kinds) else tracks[:2]
 
 
 def _wraps(xformable: Any, times: list[float]) -> Floats:
