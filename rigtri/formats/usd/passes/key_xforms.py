@@ -25,7 +25,7 @@ from rigtri.formats.usd.opinions.xform_edits import (
 )
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.source import Source
-from rigtri.formats.usd.reading.xform_hierarchy import NOTHING, OPS, read_transform
+from rigtri.formats.usd.reading.xform_hierarchy import NOTHING, OPS, can_scale, read_transform
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
@@ -52,12 +52,14 @@ def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) 
     moved = bool((source.rig.local[node] != rig.local[node]).any())
     if ops == [name for name in OPS.values() if name in ops]:
         return _into_stack(prim, rig.local[node] if moved else None, tracks, resets, ops)
-    still = not UsdGeom.Xformable(prim).TransformMightBeTimeVarying()
+    xformable = UsdGeom.Xformable(prim)
+    still = not xformable.TransformMightBeTimeVarying()
     if not still:  # what keeps its keys gets them in the new ops
         kept = (t for clip in rig.clips for t in clip.tracks if t.node == node and t.path in OPS)
         tracks = {t.path: as_samples(t, f"<{path}>") for t in kept} | tracks
     # What has no key stands still where tracks hold the ops.
-    whole = still or len(tracks) == len(OPS) or read_transform(prim, node, "LINEAR") is not None
+    moves = {*OPS} if can_scale(xformable) else {*OPS} - {"scale"}
+    whole = still or moves <= {*tracks} or read_transform(prim, node, "LINEAR") is not None
     if not whole or skew(rig.local[node]) >= SKEW:
         shown = ", ".join(ops)
         raise FileError(

@@ -264,8 +264,13 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
         times = np.array([*times, *(between[k] for k in new)])[order].tolist()
         found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, now, strict=True))
     tracks = _tracks(node, interpolation, times, found)
+    return tracks if can_scale(xformable) else tracks[:2]
+
+
+def can_scale(xformable: Any) -> bool:
+    """Whether one of its ops can scale."""
     kinds = (op.GetOpName().split(":")[1] for op in xformable.GetOrderedXformOps())
-    return tracks if any(kind.startswith(("scale", "transform")) for kind in kinds) else tracks[:2]
+    return any(kind.startswith(("scale", "transform")) for kind in kinds)
 
 
 def _wraps(xformable: Any, times: list[float]) -> Floats:
