@@ -16,7 +16,6 @@ from rigtri.model.metadata import EXPORT_WARNINGS
 from rigtri.model.options import Option, options_of
 from rigtri.model.rig import Rig
 from rigtri.operations.registry import operation
-from rigtri.pipeline.files import known
 from rigtri.report import Report
 
 if TYPE_CHECKING:
@@ -84,6 +83,9 @@ class _Files:
         kind = one.kind.name if one.kind else ""
         if kind == "json file":
             return rows_of(path, one.flag) if path.lower().endswith(".csv") else json_of(path, one.flag)
+        # With temporary files, which a command that reads one file does not import.
+        from rigtri.pipeline.files import known
+
         if kind == "edited file":
             place, how = self._open.enter_context(opened(path)), replace(self._reading, root=None, empty=True)
             self.edited.append(read(place, how))

@@ -13,6 +13,7 @@ from rigtri.evaluation.active_controls import (
     controls_and_poles,
     controls_at_work,
     moved_at_rest,
+    pose_at,
     skeleton_size,
 )
 from rigtri.evaluation.timelines import timelines
@@ -74,3 +75,15 @@ def test_a_control_posed_at_rest_works_where_its_joint_has_no_keys() -> None:
     assert at_work(b, joint) == {b}
     assert at_work(joint, c) == {c}
     assert at_work(rig.find("a")) == {c}
+
+
+@pytest.mark.parametrize("evaluate", [True, False])
+def test_a_pose_is_that_of_the_keys_or_what_controls_make_of_them(evaluate: bool) -> None:
+    rig = controlled()
+    keys = np.array([[0.0, 0, 0], [0, 1, 0]])
+    track = Track(rig.find("b_ctl"), "translation", "LINEAR", np.array([0.0, 1.0]), keys)
+    rig = replace(rig, clips=(Clip("walk", (track,)),))
+    pose = pose_at(rig, timelines(rig)[0], 1.0, size=skeleton_size(rig), evaluate=evaluate)
+    still = rig.world[rig.find("b"), 3, :3]
+    far = np.linalg.norm(pose.world(rig.find("b"))[0, 3, :3] - still)
+    assert far == pytest.approx(1.0 if evaluate else 0.0, abs=1e-12)

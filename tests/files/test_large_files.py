@@ -342,3 +342,21 @@ def test_only_the_largest_meshes_are_looked_at_in_parts(
     assert boxed == {"#3/0": False, "wall/0": True}
     assert [mesh.box for mesh in document.meshes()] == [None, None]
     assert [len(mesh.points) for mesh in document.meshes()] == [3, 10]
+
+
+def test_boxes_of_large_meshes_are_of_each_joint_or_one_of_what_is_rigid(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    document = crowded(character().glb(tmp_path / "a.glb"), monkeypatch)
+    whole = {mesh.name: mesh for mesh in GltfDocument.read(tmp_path / "a.glb").meshes()}
+    found = document.outlines(closely=True)
+    assert {mesh.skin is None for mesh in found} == {True, False}
+    for mesh in found:
+        assert mesh.box is not None
+        box, points = mesh.box, whole[mesh.name].points
+        if mesh.skin is None:
+            assert box.shape == (2, 3)  # with its morphs
+            assert (box[0] <= points.min(axis=0)).all()
+            assert (box[1] >= points.max(axis=0)).all()
+        else:
+            assert box.shape == (2, len(document.rig.skins[mesh.skin].joints), 3)

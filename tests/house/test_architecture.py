@@ -234,6 +234,14 @@ def test_help_waits_for_no_numpy() -> None:
     assert "numpy" not in loaded("import rigtri.cli.main")
 
 
+def test_an_edit_of_one_file_imports_nothing_for_temporary_files(samples: Path, tmp_path: Path) -> None:
+    """`tempfile` brings archives and random numbers along, a twentieth of a new process."""
+    words = ["orient-joints", str(samples / "biped.glb"), "-o", str(tmp_path / "out.glb"), "-q"]
+    assert "tempfile" not in loaded(
+        f"from rigtri.cli.main import program\nprogram({words!r}, standalone_mode=False)"
+    )
+
+
 def test_reasons_to_leave_a_test_out_are_messages_that_there_are() -> None:
     """`.ci/run` fails for a reason that it does not know: who words a message anew does it there, too."""
     said = " ".join(

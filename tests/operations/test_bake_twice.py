@@ -23,6 +23,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import PoleVectorRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
@@ -243,3 +244,17 @@ def test_states_have_the_same_times_where_all_their_arrays_have() -> None:
     assert one.same_times(replace(one, times=dict(one.times)))
     assert not one.same_times(replace(one, times={("walk", "rotation"): times}))
     assert not one.same_times(replace(one, times={**one.times, ("walk", "scale"): times + 1}))
+
+
+@pytest.mark.parametrize(("kind", "shared"), [("samples", True), ("xforms", False)])
+def test_skins_that_play_one_animation_share_its_times(kind: str, shared: bool) -> None:
+    """Two skins, a joint each; what no animation holds is each skin's own."""
+    rig = rig_of(["a", "b"], [-1, -1], np.zeros((2, 3)))
+    skins = tuple(Skin(name, np.array([k]), np.eye(4)[np.newaxis]) for k, name in enumerate("ab"))
+    ways = [np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])] * 2
+    tracks = tuple(Track(k, "translation", "LINEAR", np.array([0.0, k + 1.0]), ways[k]) for k in range(2))
+    rig = replace(rig, skins=skins, clips=(Clip("walk", tracks, (kind, "/Anim")),))
+    times = [track.times.tolist() for track in with_shared_times(rig).rig.clips[0].tracks]
+    before = float(np.nextafter(np.float32(1.0), np.float32(0.0)))
+    assert before not in times[0]
+    assert times == ([[0.0, 1.0, 2.0]] * 2 if shared else [[0.0, 1.0], [0.0, 2.0]])

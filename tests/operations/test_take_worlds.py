@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from taken_clips import apart, notices, rig_of, turned_key
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import to_parts
+from rigtri.formats import read
 from rigtri.maths.matrices import compose, inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as multiply_rotations
@@ -19,6 +21,8 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips import take_clips as module
+from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.standing import _carriers
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
@@ -242,3 +246,10 @@ def test_a_body_that_was_laid_down_stays_so_and_is_reported() -> None:
     lies = replace(rig, clips=(replace(walk, tracks=tracks),))
     assert apart(take_clips(rig, from_=lies, report=report), lies, "walk") < CLOSE
     assert "lies" in notices(report)
+
+
+def test_a_body_is_carried_by_its_topmost_joint_and_what_is_above_that(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    joints = np.flatnonzero(rig.is_joint).tolist()
+    (top,) = (n for n in joints if not rig.is_joint[rig.path_to_root(n)[1:]].any())
+    assert _carriers(Counterparts(rig, rig)) == {*rig.path_to_root(top)}

@@ -39,6 +39,7 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.recognition import layout_output
+from rigtri.recognition.joint_tree import joints_of
 from rigtri.recognition.layout import CONFIDENT, Layout
 from rigtri.recognition.limbs import recognise as limbs
 from rigtri.recognition.naming_schemes import own_scheme, parse_name, schemes
@@ -695,3 +696,27 @@ def test_hands_that_hang_at_nothing_are_of_the_body_whose_skin_they_have() -> No
     """Their fingers are in pairs, too, and the planes of those lie elsewhere than the body's."""
     floating: list[Joint] = [("hand.L", "", (0.7, 1.45, 0.0)), ("hand.R", "", (-0.7, 1.45, 0.0)), *FINGERS]
     assert len(recognise(rig_with([*TRUNK, *both(LEG), *floating])).characters) == 1
+
+
+@pytest.mark.parametrize("rests", ["as bound", "in a line"])
+def test_a_body_that_rests_in_a_line_is_seen_in_its_bind_pose(rests: str) -> None:
+    rig = rig_with(MAN, named=False)
+    if rests == "in a line":
+        sizes = np.linalg.norm(rig.translation, axis=1)
+        rig = replace(rig, translation=sizes[:, np.newaxis] * [0.0, 1.0, 0.0])
+    (character,) = recognise(rig).characters
+    assert character.pose == ("rest" if rests == "as bound" else "bind")
+    limbs = {(chain.kind, chain.side): chain.bend for chain in character.limbs}
+    row = {name: k for k, (name, _, _) in enumerate(MAN)}
+    assert limbs["leg", "left"] == tuple(row[name] for name in ("thigh.L", "shin.L", "foot.L"))
+    assert limbs["arm", "right"] == tuple(row[name] for name in ("upper_arm.R", "forearm.R", "hand.R"))
+
+
+@pytest.mark.parametrize(("more", "left_out"), [(0, False), (1, False), (2, True)])
+def test_joints_at_the_origin_are_nobodys_where_they_are_less_than_half(more: int, left_out: bool) -> None:
+    placed: list[Joint] = [(name, "", (float(k), 1.0, 0.0)) for k, name in enumerate("abc", 1)]
+    lost: list[Joint] = [(f"{above}_end", above, (0.0, 0.0, 0.0)) for above in "abc"]
+    others: list[Joint] = [(f"d{k}", "a", (1.0, 2.0 + k, 0.0)) for k in range(more)]
+    kept = joints_of(rig_with([*placed, *lost, *others]))
+    assert (not {3, 4, 5} & {*kept}) == left_out
+    assert {0, 1, 2} <= {*kept}

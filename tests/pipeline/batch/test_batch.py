@@ -19,6 +19,7 @@ from second_opinions import validator
 
 from rigtri import edit, orient_joints
 from rigtri.cli import batch as command
+from rigtri.pipeline.batch import manifest_lookup
 
 Batch = Callable[..., Ran]
 
@@ -508,3 +509,18 @@ print(*(name for name in sys.modules if name.startswith("rigtri") and name not i
 """
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.split() == []
+
+
+@pytest.mark.parametrize("file", [True, False])
+@pytest.mark.parametrize("folder", [True, False])
+def test_a_manifest_is_opened_as_its_reader_may(
+    file: bool, folder: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What reads beside a log has to write it, in the folder; whoever may not takes the file as it lies."""
+    path = tmp_path / "rigtri-batch.sqlite"
+    path.touch()
+    may = {path: file, tmp_path: folder}
+    monkeypatch.setattr(os, "access", lambda one, _: may[Path(one)])
+    assert manifest_lookup._mode(path) == ("mode=rw" if file and folder else "mode=ro&immutable=1")
+    path.with_name(f"{path.name}-wal").write_bytes(b"frames")
+    assert manifest_lookup._mode(path) == ("mode=rw" if file and folder else "mode=ro")
