@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
 import logging
 import os
 import pickle
@@ -18,7 +17,6 @@ from uuid import uuid4
 from rigtri.errors import FileError, UsageError
 from rigtri.files.staged_output import recover
 from rigtri.files.worker_process import CrashError
-from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.dask_worker import Event, Message, Settings, do
 from rigtri.pipeline.batch.file_task import Assignment, OnReady, Record
@@ -30,14 +28,6 @@ _STEP = 0.2
 # A task costs some 8 ms of processors in client, scheduler and worker, which small files share. Tasks shrink
 # towards the end, so that all workers end together: each takes this part of what waits for a worker.
 _MOST, _PART = 25, 2
-
-
-@dataclass(frozen=True)
-class _Task:
-    """A task that is submitted. numbers: of its files."""
-
-    future: Any
-    numbers: tuple[int, ...]
 
 
 class Cluster:
@@ -65,14 +55,13 @@ class Cluster:
         self._at = os.getcwd()
         self._topic = f"rigtri-{uuid4().hex}"
         self._stopped = self._killed = False
-        # What a file has become, the number of a task that has ended, or what went wrong.
-        self._inbox: queue.SimpleQueue[tuple[int, Record] | int | Exception] = queue.SimpleQueue()
+        # What a file has become, the numbers of a task that has ended, or what went wrong.
+        self._inbox: queue.SimpleQueue[Event | tuple[int, ...] | Exception] = queue.SimpleQueue()
         self._client: Any = None
         self._assignments: list[Assignment] = []
         self._on_ready: OnReady = lambda *_: None
         self._begun: Counter[int] = Counter()  # how many workers have begun a file
         self._done: set[int] = set()
-        self._names = itertools.count()
 
     def __enter__(self) -> Self:
         """Connect. UsageError without the extra, FileError where the scheduler does not answer."""
@@ -160,7 +149,7 @@ class Cluster:
             yield from self._run()
 
     def _run(self) -> Iterator[tuple[Assignment, Record]]:
-        waiting, sent = [*range(len(self._assignments))][::-1], dict[int, _Task]()
+        waiting, sent = [*range(len(self._assignments))][::-1], dict[tuple[int, ...], Any]()
         try:
             while not self._killed:
                 self._submit(waiting, sent)
@@ -170,16 +159,16 @@ class Cluster:
                     message = self._inbox.get(timeout=_STEP)
                     if isinstance(message, Exception):
                         raise message
-                    if isinstance(message, tuple):
-                        number, record = message
-                        self._recover(number)
-                        yield self._assignments[number], record
+                    if isinstance(message, Event):
+                        assert message.record is not None  # `_put_down` had one
+                        self._recover(message.number)
+                        yield self._assignments[message.number], message.record
                     elif message in sent:  # and not cancelled
-                        for number, record in self._after(sent.pop(message), waiting):
+                        for number, record in self._after(message, sent.pop(message), waiting):
                             self._put_down(number, record)
         finally:
             with suppress(OSError):
-                self._client.cancel([task.future for task in sent.values()])
+                self._client.cancel([*sent.values()])
 
     def stop(self) -> None:
         """As `Engine.stop`."""
@@ -189,13 +178,16 @@ class Cluster:
         """As `Engine.kill`; workers see within a second that nobody waits for them."""
         self._stopped = self._killed = True
 
-    def _submit(self, waiting: list[int], sent: dict[int, _Task]) -> None:
-        """Keep all workers busy, and no more, so that a million files need no memory there."""
+    def _submit(self, waiting: list[int], sent: dict[tuple[int, ...], Any]) -> None:
+        """Keep all workers busy, and no more, so that a million files need no memory there.
+
+        sent: the futures of tasks, by the numbers of their files.
+        """
         if self._stopped:
             waiting.clear()
-            idle = [name for name, task in sent.items() if not self._begun.keys() & {*task.numbers}]
+            idle = [numbers for numbers in sent if self._begun.keys().isdisjoint(numbers)]
             if idle:
-                self._client.cancel([sent.pop(name).future for name in idle])
+                self._client.cancel([sent.pop(numbers) for numbers in idle])
         room = self._jobs or max(2, 2 * sum(self._client.nthreads().values()))
         while waiting and len(sent) < room:
             count = min(_MOST, max(1, len(waiting) // (_PART * room)))
@@ -204,9 +196,8 @@ class Cluster:
             settings = Settings(self._topic, self._folder, self._at, urls.secrets(), self._limits)
             packed = pickle.dumps(({number: self._assignments[number] for number in numbers}, settings))
             future = self._client.submit(do, packed, pure=False, retries=2)
-            name = next(self._names)
-            sent[name] = _Task(future, numbers)
-            future.add_done_callback(lambda _, name=name: self._inbox.put(name))
+            sent[numbers] = future
+            future.add_done_callback(lambda _, numbers=numbers: self._inbox.put(numbers))
 
     async def _received(self, event: tuple[float, bytes]) -> None:
         """A worker reports something, and may wait for an answer."""
@@ -243,7 +234,7 @@ class Cluster:
         self._failed += record.failed
         if self._max_errors is not None and self._failed > self._max_errors:
             self._stopped = True
-        self._inbox.put((number, record))
+        self._inbox.put(Event(number, record, done=True))
 
     def _recover(self, number: int) -> None:
         """Remove what a dead worker has left beside an output."""
@@ -252,13 +243,15 @@ class Cluster:
             with suppress(OSError):
                 recover(Path(target), alone=True)
 
-    def _after(self, task: _Task, waiting: list[int]) -> Iterator[tuple[int, Record]]:
+    def _after(
+        self, numbers: tuple[int, ...], future: Any, waiting: list[int]
+    ) -> Iterator[tuple[int, Record]]:
         """What became of the files that a task has left, where its workers died; others wait again."""
         from distributed.scheduler import KilledWorker
 
-        left = [number for number in task.numbers if number not in self._done]
-        status = task.future.status
-        error = task.future.exception() if status == "error" else None
+        left = [number for number in numbers if number not in self._done]
+        status = future.status
+        error = future.exception() if status == "error" else None
         if status != "finished" and not isinstance(error, KilledWorker):
             raise self._broken(f"{type(error).__name__}: {error}" if error else f"a task is {status}")
         for number in reversed(left):

@@ -83,13 +83,13 @@ class _Submitter:
         """Let the scheduler forget the answers."""
         self._answers.close()
 
-    def tell(self, about: Event, answers: str = "") -> None:
+    def tell(self, about: Event | tuple[int, ...], answers: str = "") -> None:
         """Send it, and go on."""
         self._worker.log_event(self._topic, pickle.dumps(Message(about, answers)))
 
     def ask(self, about: Event | tuple[int, ...]) -> Any:
         """Send it, and wait for the answer. AbandonedError where nobody is left to give one."""
-        self._worker.log_event(self._topic, pickle.dumps(Message(about, self._name)))
+        self.tell(about, self._name)
         while True:
             try:
                 return self._answers.get(timeout=_LOOK)

@@ -441,7 +441,7 @@ def test_a_task_that_is_repeated_does_what_is_left(tmp_path: Path) -> None:
     tell(engine, Event(4, FINE, done=True))
     assert tell(engine, (3, 4, 5)) == [3, 5]
     tell(engine, Event(4, ERROR, done=True))
-    assert engine._inbox.get_nowait() == (4, FINE)
+    assert engine._inbox.get_nowait() == Event(4, FINE, done=True)
     assert engine._inbox.empty()
 
 
