@@ -38,7 +38,7 @@ from rigtri.operations.orient_joints.standard_frames import godot_bones, standar
 from rigtri.operations.registry import operation as function_of
 from rigtri.operations.registry import options_class
 from rigtri.operations.rename_joints import set_aside
-from rigtri.recognition.humanoid_order import ABOVE, misplaced
+from rigtri.recognition.humanoid_order import ABOVE, below_others, misplaced
 from rigtri.recognition.layout import Character
 from rigtri.recognition.naming_schemes import own_table
 from rigtri.recognition.one_character import titles
@@ -220,29 +220,20 @@ def _warn_misplaced(rig: Rig, report: Report) -> None:
         if found_at is not None and dot(cross(found_at.up, found_at.ahead), found_at.left) < 0:
             text = "What its names call left is on the right of where the character faces, and stays so"
             report.warn("sides", f"{text}: clips of others move the limbs of the other side")
-        if found := list(misplaced(rig, body)):
-            pairs = [f"{rig.title(node)} (below {rig.title(above)})" for node, above in found]
-            text = f"Not below the joints that a standard skeleton has above them: {and_more(pairs, 6)}"
-            report.warn("hierarchy", f"{text}. Clips of others do not fit these: parent them in a DCC")
-        if found := list(_below_others(rig, body)):
-            pairs = [f"{rig.title(node)} (below {rig.title(above)})" for node, above in found]
-            text = f"Below joints that a standard skeleton does not have above them: {and_more(pairs, 6)}"
-            report.warn(
-                "hierarchy", f"{text}. In an engine clips of others turn these along: parent them in a DCC"
-            )
-
-
-def _below_others(rig: Rig, body: Character) -> Iterator[tuple[int, int]]:
-    """The joints of bones right below one that is none of those above them in a humanoid, with that joint."""
-    bone_of = {node: bone for bone, node in body.bones.items()}
-    for bone, node in body.bones.items():
-        above = next((each for each in rig.path_to_root(node)[1:] if each in bone_of), -1)
-        allowed, parent = set[str](), ABOVE.get(bone, "")
-        while parent:
-            allowed.add(parent)
-            parent = ABOVE.get(parent, "")
-        if above >= 0 and allowed and bone_of[above] not in allowed:
-            yield node, above
+        for found, what, follows in (
+            (
+                misplaced(rig, body),
+                "Not below the joints that a standard skeleton has above them",
+                "Clips of others do not fit these",
+            ),
+            (
+                below_others(rig, body),
+                "Below joints that a standard skeleton does not have above them",
+                "In an engine clips of others turn these along",
+            ),
+        ):
+            if pairs := [f"{rig.title(node)} (below {rig.title(above)})" for node, above in found]:
+                report.warn("hierarchy", f"{what}: {and_more(pairs, 6)}. {follows}: parent them in a DCC")
 
 
 def _warn_missing(rig: Rig, options: ConformOptions, skeleton: Skeleton, report: Report) -> None:

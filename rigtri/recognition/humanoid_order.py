@@ -54,8 +54,22 @@ def misplaced(rig: Rig, character: Character) -> Iterator[tuple[int, int]]:
     """The joints of bones that are not below the joint of the bone above them, with that joint."""
     bones = character.bones
     for bone, node in bones.items():
-        parent = ABOVE.get(bone, "")
-        while parent and parent not in bones:
-            parent = ABOVE.get(parent, "")
+        parent = next((each for each in _all_above(bone) if each in bones), "")
         if parent and bones[parent] not in rig.path_to_root(node):
             yield node, bones[parent]
+
+
+def below_others(rig: Rig, character: Character) -> Iterator[tuple[int, int]]:
+    """The joints of bones right below one that is none of those above them in a humanoid, with that joint."""
+    bone_of = {node: bone for bone, node in character.bones.items()}
+    for bone, node in character.bones.items():
+        above = next((each for each in rig.path_to_root(node)[1:] if each in bone_of), -1)
+        allowed = {*_all_above(bone)}
+        if above >= 0 and allowed and bone_of[above] not in allowed:
+            yield node, above
+
+
+def _all_above(bone: str) -> Iterator[str]:
+    """The bones above one, the nearest first."""
+    while bone := ABOVE.get(bone, ""):
+        yield bone
