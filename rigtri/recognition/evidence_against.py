@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rigtri.recognition.arms_legs import AGREED, Found
@@ -47,9 +47,11 @@ def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
     """The limbs, those that evidence contradicts less than sure; a remark says each contradiction."""
     if draft.certain:
         return list(found)
+    against = [_contradiction(draft, each, found) for each in found]
+    doubts = {id(each): why for each, why in zip(found, against, strict=True)}
     weighed = []
-    for each in found:
-        why = _contradiction(draft, each, found) if len(each.joints) == 3 else _no_trunk(draft, each, found)
+    for each, first in zip(found, against, strict=True):
+        why = first or _by_the_legs(draft, each, found, doubts)
         weighed.append(unsure(draft, each, why) if why and each.is_sure else each)
     return weighed
 
@@ -63,6 +65,8 @@ def unsure(draft: Draft, each: Found, why: str) -> Found:
 
 def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """The first doubt of a limb: of those of every limb, then of names or of shapes, whichever tell it."""
+    if len(each.joints) != 3:
+        return _no_trunk(draft, each, found)
     doubts = (*_OF_ANY, *(_OF_NAMES if _is_named(draft, each) else _OF_SHAPES))
     return next(filter(None, (doubt(draft, each, found) for doubt in doubts)), "")
 
@@ -278,18 +282,20 @@ def _numbers(name: str) -> list[int]:
     return [int(digits) for digits in re.findall("[0-9]+", name)]
 
 
-def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found], doubts: Mapping[int, str]) -> str:
     """Arms without hands are told by the legs: where evidence denies these, they are not sure.
 
-    Chairs have both.
+    Chairs have both. doubts: what speaks against each limb, by its id.
     """
     body = draft.shape.body
-    if body is None or each.pair is None or each.pair is not body.arms or _by_words(each):
+    if len(each.joints) != 3 or _is_named(draft, each) or _by_words(each):
+        return ""
+    if body is None or each.pair is None or each.pair is not body.arms:
         return ""
     if each.pair.thumb and each.pair.fingers >= HAND:
         return ""
     for leg in (k for k in found if k.pair is body.legs):
-        if skirt(draft, leg) or (len(leg.joints) == 3 and _contradiction(draft, leg, found)):
+        if skirt(draft, leg) or (len(leg.joints) == 3 and doubts[id(leg)]):
             return "its legs are not sure"
     return ""
 
@@ -328,5 +334,4 @@ _OF_SHAPES = (
     *_alone(_named_to_bend_elsewhere, _misnamed, other_bend, no_hand, split_bone, only_things),
     *_alone(further_part, ankle_as_knee, skirt, rival, later_start, goes_on, middle_bone, other_end),
     *_alone(points_ahead, may_be_a_thing),
-    _by_the_legs,
 )
