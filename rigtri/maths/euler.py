@@ -44,13 +44,12 @@ def to_angles(q: ArrayLike, order: RotateOrder) -> Floats:
     m = to_axes(q)
     along, aside = m[..., i, i], sign * m[..., i, j]
     size = np.sqrt(along * along + aside * aside)
-    angles = np.empty(m.shape[:-1])
-    angles[..., j] = arc_tangent(-sign * m[..., i, k], size)
-    angles[..., k] = np.where(size > _NOTHING, arc_tangent(aside, along), 0.0)
-    sine, cosine = sin_cos(angles[..., k])
+    last = np.where(size > _NOTHING, arc_tangent(aside, along), 0.0)
+    sine, cosine = sin_cos(last)
     undone = cosine[..., np.newaxis] * m[..., :, j] - sign * sine[..., np.newaxis] * m[..., :, i]
-    angles[..., i] = arc_tangent(-sign * undone[..., k], undone[..., j])
-    return angles
+    first = arc_tangent(-sign * undone[..., k], undone[..., j])
+    angles = {i: first, j: arc_tangent(-sign * m[..., i, k], size), k: last}
+    return np.stack([angles[axis] for axis in range(3)], axis=-1)
 
 
 def from_angles(angles: ArrayLike, order: RotateOrder) -> Floats:

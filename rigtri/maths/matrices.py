@@ -43,8 +43,6 @@ __all__ = [
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 # For each row and column of a 3×3 matrix the next two: what its minors are made of.
 _NEXT_TWO = np.ix_((1, 2, 0, 1), (1, 2, 0, 1))
-# Numbers of so few matrices are multiplied at once, which takes fewer steps and more memory.
-_FEW = 512
 # Axes that span a smaller share of the product of their lengths are flat but for rounding.
 _FLAT = 1e-13
 # Axes that should meet at right angles do so within this cosine after float32 storage.
@@ -81,9 +79,6 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
     """
     a, b = as_matrices(a), as_matrices(b)
     with np.errstate(invalid="ignore", over="ignore"):  # inf and NaN go through as they are
-        if a.size + b.size <= _FEW:
-            each = a[..., np.newaxis] * b[..., np.newaxis, :, :]
-            return ((each[..., 0, :] + each[..., 1, :]) + each[..., 2, :]) + each[..., 3, :]
         total = a[..., :, 0, np.newaxis] * b[..., np.newaxis, 0, :]
         for k in (1, 2, 3):
             total += a[..., :, k, np.newaxis] * b[..., np.newaxis, k, :]

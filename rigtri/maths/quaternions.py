@@ -75,7 +75,7 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
     a, b = as_quaternions(a), as_quaternions(b)
     ax, ay, az, aw = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
     bx, by, bz, bw = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
-    result = by_component(a.shape if a.shape == b.shape else np.broadcast_shapes(a.shape, b.shape))
+    result = by_component(np.broadcast_shapes(a.shape, b.shape))
     result[..., 0] = aw * bx + ax * bw + ay * bz - az * by
     result[..., 1] = aw * by - ax * bz + ay * bw + az * bx
     result[..., 2] = aw * bz + ax * by - ay * bx + az * bw

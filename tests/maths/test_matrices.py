@@ -133,12 +133,15 @@ def test_nine_numbers_are_no_matrix() -> None:
         m.as_matrices(np.eye(3))
 
 
-def test_few_are_multiplied_to_the_bit_as_many() -> None:
-    chance = np.random.default_rng(5)
-    a, b = chance.normal(size=(2, 100, 4, 4))
-    b[3, 1, 2], a[4, 0, 0] = np.inf, np.nan
-    for few in (1, 3, 16):
-        assert_array_equal(m.multiply(a[:few], b[:few]), m.multiply(a, b)[:few])
+def test_axes_are_the_nearest_rotation_where_they_are_sheared_and_else_as_they_are() -> None:
+    sheared, straight = (
+        np.eye(4),
+        m.compose(np.zeros(3), from_axis_angle([0.6, 0.0, 0.8], 0.7), (1.0, 2.0, 3.0)),
+    )
+    sheared[1, 0] = 0.5
+    found = m.unsheared_axes([sheared, straight])
+    assert_array_equal(found, [m.nearest_rotation(sheared), m.orthonormal_axes(straight)])
+    assert np.abs(found[0] - m.orthonormal_axes(sheared)).max() > 0.1
 
 
 def test_flat_axes_have_no_nearest_rotation_whatever_rounding_leaves_of_them() -> None:

@@ -170,3 +170,13 @@ def test_the_mean_of_one_rotation_is_the_rotation() -> None:
     turn = q.unit(np.array([[[0.1, 0.2, 0.3, 0.4]], [[0.4, 0.3, -0.2, -0.1]]]))
     assert_array_equal(q.average(turn, np.array([0.7])), q.unit(turn)[:, 0])
     assert np.isnan(q.average(turn, np.array([0.0]))).all()
+
+
+@pytest.mark.parametrize(("size", "stored"), [(1 + 9e-7, 1.0), (1 - 9e-7, 1.0), (1 + 2e-6, 1 + 2e-6), (3, 3)])
+def test_rotations_are_stored_with_length_1_where_they_nearly_have_it(size: float, stored: float) -> None:
+    unit = np.array([0.1, 0.7, -0.5, 0.5])
+    assert_allclose(
+        q.normalise_for_storage([size * unit, [0, 0, 0, -size]]),
+        [stored * unit, [0, 0, 0, -stored]],
+        rtol=1e-15,
+    )

@@ -19,6 +19,7 @@ from rigtri.evaluation import sampling, skinning
 from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.evaluation.timelines import keys_and_between, timelines
 from rigtri.formats import ReadOptions, read
+from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.mesh_triangles import nearest, triangles
 from rigtri.model.rig import Rig
@@ -258,6 +259,26 @@ def test_what_holds_no_rivet_is_reported(
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     with pytest.raises(error, match=words):
         add_rivet(rig, options=options)
+
+
+@pytest.mark.parametrize(("widths", "flat"), [([1, 0], 1), ([0, 1], 0)])
+def test_a_rivet_keeps_its_axes_where_its_triangle_has_no_area(
+    widths: list[int], flat: int, tmp_path: Path
+) -> None:
+    rig = read(arm(clips=False).glb(tmp_path / "in.glb")).rig
+    scales = np.array([[width, 1.0, 1] for width in widths])
+    thin = Track(rig.find("upper"), "scale", "LINEAR", np.array([0.0, 1]), scales)
+    report = Report()
+    rig = add_rivet(replace(rig, clips=(Clip("thin", (thin,)),)), options=MIDDLE, report=report)
+    _, places, turns = rig.clip("thin").tracks
+    assert_allclose(places.values, [[width * 5 / 12, 5 / 3, 0] for width in widths], atol=1e-6)
+    assert (turns.values == turns.values[1 - flat]).all()
+    assert np.isfinite(turns.values).all()
+    (told,) = report.warnings
+    assert told.geometry
+    assert told.text == (
+        f"Rivet 'button': its triangle has no area in clip 'thin' at {flat}; it keeps its axes there"
+    )
 
 
 def test_a_mesh_of_lines_or_without_area_holds_none(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from baked_rigs import animated, control, rigged
 from places import SAMPLES
 from rigs import chain, rig_of
 
@@ -48,6 +49,14 @@ def _three_drivers(report: Report) -> None:
     drivers = ["hand_L_ik_ctl", "hand_R_ik_ctl", "foot_L_ik_ctl"]
     rig = rigtri.constrain(rig, type="orient", child="head", driver=drivers)
     blender_setup(rig, gltf=True, report=report)
+
+
+def _stretched(report: Report) -> None:
+    """IK cannot shear an arm as an FK control with three scales does."""
+    rig = rigged()
+    rig = animated(rig, control(rig, "forearm_L", "fk"), "scale", [[1, 1, 1], [1, 2, 0.3]])
+    rig = animated(rig, control(rig, "hand_L", "fk"), "rotation", [[0, 0, 0, 1], [0.6, 0, 0, 0.8]])
+    rigtri.snap(rig, limb=[("upper_arm_L", "forearm_L", "hand_L")], to="ik", at=["new@1"], report=report)
 
 
 def _lost_clip(report: Report) -> None:
@@ -106,6 +115,17 @@ CASES: dict[str, tuple[Callable[[Report], object], str]] = {
         lambda report: rigtri.orient_joints(chain((0, 0, 0), (1, 0, 0), (1, 0, 0), (2, 1, 0)), report=report),
         "bones of length 0 aim at the next joint at another position: b",
     ),
+    "invented-up": (
+        lambda report: rigtri.orient_joints(chain((0, 0, 0), (1, 0, 0)), joints="*", report=report),
+        "'a': no bend plane determines its up axis; up axis: from the joint's current axis.",
+    ),
+    "twist-left-out": (
+        lambda report: rigtri.add_twist(
+            rigtri.read(SAMPLES / "flat_ik.glb"), limbs="auto", upper=True, lower=True, report=report
+        ),
+        "'foot' is not a descendant of 'shin', whose bone gets no twist joints",
+    ),
+    "snap-off": (_stretched, "The limb that ends in 'hand_L' moves by 0.037 of the size"),
     "up-source-turns": (
         lambda report: rigtri.orient_joints(ARM, up_from="noderot:y:b", report=report),
         "noderot:y:b: 'b' is re-oriented too; a second run would see other axes",

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gltf_files import Builder, character, small
+from morphs import arm
 
 from rigtri.errors import FileError
 from rigtri.formats import ReadOptions, read
@@ -164,6 +165,18 @@ def test_a_broken_mesh_is_a_notice_and_costs_nothing_else(spoil: Any, tmp_path: 
     assert document.rig.skins[0].weighted.shape == (3,)
     assert list(document.meshes()) == []
     assert {notice.code for notice in document.warnings} == {"mesh-unread"}
+
+
+def test_a_broken_channel_of_morph_weights_is_a_notice_and_costs_nothing_else(tmp_path: Path) -> None:
+    b = arm()
+    times = b.gltf["animations"][0]["samplers"][1]["input"]
+    b.gltf["animations"][0]["samplers"][1]["output"] = times
+    document = read(b.glb(tmp_path / "in.glb"))
+    assert [track.path for track in document.rig.clips[0].tracks] == ["rotation"]
+    (told,) = document.warnings
+    assert told.code == "weights-unread"
+    assert "channel 1: weights needs 2 numbers a key, its output has 1" in told.text
+    assert told.text.endswith("(morph weights are kept, but not checked)")
 
 
 def test_joints_that_no_skin_has_leave_the_mesh_out(tmp_path: Path) -> None:
