@@ -14,6 +14,7 @@ import usd_files
 from pxr import Gf, Sdf, Vt
 from usd_of_everything import EDITS, HEAD, MAY_CHANGE, PRIMS, SUB, packed
 
+from rigtri import add_twist
 from rigtri.formats import ReadOptions
 from rigtri.formats.usd.text import splice
 from rigtri.formats.usd.text import statements as text
@@ -261,6 +262,16 @@ def test_comments_in_an_array_that_got_another_size_are_lost_with_a_notice(tmp_p
     told, lost = respelled(text.replace("2]", "3]"))
     assert b'# one "x"' in told
     assert not lost
+
+
+def test_an_edit_names_the_values_that_lose_comments(tmp_path: Path) -> None:
+    joints = 'uniform token[] joints = ["a", # the root\n "a/b", "a/b/c"]'
+    text = usd_files.scene(usd_files.skeleton(joints=joints), usd_files.animation(), usd_files.MESH)
+    document = usd_files.read(usd_files.save(tmp_path, text))
+    usd_files.write(document, add_twist(document.rig, joint="a", to="a/b"), tmp_path / "out.usda")
+    assert [notice.text for notice in document.warnings if notice.code == "comments-dropped"] == [
+        "comments inside these values went, for the values got another size: joints"
+    ]
 
 
 STATED = """#usda 1.0

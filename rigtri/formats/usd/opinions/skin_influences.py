@@ -26,7 +26,7 @@ def read_influences(query: Any, points: int) -> tuple[Integers, Floats] | None:
     """Joint indices and weights as stored, (v, k); None where UsdSkel has no use for them."""
     pair = query.ComputeVaryingJointInfluences(points, DEFAULT)
     width = max(query.GetNumInfluencesPerComponent(), 1)
-    if not pair or len(pair[0]) != points * width or len(pair[1]) != len(pair[0]):
+    if not pair or len(pair[0]) != points * width:
         return None
     shape = (points, width)
     indices = np.array(pair[0], dtype=np.int64).reshape(shape)
