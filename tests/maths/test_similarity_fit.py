@@ -44,6 +44,16 @@ def test_about_the_origin_axes_go_onto_axes_alone() -> None:
     assert fit.residual > 0.1
 
 
+@pytest.mark.parametrize(("about_origin", "number"), [(False, 19), (True, 0)])
+def test_a_rotation_of_axes_that_fits_a_little_better_is_taken_where_no_pose_explains_it(
+    about_origin: bool, number: int
+) -> None:
+    ours = POINTS @ to_axes(from_axis_angle([0.0, 0.0, 1.0], np.radians(60)))
+    ours[4], ours[1] = -ours[4], ours[1] * 1.3
+    fit = fit_similarity(POINTS, ours, about_origin=about_origin)
+    assert np.array_equal(fit.matrix[:3, :3] / np.abs(fit.matrix[:3, :3]).max(), AXIS_TURNS[number])
+
+
 @pytest.mark.parametrize("about_origin", [False, True])
 def test_rounding_is_no_transform(about_origin: bool) -> None:
     ours = POINTS * (1.0 + 1e-7) + 1e-6

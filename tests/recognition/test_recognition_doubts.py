@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -11,6 +12,7 @@ from recognition_bodies.population import company, crowd, furnished, population
 from recognition_bodies.skeletons import ARM, FINGERS, LEG, MAN, TRUNK, Joint, both, line, rig_with
 from recognition_bodies.truth import nameless
 
+from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.pipeline.rigspec.spec_init import left_out, starter, unsure
 from rigtri.recognition.layout import Layout
@@ -68,14 +70,7 @@ def test_a_joint_that_has_lost_its_name_makes_no_limb_sure_that_is_wrong(part: s
 
 
 def test_a_crane_is_no_arm_that_is_sure() -> None:
-    crane: list[Joint] = [
-        ("base", "", (0, 0, 0)),
-        ("arm", "base", (0, 2, 0)),
-        ("forearm", "arm", (0, 3, 1)),
-        ("hook", "forearm", (0, 2, 2)),
-        ("counter", "base", (0, 2, -1)),
-    ]
-    layout = recognise(rig_with(crane))
+    layout = recognise(rig_with(CRANE))
     assert not any(chain.is_sure for chain in layout.chains if chain.bend)
 
 
@@ -313,3 +308,145 @@ def test_a_remark_says_whether_one_skin_moves_several_characters(one_skin: bool)
     (remark,) = (remark for remark in recognise(rig).remarks if "characters" in remark)
     words = "that one skin moves" if one_skin else "and no skin has joints of two"
     assert remark == f"2 characters: separate hierarchies, {words}"
+
+
+def _with_names(**names: str) -> Rig:
+    """The man with other names, on both sides: by name without its side."""
+    rig = rig_with(MAN)
+    parts = [name.partition(".") for name in rig.names]
+    return replace(rig, names=tuple(f"{names.get(part, part)}{dot}{side}" for part, dot, side in parts))
+
+
+def _with_one_name(old: str, new: str) -> Rig:
+    rig = rig_with(MAN)
+    return replace(rig, names=tuple(new if name == old else name for name in rig.names))
+
+
+def _split_upper_arm(name: str) -> Rig:
+    """The man with one more joint in the middle of his left upper arm."""
+    rig = rig_with(
+        [
+            (
+                "part" if joint == "forearm.L" else joint,
+                over,
+                (0.3, 1.45, 0) if joint == "forearm.L" else place,
+            )
+            for joint, over, place in MAN
+            if joint == "forearm.L" or not _is_left_arm(joint)
+        ]
+        + [("forearm.L", "part", (0.44, 1.45, -0.005)), ("hand.L", "forearm.L", (0.7, 1.45, 0))]
+    )
+    return replace(rig, names=tuple(name if old == "part" else old for old in rig.names))
+
+
+def _is_left_arm(joint: str) -> bool:
+    return joint in ("forearm.L", "hand.L") or (joint.endswith(".L") and joint in {n for n, _, _ in FINGERS})
+
+
+def _short_upper_arm() -> Rig:
+    return rig_with([(n, over, (0.25, 1.45, 0) if n == "forearm.L" else place) for n, over, place in MAN])
+
+
+def _counted_arm(side: str, x: float) -> list[Joint]:
+    places = [(k * x, 1.45, -0.005 if k == 4 else 0) for k in (1, 2.5, 4, 5.5, 6)]
+    return line(" ".join(f"arm_{side}_{k}" for k in range(1, 6)), "chest", *places)
+
+
+CRANE: list[Joint] = [
+    ("base", "", (0, 0, 0)),
+    ("arm", "base", (0, 2, 0)),
+    ("forearm", "arm", (0, 3, 1)),
+    ("hook", "forearm", (0, 2, 2)),
+    ("counter", "base", (0, 2, -1)),
+]
+SURE = ["left arm", "left leg", "right arm", "right leg"]
+ARMS, LEGS = SURE[::2], SURE[1::2]
+
+
+@pytest.mark.parametrize(
+    ("make", "unsure_limbs", "remarks"),
+    [
+        (lambda: rig_with(MAN), [], []),
+        (
+            lambda: _with_one_name("hand.L", "foot2.L"),
+            ["left arm"],
+            ["the left arm is not sure: the name of 'foot2.L' is of another limb"],
+        ),
+        (
+            lambda: _with_one_name("clavicle.L", "spine2"),
+            ["left arm"],
+            ["the left arm is not sure: 'spine2' before it has a name of the trunk"],
+        ),
+        (
+            lambda: _with_one_name("hand.L", "hand_right"),
+            ["left arm"],
+            ["the left arm is not sure: the name of 'hand_right' says right"],
+        ),
+        (
+            lambda: _split_upper_arm(""),
+            ARMS,
+            [
+                "the left arm is not sure: a joint without a name is between 'upper_arm.L' and 'forearm.L'",
+                "the right arm is not sure: the left arm has other bones",
+            ],
+        ),
+        (
+            lambda: _split_upper_arm("q"),
+            ARMS,
+            [
+                "the left arm is not sure: the right arm has other bones",
+                "the right arm is not sure: the left arm has other bones",
+            ],
+        ),
+        (_short_upper_arm, ARMS, ["the right arm is not sure: the left arm has other bones"]),
+        (
+            lambda: rig_with([*TRUNK, *both(LEG), *_counted_arm("L", 0.1), *_counted_arm("R", -0.1)]),
+            ARMS,
+            [
+                f"the {side} arm is not sure: its joints are counted on to '{name}', and any three may bend"
+                for side, name in (("left", "arm_L_4"), ("right", "arm_R_4"))
+            ],
+        ),
+        (
+            lambda: _with_names(thigh="bone", shin="leg1", foot="leg2"),
+            LEGS,
+            [
+                "the left leg is not sure: its bones are counted from 'leg1.L' on",
+                "the right leg is not sure: its bones are counted from 'leg1.R' on",
+            ],
+        ),
+        (
+            lambda: _with_names(clavicle="y", upper_arm="x", forearm="upperarm", hand="forearm"),
+            ARMS,
+            [
+                "the left arm is not sure: 'forearm.L' is called as a lower bone is",
+                "the right arm is not sure: 'forearm.R' is called as a lower bone is",
+            ],
+        ),
+        (
+            lambda: _with_names(clavicle="y", upper_arm="shoulder", forearm="upperarm", hand="forearm"),
+            ARMS,
+            [
+                "the left arm is not sure: 'upperarm.L' is called as an upper bone is",
+                "the right arm is not sure: 'upperarm.R' is called as an upper bone is",
+            ],
+        ),
+        (lambda: rig_with(CRANE), ["arm"], ["the arm is not sure: nothing else of a body is named"]),
+        (
+            lambda: rig_with([("hand" if n == "hook" else n, over, place) for n, over, place in CRANE]),
+            ["arm"],
+            ["the arm is not sure: no other part of a body is named"],
+        ),
+        (
+            lambda: rig_with([(name, over, (x, -y, z)) for name, over, (x, y, z) in MAN], named=False),
+            SURE,
+            [f"the {limb} is not sure: its legs begin above its arms" for limb in SURE],
+        ),
+    ],
+)
+def test_a_remark_says_why_a_limb_is_not_sure(
+    make: Callable[[], Rig], unsure_limbs: list[str], remarks: list[str]
+) -> None:
+    layout = recognise(make())
+    assert sorted(chain.name for chain in layout.chains if chain.bend and not chain.is_sure) == unsure_limbs
+    assert sorted(layout.remarks) == remarks

@@ -34,7 +34,6 @@ class CopyOnWrite:
         holder = self.edit(*path[:-1])
         if holder.get(path[-1]) is None:
             holder[path[-1]] = empty
-            self._copies[id(empty)] = empty
         elif not isinstance(found := holder[path[-1]], type(empty)):
             where = ".".join(map(str, path))
             raise FileError(f"{where} needs an entry, but is {found!r:.40}: make it a list")

@@ -122,8 +122,9 @@ def test_materials_lenses_and_extras_come_home(home: tuple[Path, Path]) -> None:
     assert change["offset"] == pytest.approx([0.25, 0.5], abs=1e-6)
     assert change["rotation"] == pytest.approx(0.5)
     assert change["scale"] == pytest.approx([2, 3])
-    lens = next(c["perspective"] for c in back["cameras"] if c["type"] == "perspective")
-    assert lens == pytest.approx(source["cameras"][0]["perspective"], rel=1e-6)
+    lenses = {camera["type"]: camera[camera["type"]] for camera in back["cameras"]}
+    for camera in source["cameras"]:
+        assert lenses[camera["type"]] == pytest.approx(camera[camera["type"]], rel=1e-6)
     lights = [
         {light["type"]: light for light in file["extensions"]["KHR_lights_punctual"]["lights"]}
         for file in (source, back)

@@ -167,6 +167,21 @@ def test_a_broken_mesh_is_a_notice_and_costs_nothing_else(spoil: Any, tmp_path: 
     assert {notice.code for notice in document.warnings} == {"mesh-unread"}
 
 
+def test_what_morph_targets_do_to_normals_is_a_value_beside_the_normals(tmp_path: Path) -> None:
+    b = arm()
+    primitive = b.gltf["meshes"][0]["primitives"][0]
+    up, aside = np.tile([[0.0, 0, 1]], (3, 1)), np.tile([[1.0, 0, 0]], (3, 1))
+    primitive["attributes"]["NORMAL"] = b.accessor(up)
+    primitive["targets"][1]["NORMAL"] = b.accessor(aside)
+    (mesh,) = opened(b, tmp_path).meshes()
+    surface = mesh.surface()
+    assert surface is not None
+    assert np.array_equal(surface.normals, up)
+    assert {name: values.tolist() for name, values in surface.values.items()} == {
+        "NORMAL of morph target 1": aside.tolist()
+    }
+
+
 def test_a_broken_channel_of_morph_weights_is_a_notice_and_costs_nothing_else(tmp_path: Path) -> None:
     b = arm()
     times = b.gltf["animations"][0]["samplers"][1]["input"]
