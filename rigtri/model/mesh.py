@@ -127,8 +127,7 @@ def _moved(joints: Integers, weights: Floats) -> tuple[Integers, Integers]:
     """Joint and point of each weight that is not 0, (w,) each, joint by joint."""
     held = np.flatnonzero(weights != 0)
     named = joints.ravel()[held]
-    last = int(named.max(initial=0)) if named.min(initial=0) >= 0 else 1 << 16
-    # Of so few joints a sort counts, which is far faster.
-    kind = np.uint8 if last < 1 << 8 else np.uint16 if last < 1 << 16 else named.dtype
-    order = np.argsort(named.astype(kind), kind="stable")
+    # Of joints that fit into 16 bits a sort counts, which is far faster.
+    least = np.min_scalar_type(int(named.max(initial=0)))
+    order = np.argsort(named.astype(least) if named.min(initial=0) >= 0 else named, kind="stable")
     return named[order], held[order] // max(weights.shape[1], 1)

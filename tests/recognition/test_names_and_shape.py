@@ -147,3 +147,25 @@ def test_arms_of_parted_straight_bones_are_what_their_names_say() -> None:
 )
 def test_names_of_a_chain_agree_with_the_places_at_which_it_bends(names: str, agreed: float) -> None:
     assert agreement([limb_words(name) for name in names.split()], (0, 1, 2)) == pytest.approx(agreed)
+
+
+def test_arms_beside_front_and_hind_legs_are_read_by_the_words_that_many_use() -> None:
+    """No scheme has front legs; what names say of them costs the arms of a centaur nothing."""
+    legs = ("thigh", "shin", "foot", "toe")
+    joints = [joint for joint in MAN if not joint[0].startswith(legs)]
+    joints.insert(1, ("rump", "hips", (0, 1, -0.9)))
+    for name, over, (x, y, z) in (joint for joint in MAN if joint[0].startswith(legs)):
+        front = f"front_{over}" if over.startswith(legs) else over
+        hind = f"hind_{over}" if over.startswith(legs) else "rump"
+        joints += [(f"front_{name}", front, (x, y, z)), (f"hind_{name}", hind, (x, y, z - 1.0))]
+    layout = recognise(rig_with(joints))
+    arms = [chain for chain in layout.chains if chain.kind == "arm"]
+    assert [chain.evidence for chain in arms] == [
+        ("its names: common words for bones", "its shape agrees")
+    ] * 2
+    assert sorted(chain.name for chain in layout.chains if chain.is_sure and chain.kind == "leg") == [
+        "left front leg",
+        "left hind leg",
+        "right front leg",
+        "right hind leg",
+    ]

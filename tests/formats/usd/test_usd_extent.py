@@ -42,14 +42,16 @@ def test_arcs_that_double_on_one_prim_are_refused_at_once(tmp_path: Path) -> Non
     assert "arcs on one prim" in error_of(save(tmp_path, HERO + body))
 
 
-def test_doubling_through_other_files_and_selected_variants_counts_too(tmp_path: Path) -> None:
+@pytest.mark.parametrize("prim", ["</Top>", ""], ids=["named", "the default prim"])
+def test_doubling_through_other_files_and_selected_variants_counts_too(prim: str, tmp_path: Path) -> None:
+    head = '#usda 1.0\n(\ndefaultPrim = "Top"\n)\n'
     for k in range(30):
-        held = "\n".join(f'def "{name}" (references = @./l{k + 1}.usda@</Top>) {{}}' for name in "ab")
+        held = "\n".join(f'def "{name}" (references = @./l{k + 1}.usda@{prim}) {{}}' for name in "ab")
         chosen = 'variants = { string v = "on" }\nprepend variantSets = "v"'
         body = f'def "Top" (\n{chosen}\n)\n{{\nvariantSet "v" = {{\n"on" {{\n{held}\n}}\n}}\n}}\n'
-        save(tmp_path, "#usda 1.0\n" + body, f"l{k}.usda")
-    save(tmp_path, '#usda 1.0\ndef "Top" {}\n', "l30.usda")
-    source = save(tmp_path, HERO + 'def "Many" (references = @./l0.usda@</Top>) {}\n')
+        save(tmp_path, head + body, f"l{k}.usda")
+    save(tmp_path, head + 'def "Top" {}\n', "l30.usda")
+    source = save(tmp_path, HERO + f'def "Many" (references = @./l0.usda@{prim}) {{}}\n')
     assert "make more than 5000000 prims" in error_of(source)
 
 
