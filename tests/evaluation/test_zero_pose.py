@@ -210,3 +210,20 @@ def test_a_bone_is_seen_by_its_joint() -> None:
     rig.scale[1] = 2.0
     assert_allclose(bone(rig, 1, 3), [2, 0, 0], atol=1e-12)
     assert_allclose(bone(rig, 1, 0), [0, 0.5, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("carrier", "scale"),
+    [
+        ([1.0, 1, 1], [1.0, 2, 4]),  # what it is made of follows the carrier
+        ([3.0, 3, 3], [1.0, 2, 4]),
+        ([1.0, 3, 1], [2.0, 2, 2]),  # the third root of its volume, 8, along the axes that it keeps
+    ],
+)
+def test_a_joint_grows_by_its_volume_where_its_carriers_scale_is_not_uniform(
+    carrier: list[float], scale: list[float]
+) -> None:
+    scales = np.array([carrier, [1.0, 1, 1], [1.0, 1, 1]])
+    rig = rig_of(["carrier", "parent", "joint"], [-1, -1, 1], np.zeros((3, 3)), scale=scales)
+    parts = ControlsAtZero(rig).carried_parts(2, 0, np.diag([1.0, 2, 4, 1])[np.newaxis])
+    assert_allclose(parts.scale, [scale])

@@ -14,12 +14,14 @@ from rigs import chain, poses, random_rig, random_turns
 from rigtri.evaluation.skinning import skin_matrices
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe, split
+from rigtri.frames.reoriented_constraints import reoriented_metadata
 from rigtri.maths.matrices import from_frame, multiply
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, to_axes
 from rigtri.maths.quaternions import multiply as then
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.bindings import Bound
+from rigtri.model.metadata import OffsetRecord
 
 seeds = st.integers(0, 2**32 - 1)
 QUARTER = from_axis_angle([0, 0, 1], np.pi / 2)
@@ -195,3 +197,25 @@ def test_a_chain_split_at_each_joint_alternates_holders_and_joints() -> None:
     out = split(rig, dict.fromkeys(range(3), QUARTER))
     assert out.names == tuple(n for name in rig.names for n in (f"{name}_orient", name))
     assert out.parents.tolist() == [-1, 0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize(
+    ("angle", "scale", "turned"),
+    [
+        (np.pi / 2, (1.0, 2.0, 3.0), (2.0, 1.0, 3.0)),
+        (np.pi / 6, (1.0, 2.0, 3.0), (1.25, 1.75, 3.0)),
+        (np.pi / 6, (0.1, 0.1, 0.1), (0.1, 0.1, 0.1)),  # to the bit
+    ],
+)
+def test_an_offset_keeps_its_joints_axes_and_its_scale_along_them(
+    angle: float, scale: tuple[float, ...], turned: tuple[float, ...]
+) -> None:
+    rig = chain((0, 0, 0), (1, 0, 0))
+    turn = from_axis_angle([0, 0, 1], angle)
+    stored = OffsetRecord(kind="fk", joint="b", axes=(0.0, 0.6, 0.0, 0.8), scale=scale)
+    delta = np.stack([IDENTITY, turn])
+    found = reoriented_metadata(replace(rig, metadata={0: stored.to_dict()}), delta)[0]
+    assert_allclose(found["axes"], then(np.array(stored.axes), turn), atol=1e-15)
+    assert_allclose(found["scale"], turned, rtol=0 if scale == turned else 1e-12)
+    root = replace(rig, metadata={0: replace(stored, kind="root").to_dict()})
+    assert reoriented_metadata(root, delta) == root.metadata

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from rigs import rig_of
 
-from rigtri.recognition.humanoid_order import ABOVE, ABOVE_0, misplaced
+from rigtri.recognition.humanoid_order import ABOVE, ABOVE_0, below_others, misplaced
 
 TRUNK = {
     "hips": "",
@@ -71,3 +71,12 @@ def test_joints_that_are_not_below_that_of_the_bone_above_are_found() -> None:
     assert list(misplaced(rig, character)) == [(3, 4), (4, 1)]
     character.bones = {"leftHand": 3, "leftFoot": 5}
     assert not list(misplaced(rig, character))
+
+
+def test_joints_right_below_a_bone_of_another_limb_are_found() -> None:
+    names = ["hips", "spine", "leftUpperLeg", "twist", "leftHand", "leftFoot", "prop"]
+    rig = rig_of(names, [-1, 0, 1, 2, 3, 2, 5], [[0, 0, 0]] * 7)
+    named = ("hips", "spine", "leftUpperLeg", "leftHand", "leftFoot")
+    character: Any = SimpleNamespace(bones={name: names.index(name) for name in named})
+    # The leg is below the spine, and the hand below the leg; the foot only lacks the shin between.
+    assert list(below_others(rig, character)) == [(2, 1), (4, 2)]

@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from characters import ARM, CAMERA, HAND, HIPS, SPINE, SWORD, Held, character, stored, with_track
+from morphs import arm
 from numpy.testing import assert_allclose
 from rigs import chain, random_rig, random_turns, rig_of
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import Motion, between_keys, locals_at, worlds
+from rigtri.formats import read
 from rigtri.frames.reframe import reframe
 from rigtri.limits import TOLERANCE
 from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.compare import Source, self_check, verify
+from rigtri.verification.compare.compare import DocumentView, Source, self_check, verify
 from rigtri.verification.compare.deviation import denormalisation, joined
+from rigtri.verification.compare.morph_changes import without_changes
 from rigtri.verification.compare.probes import LinearMeshPoints, MeshPoints, SampledPoses, mesh_points
-from rigtri.verification.compare.verdict import Comparison, Worst
+from rigtri.verification.compare.verdict import Comparison
 
 BOTH = pytest.mark.parametrize("compare", [self_check, verify])
 Compare = Callable[[Source, Source], Comparison]
@@ -375,17 +379,6 @@ def test_tangents_do_not_count_as_rotations() -> None:
     assert denormalisation(character().rig) < 1e-12
 
 
-def test_the_result_is_described_in_words_and_as_json() -> None:
-    before = character()
-    after = replace(before, rig=nudged(before.rig, ARM), drawn=before.drawn[:1])
-    result = verify(before, after)
-    text = result.describe(verbose=True)
-    assert text.startswith("deviation ")
-    assert "lost        mesh sword" in text
-    assert "sword" in result.summary()
-    assert json.loads(json.dumps(result.as_json(), allow_nan=False))["lost"] == ["mesh sword", "mesh face"]
-
-
 def test_what_looks_different_comes_before_a_deviation_of_0() -> None:
     before = character()
     less = verify(before, replace(before, drawn=before.drawn[:1]))
@@ -425,6 +418,29 @@ def test_another_up_axis_is_named(compare: Compare) -> None:
     assert compare(held, after).changed == ("up is Z, was Y",)
 
 
-def test_the_default_of_a_usd_animation_has_no_time() -> None:
-    assert str(Worst("joint elbow", "Bend@default", -0.001)) == "joint elbow, Bend@default"
-    assert str(Worst("joint elbow", "Bend", 2.5)) == "joint elbow, Bend at 2.5"
+def test_morph_weights_that_change_on_purpose_are_set_aside_at_common_times(tmp_path: Path) -> None:
+    document = read(arm().glb(tmp_path / "in.glb"))
+    (clip,), node = document.rig.clips, document.rig.find("Skin")
+
+    def driven(share: float, key: int = 0) -> DocumentView:
+        tracks = tuple(
+            replace(t, values=t.values * [share, 1.0]) if t.path == "weights" else t for t in clip.tracks
+        )
+        rig = replace(document.rig, clips=(replace(clip, key=key, tracks=tracks),))
+        return DocumentView(document, rig)
+
+    def weights(view: Source) -> Floats:
+        return next(track.values for track in view.rig.clips[0].tracks if track.path == "weights")
+
+    changes = {document.rig.keys[node]: (0,)}
+    before, after = without_changes(driven(1.0), driven(0.3), changes)
+    assert np.array_equal(weights(before), weights(after))
+    assert not weights(before)[:, 0].any()
+    assert_allclose(weights(before)[[0, 3, -1], 1], [0.25, 0.75, 0.5])
+    # What is another clip, or of another node, stays.
+    for views in (
+        without_changes(driven(1.0), driven(0.3, key=1), changes),
+        without_changes(before, after, {}),
+    ):
+        assert weights(views[0]).shape == weights(views[1]).shape
+    assert weights(without_changes(driven(1.0), driven(0.3, key=1), changes)[1])[1, 0] == 0.3
