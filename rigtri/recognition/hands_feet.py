@@ -16,7 +16,6 @@ from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES, Kind
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import thumb_of
 from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
-from rigtri.recognition.shape_analysis import MOST
 
 BY_PLACE = "by its place in the hand"
 # Ordinals are left out: of some the third finger is the middle one, of others the ring finger.
@@ -220,8 +219,24 @@ def _finger(
     words = _WORDS.get(which, f"{which.lower()} finger") if which else "fingers" if alone else "finger"
     draft.add_chain("finger", words, side, chain, sure, (why,))
     if which and side:
-        for part, node in zip(_PARTS[which == "Thumb"], chain, strict=False):
+        bones = chain if which == "Thumb" else chain[_metacarpals(draft, chain, f"{side}{which}Proximal") :]
+        for part, node in zip(_PARTS[which == "Thumb"], bones, strict=False):
             draft.call(f"{side}{which}{part}", node)
+
+
+def _metacarpals(draft: Draft, chain: Sequence[int], proximal: str) -> int:
+    """How many joints of a finger are in the palm, before the knuckle.
+
+    Names say so, of the knuckle or of the metacarpal. A finger without them has one where three joints
+    follow it, and its first bone is longer than the way to it from the hand.
+    """
+    tree = draft.tree
+    knuckle = draft.known_bones.get(proximal, -1)
+    if knuckle in chain and len(chain) - chain.index(knuckle) >= len(PHALANGES):
+        return chain.index(knuckle)
+    if any(word.endswith("carpal") for word in parse_name(tree.rig.names[chain[0]]).words):
+        return 1
+    return int(knuckle < 0 and len(chain) > len(PHALANGES) and tree.bone[chain[1]] > tree.bone[chain[0]])
 
 
 def _in_order(
@@ -376,22 +391,3 @@ def _like_fingers(draft: Draft, hand: int, chains: Sequence[Sequence[int]]) -> b
     for chain in chains:
         towards = towards + (at[chain[-1]] - at[hand]).unit
     return towards.length > 0.8 * len(chains)
-
-
-def why_none(draft: Draft) -> str:
-    """Why no character was made out, in words."""
-    tree = draft.tree
-    joints = [k for k in tree.nodes if tree.rig.is_joint[k]] or tree.nodes
-    branching = [k for k in tree.nodes if len(tree.below[k]) > 1]
-    count = f"{len(joints)} joint{'s' * (len(joints) != 1)}"
-    if len(joints) < 5:
-        return f"{count} {'is' if len(joints) == 1 else 'are'} too few for a character"
-    if len(tree.nodes) > MOST:
-        return f"{count} without names of limbs: of more than {MOST} only names are read, not their shape"
-    if not branching:
-        return f"{count} in one chain without branches: no limbs in pairs"
-    if not draft.shape.pairs:
-        return f"{count}, but no two branches that are alike, as two arms or legs are"
-    if not any(len(limbs.at) == 3 for limbs in draft.shape.limbs):
-        return f"{count} with branches in pairs, but none of them has two bones that bend"
-    return f"{count} with branches in pairs, but what there is does not stand as arms and legs do"

@@ -14,7 +14,7 @@ from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
 from rigtri.recognition.evidence_against import doubted
-from rigtri.recognition.hands_feet import lay_ends, lay_hands, lay_others, why_none
+from rigtri.recognition.hands_feet import lay_ends, lay_hands, lay_others
 from rigtri.recognition.joint_tree import Tree, joints_of, segments_of
 from rigtri.recognition.layout import (
     BENDS,
@@ -39,7 +39,7 @@ from rigtri.recognition.naming_schemes import (
 )
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_alone import agreed
-from rigtri.recognition.shape_analysis import shape_of, tree_of
+from rigtri.recognition.shape_analysis import MOST, shape_of, tree_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
 
 # What is known of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
@@ -139,7 +139,8 @@ def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:
             for bone, node in zip(BENDS[each.kind], each.joints, strict=False):
                 draft.call(each.side + bone, node)
         if each.side and each.kind == "arm" and each.before:
-            draft.call(f"{each.side}Shoulder", each.before[-1])
+            shoulder = draft.known_bones.get(f"{each.side}Shoulder", -1)  # MMD has more joints before the arm
+            draft.call(f"{each.side}Shoulder", shoulder if shoulder in each.before else each.before[-1])
 
 
 def _places_of_legs(draft: Draft, found: Sequence[Found]) -> dict[int, str]:
@@ -202,7 +203,7 @@ def _remarks(rig: Rig, drafts: Sequence[Draft]) -> list[str]:
         return ["no joints: nothing here is a character"]
     known = [draft for draft in drafts if draft.chains]
     if not known:
-        remarks.append("not a character: " + why_none(drafts[0]))
+        remarks.append("not a character: " + _why_none(drafts[0]))
     if len(known) > 1:
         bodies, skins = (
             [set(draft.tree.nodes) for draft in known],
@@ -334,3 +335,22 @@ def _stands_along(draft: Draft, node: int, start: int, end: int) -> bool:
     along = arm.dot(bone) / (size * size)
     beside = (arm - bone * along).length
     return -0.02 <= along <= 1.02 and beside < _ALONG * size
+
+
+def _why_none(draft: Draft) -> str:
+    """Why no character was made out, in words."""
+    tree = draft.tree
+    joints = [k for k in tree.nodes if tree.rig.is_joint[k]] or tree.nodes
+    branching = [k for k in tree.nodes if len(tree.below[k]) > 1]
+    count = f"{len(joints)} joint{'s' * (len(joints) != 1)}"
+    if len(joints) < 5:
+        return f"{count} {'is' if len(joints) == 1 else 'are'} too few for a character"
+    if len(tree.nodes) > MOST:
+        return f"{count} without names of limbs: of more than {MOST} only names are read, not their shape"
+    if not branching:
+        return f"{count} in one chain without branches: no limbs in pairs"
+    if not draft.shape.pairs:
+        return f"{count}, but no two branches that are alike, as two arms or legs are"
+    if not any(len(limbs.at) == 3 for limbs in draft.shape.limbs):
+        return f"{count} with branches in pairs, but none of them has two bones that bend"
+    return f"{count} with branches in pairs, but what there is does not stand as arms and legs do"

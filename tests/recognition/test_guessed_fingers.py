@@ -32,6 +32,18 @@ def test_a_fist_has_its_thumb_where_an_open_hand_has_it(curl: float, hands: floa
         assert known.items() >= (expected | {f"{side} thumb": body.parts[f"{side} thumb 1"]}).items()
 
 
+@pytest.mark.parametrize("names", ["none", "unreal", "mixamo"])
+@pytest.mark.parametrize("ends", [False, True])
+def test_the_first_phalanx_follows_a_metacarpal(names: str, ends: bool) -> None:
+    """Before, metacarpals were called proximal, and `rename-joints` and `conform` named them so."""
+    body = posed_body(Pose(names, metacarpals=True, ends=ends))
+    (character,) = recognise(body.rig).characters
+    bones = {joint: bone for bone, joint in character.bones.items()}
+    for finger, bone in zip(FINGERS, ("Index", "Middle", "Ring", "Little"), strict=True):
+        called = [bones.get(body.parts[f"left {finger} {k}"]) for k in range(4)]
+        assert called == [None, *(f"left{bone}{part}" for part in ("Proximal", "Intermediate", "Distal"))]
+
+
 def test_a_mitten_of_one_numbered_finger_is_what_its_scheme_says() -> None:
     found = _fingers_called(Pose("none", fingers=1, thumb=False), "Bip01 {s} Finger{n1}{b}", "")
     assert {name for name, _ in found.values()} == {"left index finger"}

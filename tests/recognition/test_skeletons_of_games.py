@@ -348,3 +348,39 @@ def test_a_shoulder_before_an_arm_is_none_of_the_three_joints_of_an_arm_by_itsel
     joints = line(words, "", *places)
     _, limbs = sure_limbs(joints, named=True)
     assert limbs == {"right arm": " ".join(words.split()[1:4])}
+
+
+def test_a_metacarpal_that_two_phalanges_follow() -> None:
+    """Before, what its name calls a metacarpal was the proximal phalanx."""
+    called = {"1": "_metacarpal", "2": "_01", "3": "_02"}
+    joints = [(_renamed(name, called), _renamed(above, called), at) for name, above, at in [*MAN, *FINGERS]]
+    (found,) = recognise(rig_with(joints)).characters
+    bones = {bone: joints[k][0] for bone, k in found.bones.items()}
+    assert bones["leftIndexProximal"] == "index_01.L"
+    assert bones["leftIndexIntermediate"] == "index_02.L"
+    assert "leftIndexDistal" not in bones
+
+
+def _renamed(name: str, called: dict[str, str]) -> str:
+    words = {"f0": "index", "f1": "middle", "f2": "ring", "f3": "pinky"}
+    return words[name[:2]] + called[name[2]] + name[3:] if name[:2] in words else name
+
+
+def test_the_shoulder_of_mmd_is_not_the_joint_that_undoes_it() -> None:
+    """Before, 肩C, which stands at the upper arm, was the shoulder."""
+    names = {"clavicle": "肩", "upper_arm": "腕", "forearm": "ひじ", "hand": "手首"}
+    names |= {"thigh": "足", "shin": "ひざ", "foot": "足首"}
+    body = {"hips": "下半身", "spine": "上半身", "chest": "上半身2", "neck": "首", "head": "頭"}
+
+    def japanese(name: str) -> str:
+        word, _, side = name.partition(".")
+        return {"L": "左", "R": "右"}[side] + names[word] if word in names else body.get(name, name)
+
+    joints = list[Joint]()
+    for name, above, at in MAN:
+        arm = name.startswith("upper_arm")
+        undoing = japanese(above) + "C"
+        joints += [(undoing, japanese(above), at)] * arm
+        joints.append((japanese(name), undoing if arm else japanese(above), at))
+    (found,) = recognise(rig_with(joints)).characters
+    assert joints[found.bones["leftShoulder"]][0] == "左肩"
