@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from places import SAMPLES, ci, every_other, first, real_files
+from posed_bodies import Pose, posed_body
 from program import cli
 from usd_files import deviation
 
@@ -265,6 +266,18 @@ def test_where_joints_may_not_rotate_joints_above_the_hips_have_the_axes_of_all(
     out = rigtri.conform(replace(rig, source=None, rules=rules), to=to)
     for node in np.flatnonzero(out.is_joint).tolist():
         assert np.abs(out.world[node, :3, :3] - np.eye(3)).max() < 1e-6, out.names[node]
+
+
+def test_a_joint_between_two_bones_has_the_axes_of_the_upper_one() -> None:
+    """Before, clips of other characters turned fingers below metacarpals, and forearms below twist joints in
+    line, by as much as these had other axes."""
+    body = posed_body(Pose("mixamo", arms=0.0, metacarpals=True))
+    out = rigtri.orient_joints(body.rig, preset="blender", standard_pose="godot", pose="nodes")
+    axes = out.world[:, :3, :3]
+    for side in ("left", "right"):
+        hand = axes[body.parts[f"{side} hand"]]
+        assert np.allclose(axes[body.parts[f"{side} little 0"]], hand, atol=1e-6)
+        assert np.allclose(axes[body.parts[f"{side} little 1"]], hand, atol=1e-6), "all of a hand in a T-pose"
 
 
 def test_a_leg_below_another_joint_is_reported() -> None:

@@ -8,7 +8,7 @@ Source: VRMC_vrm 1.0, tpose.md; Godot, SkeletonProfileHumanoid (the reference po
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import field
 
 import numpy as np
@@ -63,9 +63,10 @@ def standard_frames(
             continue
         known = sure_bones(character)
         table = godot_bones(found) if pose == "godot" else standard_bones(found, pose)
-        bones |= {known[bone]: (aim, up) for bone, aim, up in table if bone in known}
+        mine = {known[bone]: (aim, up) for bone, aim, up in table if bone in known}
         for chain in (k for k in character.chains if k.kind in ("spine", "neck") and k.is_sure):
-            bones |= dict.fromkeys(chain.joints, (found.up, cross(found.up, found.ahead)))
+            mine |= dict.fromkeys(chain.joints, (found.up, cross(found.up, found.ahead)))
+        bones |= mine | {joint: mine[bone] for joint, bone in _between(rig, mine)}
         rows = _turned_axes(rig, found)
         below = rig.below(character.hips) if character.hips >= 0 else []
         axes |= dict.fromkeys([*(part.joint for part in character.parts), *below], rows)
@@ -75,6 +76,19 @@ def standard_frames(
             faces, ahead = (direction_text(tuple(k.tolist())) for k in (found.ahead, _usual(rig)))
             turned.append((faces, ahead))
     return StandardFrames(bones, axes, tuple(turned))
+
+
+def _between(rig: Rig, bones: Collection[int]) -> Iterator[tuple[int, int]]:
+    """The joints between a bone and the one above it, with the latter, whose axes they get.
+
+    Metacarpals, twist joints in line, MMD's 肩P: no clip of a standard skeleton has keys for them, and the
+    rest rotations of the bones below them have to be those of the standard skeleton all the same.
+    """
+    for node in bones:
+        above = rig.path_to_root(node)[1:]
+        bone = next((k for k in above if k in bones), -1)
+        if bone >= 0:
+            yield from ((joint, bone) for joint in above[: above.index(bone)])
 
 
 def warn_facing(frames: StandardFrames, report: Report) -> None:
