@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from conftest import Golden
 from places import SAMPLES
 from recognition_bodies import seeds
 from recognition_bodies.cases import Case, files_here, made, schemes, varied_bodies
@@ -142,3 +143,31 @@ def test_every_file_of_the_samples_has_a_truth() -> None:
 def test_the_naming_schemes_name_a_body_each_in_its_way() -> None:
     names = [frozenset(make().calls.values()) for make in SCHEMES.values()]
     assert len(set(names)) == len(names)
+
+
+# Bodies that show, with and without names, each evidence for and against a limb twice, where so many do.
+NAMED = {
+    "person": (6, 38), "quadruped": (2, 4, 5, 34), "dinosaur": (5,), "centaur": (4,), "arms alone": (0, 1),
+    "legs alone": (0,), "snake": (0,), "fish": (5,), "thing": (0, 1, 3, 5, 21), "crowd": (5, 8, 9),
+    "company": (1, 8), "furniture": (12, 16), "paws": (0, 1, 19),
+}  # fmt: skip
+NAMELESS = {
+    "person": (6, 9, 28, 37), "quadruped": (5, 6, 33, 35), "insect": (6,), "dinosaur": (0, 6, 7, 8),
+    "bird": (2, 3), "mech": (3, 4), "centaur": (0,), "arms alone": (0,), "hand": (0, 1), "snake": (0, 1),
+    "fish": (3,), "thing": (1, 8, 9, 12), "crowd": (2, 3, 5), "furniture": (0, 7, 9), "paws": (14, 19),
+}  # fmt: skip
+
+
+def test_evidence_for_and_against_limbs_is_what_a_reviewer_has_read(golden: Golden) -> None:
+    lines = []
+    for case in population(DEVELOPMENT):
+        kind, _, number = case.name.rpartition(" ")
+        for chosen, rig, words in ((NAMED, case.rig, ""), (NAMELESS, nameless(case.rig), ", without names")):
+            if int(number) in chosen.get(kind, ()):
+                layout = recognise(rig)
+                lines.append(f"{case.name}{words}")
+                for chain in (chain for chain in layout.chains if chain.bend):
+                    joints, why = " ".join(map(rig.title, chain.bend)), "; ".join(chain.evidence)
+                    lines.append(f"  {chain.name} {chain.confidence:.6g}: {joints}: {why}")
+                lines += [f"  {remark}" for remark in layout.remarks]
+    golden.check("recognition.txt", "\n".join([*lines, ""]))
