@@ -8,12 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from rigs import chain
+from rigs import chain, rig_of
 
 from rigtri.errors import UsageError
 from rigtri.frames.skeleton import reference, skeleton
+from rigtri.maths.matrices import inverse
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 
 @pytest.mark.parametrize("pose", [None, "bind", "nodes"])
@@ -61,3 +63,20 @@ def test_any_moment_of_a_clip_without_keys_is_its_rest_pose() -> None:
 def test_what_is_no_moment_of_a_clip_is_refused(pose: str, said: str) -> None:
     with pytest.raises(UsageError, match=f"^{re.escape(said)}"):
         reference(skeleton(waving()), pose)
+
+
+def test_joints_carry_what_they_or_joints_below_them_move_or_hold() -> None:
+    names = ["root", "arm", "hand", "sword", "helper", "leg"]
+    rig = rig_of(names, [-1, 0, 1, 2, 0, 0], np.eye(6)[:, :3], attachment=np.array([-1, -1, -1, 3, -1, -1]))
+    weighted = np.array([False, False, False, False, True])
+    skin = Skin(
+        "skin", np.array([0, 1, 2, 4, 5]), inverse(rig.world[[0, 1, 2, 4, 5]]), weigh=lambda: weighted
+    )
+    found = skeleton(replace(rig, skins=(skin,))).carries
+    assert [name for name, carries in zip(names, found, strict=True) if carries] == [
+        "root", "arm", "hand", "sword", "leg",
+    ]  # fmt: skip
+    nothing = replace(
+        rig, skins=(replace(skin, weigh=lambda: np.zeros(5, dtype=bool)),), attachment=np.full(6, -1)
+    )
+    assert skeleton(nothing).carries.all()

@@ -91,6 +91,25 @@ def test_the_ring_of_a_weapon_s_slot_is_not_as_wide_as_the_weapon(half: tuple[fl
     assert 0 < rings["c"] < 2.5 * rings["b"]
 
 
+def test_the_ring_of_a_joint_without_skin_is_as_wide_as_the_skin_of_the_joint_above() -> None:
+    rig = chain((0, 0, 0), (5, 0, 0), (6, 0, 0), (7, 0, 0))
+    meshes = [
+        replace(
+            a_box(joint, (0.5, half, half)),
+            skin=0,
+            joints=np.full((8, 1), joint),
+            weights=np.ones((8, 1)),
+        )
+        for joint, half in ((0, 3.0), (1, 0.5))
+    ]
+    meshes[1] = replace(meshes[1], points=meshes[1].points + np.array([5.0, 0, 0]))
+    rig = replace(rig, content=Content(read_meshes=lambda: meshes))
+    rig = rigtri.add_controls(rig, joints=["a", "b", "c"])
+    rings = {record.joint: record.size or 0.0 for record in rig.records(ControlRecord).values()}
+    assert rings["c"] == pytest.approx(rings["b"], rel=0.3)
+    assert rings["a"] > 3 * rings["b"]
+
+
 def sizes(name: str, kind: str) -> dict[str, float]:
     """How large the shape of each joint's control of a kind is."""
     rig = rigtri.add_controls(read(SAMPLES / name).rig, whole_character=True)

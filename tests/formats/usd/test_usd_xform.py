@@ -16,9 +16,11 @@ from usd_files import MESH, animation, error_of, read, save, scene, skeleton, sk
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.sampling import sample
+from rigtri.formats.usd.opinions.xform_edits import transform_ops
 from rigtri.formats.usd.reading.xform_hierarchy import sampled_tracks
 from rigtri.frames.reframe import reframe
-from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, multiply, unit
+from rigtri.maths.matrices import compose
+from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, from_axis_angle, multiply, unit
 from rigtri.model.animation import PATHS
 from rigtri.verification.compare.compare import self_check
 
@@ -384,3 +386,18 @@ def test_prims_have_tracks_of_scale_where_an_op_scales(scaled: bool, paths: list
     tracks = sampled_tracks(prim.GetPrim(), 0, "LINEAR")
     assert tracks
     assert [track.path for track in tracks] == paths
+
+
+@pytest.mark.parametrize(
+    ("turn", "scale", "ops"),
+    [
+        (0.0, 1.0, ["translate"]),
+        (1e-14, 1.0 + 1e-14, ["translate"]),
+        (0.5, 1.0, ["translate", "orient"]),
+        (0.0, 2.0, ["translate", "scale"]),
+        (-0.5, 0.5, ["translate", "orient", "scale"]),
+    ],
+)
+def test_a_transform_has_the_ops_that_do_something(turn: float, scale: float, ops: list[str]) -> None:
+    local = compose(np.array([1.0, 2, 3]), from_axis_angle([0.0, 0, 1], turn), np.array([1.0, scale, 1]))
+    assert transform_ops(local) == [f"xformOp:{name}" for name in ops]
