@@ -183,6 +183,10 @@ def test_marks_are_json_with_the_same_content() -> None:
     dots = [entry for entry in found if entry["kind"] == "joint"]
     assert [entry["points"] for entry in dots] == [[[0, 0, 0]], [[3, 4, 0]], [[7, 1, 0]]]
     assert all(entry["form"] in ("dot", "line", "arrow", "bone", "face") for entry in found)
+    mark = Mark("line", "control", np.eye(3)[:2], closed=True, color=(1.0, 0.5, 0.0))
+    (plain,), (entry,) = as_json([replace(mark, closed=False, color=None)]), as_json([mark])
+    assert plain == {"form": "line", "kind": "control", "points": [[1, 0, 0], [0, 1, 0]]}
+    assert entry == {**plain, "closed": True, "color": [1.0, 0.5, 0.0]}
 
 
 # Whatever a file contains

@@ -17,9 +17,10 @@ from rigtri.maths.matrices import compose
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip
 from rigtri.model.format_rules import FormatRules
+from rigtri.model.limb import Limb
 from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.rig import Rig
-from rigtri.model.skin import Skin
+from rigtri.model.skin import JointMerge, Skin, WeightLimit
 
 
 def hero() -> Rig:
@@ -180,3 +181,43 @@ def test_new_nodes_come_in_between_right_before_the_nodes_below_them() -> None:
     assert found.parents.tolist() == [-1, 0, 1, 2, 3]
     assert found.skins[0].joints.tolist() == [1, 2, 4]
     assert_allclose(found.world[[1, 2], 3, :3], rig.world[[0, 1], 3, :3])
+
+
+def test_rules_and_edits_follow_nodes_to_their_new_numbers() -> None:
+    new = [2, 0, 1]
+    rules = FormatRules(
+        fixed={0: "held"},
+        world_aligned=frozenset([1]),
+        data_nodes=frozenset([2]),
+        instances={2: 1},
+        group_parent=1,
+    )
+    moved = rules.reordered(new)
+    assert (moved.fixed, moved.world_aligned, moved.data_nodes) == ({2: "held"}, {0}, {1})
+    assert (moved.instances, moved.group_parent) == ({1: 0}, 0)
+    assert FormatRules().reordered(new).group_parent == -1
+    values = np.array([[1.0], [2.0], [3.0]])
+    assert rules.shared(values).tolist() == [[1.0], [2.0], [2.0]]
+    assert values.tolist() == [[1.0], [2.0], [3.0]]
+    assert FormatRules().shared(values) is values
+    edits = PendingEdits(morph_weights={0: values, 1: values}, removed=frozenset([0, 2]))
+    assert edits.reordered([-1, 0, 1]).removed == {1}
+    assert edits.reordered(new).morph_weights.keys() == {2, 0}
+
+
+@pytest.mark.parametrize(
+    ("edits", "changes"),
+    [
+        (PendingEdits(), False),
+        (PendingEdits(removed=frozenset([1])), False),
+        (PendingEdits(weight_limit=WeightLimit(4)), True),
+        (PendingEdits(joint_merges=(JointMerge(0, np.arange(2), np.zeros(2), {}, False),)), True),
+    ],
+)
+def test_only_some_edits_change_weights(edits: PendingEdits, changes: bool) -> None:
+    assert edits.changes_weights == changes
+
+
+def test_arms_and_front_legs_bend_back() -> None:
+    limbs = [Limb(0, 1, 2, "arm"), Limb(0, 1, 2, "leg", front=True), Limb(0, 1, 2, "leg")]
+    assert [limb.bends_back for limb in limbs] == [True, True, False]

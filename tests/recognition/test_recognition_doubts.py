@@ -347,6 +347,11 @@ def _short_upper_arm() -> Rig:
     return rig_with([(n, over, (0.25, 1.45, 0) if n == "forearm.L" else place) for n, over, place in MAN])
 
 
+def _called_in_turn(words: list[str]) -> Rig:
+    rig = rig_with(MAN)
+    return replace(rig, names=tuple(f"{words[k % len(words)]} {k}" for k in range(len(rig))))
+
+
 def _counted_arm(side: str, x: float) -> list[Joint]:
     places = [(k * x, 1.45, -0.005 if k == 4 else 0) for k in (1, 2.5, 4, 5.5, 6)]
     return line(" ".join(f"arm_{side}_{k}" for k in range(1, 6)), "chest", *places)
@@ -437,6 +442,17 @@ ARMS, LEGS = SURE[::2], SURE[1::2]
             ["arm"],
             ["the arm is not sure: no other part of a body is named"],
         ),
+        (
+            # Called as parts of a thing are, all of them; one other name, and it may be a body.
+            lambda: _called_in_turn(["pipe", "gear", "lever", "crank"]),
+            SURE,
+            [
+                f"the {limb} is not sure: its name, and all others here, are of parts of things and not of a "
+                "body"
+                for limb in SURE
+            ],
+        ),
+        (lambda: _called_in_turn(["pipe", "gear", "lever", "zzz"]), [], []),
         (
             lambda: rig_with([(name, over, (x, -y, z)) for name, over, (x, y, z) in MAN], named=False),
             SURE,
