@@ -29,6 +29,7 @@ from rigtri.files.atomic_write import (
     temp_path,
 )
 from rigtri.files.background_copy import BackgroundCopies, copy_file
+from rigtri.files.text_files import check_name
 
 _OURS = re.compile(rb'"uri"\s*:\s*"([^"/\\]*\.rigtri-[0-9a-f]{8}\.bin)"')
 
@@ -349,8 +350,9 @@ def as_file_error(path: Path) -> Iterator[None]:
 def destination(path: Path) -> Path:
     """Where what is to be named ``path`` is written: a link stays a link, and what it leads to is replaced.
 
-    UsageError for a device or a pipe, FileError for links in a circle.
+    UsageError for a device, a pipe, or a name that no file can have; FileError for links in a circle.
     """
+    check_name(path)
     with as_file_error(path):
         place = resolve_link(path)
         # The name itself is checked: what a link in /proc leads to need be no name.

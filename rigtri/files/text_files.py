@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import stat
 from pathlib import Path
 from typing import Any
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, UsageError
 from rigtri.text import and_more
 
 # The axes of a million joints take less, and so does a list of a million files.
@@ -48,6 +49,16 @@ def check_utf8_path(path: Path | str) -> None:
         str(path).encode()
     except UnicodeEncodeError as error:
         raise FileError(f"{path} is not UTF-8, and USD and .gltf name files by text; rename it") from error
+
+
+def check_name(path: Path | str) -> None:
+    """UsageError for a name that no file can have: with a zero byte, or half of a surrogate pair."""
+    try:
+        is_name = b"\0" not in os.fsencode(path)
+    except UnicodeEncodeError:
+        is_name = False
+    if not is_name:
+        raise UsageError(f"{path}: no file can have this name")
 
 
 def check_no_pointer(path: Path) -> None:

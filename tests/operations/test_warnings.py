@@ -139,7 +139,7 @@ CASES: dict[str, tuple[Callable[[Report], object], str]] = {
             _twice(rig_of(["a", "a"], [-1, -1], np.eye(3)[:2])), frames=_frames(a=TURN), report=report
         ),
         "frames=: 'a' is a joint of left, right: all of them get the stored frames. To re-orient those of "
-        "one, name it with skin=, e.g. skin= left.",
+        "one, name it with skin=, e.g. skin='left'.",
     ),
     "like-unmatched": (
         lambda report: rigtri.orient_joints(

@@ -466,6 +466,9 @@ def test_writing_is_refused_as_by_the_commands(tmp_path: Path) -> None:
         rigtri.write(rigtri.formats.read(BIPED).rig, tmp_path / "out.glb")
     with pytest.raises(FileError, match="There is no file"):
         rigtri.read(tmp_path / "none.glb")
+    for name in ("a\0.glb", "\ud800.glb"):
+        with pytest.raises(UsageError, match="no file can have this name"):
+            rigtri.write(rig, tmp_path / name)
     assert not rigtri.write(rig, tmp_path / "out.glb", dry_run=True).written
     assert [path.name for path in tmp_path.iterdir()] == ["there.glb"]
     assert (tmp_path / "there.glb").read_bytes() == b"mine"

@@ -374,9 +374,12 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         ("extends: rig.yaml\n", "in a cycle"),
         ("extends: ../x\n", "extends ../x: a spec is a"),
         ("extends: nowhere.yaml\n", "There is no file"),
+        ('extends: "a\\0b.yaml"\n', "There is no file"),
+        ("extends: circle.yaml\n", "a link that leads to no file"),
     ],
 )  # fmt: skip
 def test_a_spec_that_is_none_is_one_clear_error(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "circle.yaml").symlink_to("circle.yaml")
     result = cli("build", "--explain", "--spec", write(tmp_path, text), "--json")
     assert result.exit_code in (2, 3), result.output
     assert said in result.stderr

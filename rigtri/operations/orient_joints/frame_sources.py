@@ -318,8 +318,8 @@ def _warn_shared(rig: Rig, known: Mapping[str, Sequence[int]], report: Report) -
     report.warn(
         "frames-shared",
         f"--frames: '{name}'{f' and {more} more' if more else ''} is a joint of {and_more(skins, 6)}: all of "
-        "them get the stored frames. To re-orient those of one, name it with --skin, e.g. --skin "
-        f"{skins[0]}.",
+        "them get the stored frames. To re-orient those of one, name it with --skin, e.g. "
+        f"--skin '{skins[0]}'.",
     )
 
 

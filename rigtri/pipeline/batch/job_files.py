@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import FileError, RigtriError, UsageError
-from rigtri.files.text_files import text_of
+from rigtri.files.text_files import check_name, text_of
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.rigspec.errors import SpecError
 from rigtri.pipeline.rigspec.parse import json_values
@@ -52,7 +52,9 @@ def inputs(path: Path, faults: list[RigtriError], fits: Fits | None = None) -> l
                 if not urls.is_url(one.source) and os.path.isdir(one.source):
                     raise ValueError(f"{one.source} is a folder; each line names one file")
                 found.append(replace(one, line=f"{path}:{number}", number=number))
-            except (ValueError, RecursionError) as error:
+            except RecursionError:
+                wrong.append((number, UsageError(f"{path}:{number}: lists in lists, too deep to be a job")))
+            except (ValueError, UsageError) as error:
                 wrong.append((number, UsageError(f"{path}:{number}: {error}")))
     if fits is not None:
         wrong += _misfits(found, fits)
@@ -126,7 +128,10 @@ def _input(line: Any, folder: Path) -> Input:
 
 
 def _seen_from(folder: Path, name: str) -> str:
-    return urls.without_secrets(name) if urls.is_url(name) else str(folder / name)
+    if urls.is_url(name):
+        return urls.without_secrets(name)
+    check_name(name)
+    return str(folder / name)
 
 
 def _texts(variables: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

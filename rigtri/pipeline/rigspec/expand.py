@@ -63,13 +63,13 @@ def merged(path: Path, given: Mapping[str, str]) -> Merged:
 
 def _extended(path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], lost: list[Fault]) -> Tree:
     """A spec over its bases. trees: gets each by itself. lost: gets those that cannot be read."""
+    tree = parse(path)  # first, for only a plain file is certain to have a resolved path
     real = path.resolve()
     if real in chain:
         cycle = " → ".join(str(file) for file in (*chain[chain.index(real) :], real))
         raise FileError(f"specs extend each other in a cycle: {cycle}")
     if len(chain) >= MOST_EXTENDED:
         raise FileError(f"{path}: more than {MOST_EXTENDED} specs extend each other")
-    tree = parse(path)
     trees[path] = tree
     bases = tree.values.get("extends", ())
     bases = [bases] if isinstance(bases, str) else bases

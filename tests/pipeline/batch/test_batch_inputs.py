@@ -163,6 +163,9 @@ def test_all_that_is_wrong_with_a_job_file_is_reported_with_lines(tree: Path) ->
         ),
         ('{"input": "a.glb", "variables": {"x": 1, "x": 2}}', "duplicate key 'x'"),
         ('{"input": "a.glb", "variables": {"x": NaN}}', "NaN is not a valid JSON number"),
+        ('{"input": "a.glb", "output": "a\\u0000.glb"}', "job.jsonl:1: a\0.glb: no file can have this name"),
+        ('{"input": "\\ud800.glb"}', "no file can have this name"),
+        ("[" * 100_000, "job.jsonl:1: lists in lists"),
         ("{'input': 'a.glb'}", "a key is expected here, a text in double quotes (column 2)"),
     ],
 )
