@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import stat
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +90,16 @@ def text_of(path: Path | str, what: str = "", most: int = MOST_BYTES) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise FileError(f"{name} is not UTF-8 text: byte {error.start}") from error
+
+
+def stdin_text(most: int = MOST_BYTES) -> str:
+    """The text of standard input: UTF-8, or bytes that names of files may have; FileError for none."""
+    if sys.stdin is None:
+        raise FileError("standard input is closed")
+    content = sys.stdin.buffer.read(most + 1)
+    if len(content) > most:
+        raise FileError(f"standard input has more than {most} bytes")
+    return content.decode("utf-8-sig", errors="surrogateescape")
 
 
 def json_of(path: Path | str, what: str = "") -> Any:

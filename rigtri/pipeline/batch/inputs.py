@@ -5,7 +5,6 @@ from __future__ import annotations
 import glob
 import os
 import re
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
@@ -14,7 +13,7 @@ from pathlib import Path
 
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.relative_path import relative_path
-from rigtri.files.text_files import text_of
+from rigtri.files.text_files import stdin_text, text_of
 from rigtri.pipeline.batch import job_files, urls
 from rigtri.pipeline.batch.job_files import Fits, Input
 
@@ -175,7 +174,7 @@ def _listed(name: str) -> dict[str, str]:
     if not name:
         raise UsageError("@ names no list: give @LIST, or @- for standard input")
     try:
-        text = sys.stdin.read() if name == "-" else text_of(name)
+        text = stdin_text() if name == "-" else text_of(name)
     except UnicodeDecodeError as error:
         raise FileError(f"@{name} is not UTF-8 text: {error}") from error
     except FileError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
@@ -174,6 +175,22 @@ def test_a_line_of_a_job_file_is_strict_json(line: str, said: str, tree: Path) -
     with pytest.raises(UsageError) as told:
         entries([], job=Path("job.jsonl"), out_dir=Path("out"))
     assert said in str(told.value)
+
+
+def test_a_list_on_standard_input_is_read_as_one_in_a_file(
+    tree: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    marked = "\ufeffin/a.glb\r\n".encode()
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(marked), encoding="latin-1"))
+    assert [entry.source for entry in entries(["@-"], out_dir=Path("out")).entries] == ["in/a.glb"]
+    for stdin, said in (
+        (None, "@-: standard input is closed"),
+        (io.TextIOWrapper(io.BytesIO(b"a" * 9)), "@-: standard input has more than 8 bytes"),
+    ):
+        monkeypatch.setattr("sys.stdin", stdin)
+        monkeypatch.setattr("rigtri.files.text_files.stdin_text.__defaults__", (8,))
+        with pytest.raises(FileError, match=said):
+            entries(["@-"], out_dir=Path("out"))
 
 
 def test_all_that_is_wrong_with_inputs_is_reported_at_once(tree: Path) -> None:
