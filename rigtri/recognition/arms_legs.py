@@ -234,7 +234,7 @@ def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]
         for other in sided:
             if one.side == "left" and other.side == "right" and _are_twins(one, other):
                 apart = at[one.joints[0]] - at[other.joints[0]]
-                across = across + (apart if any(apart) else at[one.joints[2]] - at[other.joints[2]])
+                across = across + (apart if any(apart) else at[one.joints[-1]] - at[other.joints[-1]])
     up = Vector(*draft.tree.rig.rules.up)
     if body is not None and (_is_clear(body) or abs(across.unit.dot(up)) > _LATERAL or _lies(body, up)):
         up = body.up

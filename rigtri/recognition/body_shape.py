@@ -32,6 +32,8 @@ SIMILAR, LEG = 0.6, 0.2
 _STANDS = 0.7
 # Legs go aside from a trunk that lies, or leans as dinosaurs do (cosines). Their tails, in legs, at least.
 _ASIDE, _LEANING, _TAIL = 0.5, 0.8, 0.2
+# Limbs that both go less than this part of their size the same way go apart.
+_APART = 0.02
 # What goes aside by less than this part of its way is in the middle.
 _MIDMOST = 0.1
 # Legs that go down an axis of the file by this (a cosine, 15°) stand on it, however the trunk leans; and so
@@ -119,7 +121,7 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     a trunk goes on in a tail, or has both pairs beside it, legs go down from it, however the file stands.
     """
     standing, spine = Vector(*tree.rig.rules.up), arms.starts - legs.starts
-    on, down, out = spine.unit, (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
+    on, down, out = spine.unit, _way(legs), _way(arms)
     if _sits_upright(tree, legs, arms, on):
         seat = _axis(on)
         return [(seat, 1.0 if seat.dot(standing) > _STANDS else _OTHER_UP)]
@@ -127,9 +129,10 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     loose = down.dot(-standing) < _ASIDE
     four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
     if four or (loose and abs(down.dot(on)) < _LEANING and _has_tail(tree, legs, arms, on)):
-        return [((limbs if four else legs.starts - legs.ends).unit, _OTHER_UP)]
-    axis = _axis(-down)
-    turned = [axis] if axis.dot(-down) > _ALONG_AXIS and axis.dot(on) > 0 else [spine.unit, limbs.unit]
+        return [(_on_axis((limbs if four else legs.starts - legs.ends).unit), _OTHER_UP)]
+    turned = [_on_axis(-down)]
+    if turned[0] == -down or not turned[0].dot(on) > 0:
+        turned = [spine.unit, limbs.unit]
     others = [(up, _OTHER_UP) for up in turned if any(up)]
     if abs(between(tree, legs.pair)[1].dot(standing)) > _STANDS:
         return others
@@ -142,6 +145,12 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     return [(standing, 1.0), *others]
 
 
+def _way(limbs: Limbs) -> Vector:
+    """Where both limbs of a pair go together, unit; nowhere where they go apart: what is left is noise."""
+    way = limbs.ends - limbs.starts
+    return way.unit if way.length > _APART * limbs.size else Vector()
+
+
 def _sits_upright(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
     """Whether a trunk goes along an axis of the file and straight legs go square to it, as arms do not.
 
@@ -149,7 +158,7 @@ def _sits_upright(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
     legs. Who bows has the same shape, with a trunk that goes down in the file, or is level: then only arms
     that hang along it say that the body sits, in a file with another up.
     """
-    down, out = (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
+    down, out = _way(legs), _way(arms)
     rise, hangs = on.dot(Vector(*tree.rig.rules.up)), out.dot(on) < -_ASIDE
     if rise < -_STANDS or (rise < _STANDS and not hangs):
         return False
@@ -167,11 +176,17 @@ def _axis(way: Vector) -> Vector:
     return Vector(*(copysign(1.0, each) if each == most else 0.0 for each in way))
 
 
+def _on_axis(way: Vector) -> Vector:
+    """The axis of the file that a direction goes along, itself where it goes along none."""
+    axis = _axis(way)
+    return axis if axis.dot(way) > _ALONG_AXIS else way
+
+
 def _has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
     """Whether what hangs in the middle where legs do, and is no limb, goes the other way than the trunk."""
     limbs = {path[0] for pair in (legs, arms) for path in pair.pair.paths}
     free = [k for k in tree.below[legs.pair.above] if not any(tree.is_below(first, k) for first in limbs)]
-    across, down = between(tree, legs.pair)[1], (legs.ends - legs.starts).unit
+    across, down = between(tree, legs.pair)[1], _way(legs)
     ways = [tree.at[node] - legs.starts for k in free for node in tree.branch(k)]
     ways = [way for way in ways if abs(way.dot(across)) < _MIDMOST * way.length]
     # What goes off square to the trunk, as legs that are stretched ahead do, is no more behind than ahead.
@@ -190,7 +205,7 @@ def are_disjoint(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
 def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest: float) -> Body:
     """A pair as legs and another as arms, up as suits them best: what supports it, as a weighted mean."""
     spine = arms.starts - legs.starts
-    on, down, out = spine.unit, (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
+    on, down, out = spine.unit, _way(legs), _way(arms)
     common = tree.common(legs.pair.above, arms.pair.above)
     tier = _tier(tree, arms.pair.above, common) - _tier(tree, legs.pair.above, common)
     tier = 1 if _are_front_and_hind(arms, legs) else tier
@@ -206,8 +221,7 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
         (0.8, within(legs.pair.reach / _most_beside(legs, others), 0.4, 1.0)),
         (1.0, 0.0 if _passed_over(tree, arms, others, common) else 1.0),
     ]
-    # Branches that grow upwards are no legs.
-    cost = (_UPWARDS if down.dot(on) > 0.3 else 0.0) + (_DEEPER if tier < 0 else 0.0)
+    cost = _DEEPER if tier < 0 else 0.0
     cost += _MISNAMED * (legs.place == "front" or arms.place == "hind")
     front_legs = arms.kind == "leg" and arms.place == "front"
     beyond = _beyond(tree, legs, arms)
@@ -224,7 +238,9 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
             (0.8, trust * (0.9 if four else within(tall, 0.3, 0.8))),
             (0.8, _head(beyond, arms, on + up)),
         ]
-        score = _mean([*points, *turned]) - cost
+        # Branches that grow upwards are no legs, but for a trunk on four that goes down to the front.
+        upwards = _UPWARDS if down.dot(on) > 0.3 and not four else 0.0
+        score = _mean([*points, *turned]) - cost - upwards
         form: Literal["biped", "quadruped"] = "quadruped" if four else "biped"
         seen.append(Body(legs, arms, form, up, score, doubt=lies and not front_legs))
     return max(seen, key=lambda body: body.score)

@@ -32,6 +32,8 @@ _STEP = 0.25
 _CLEAR, _ALIKE = radians_below(10), 0.25
 # What names and the format say to this part (a cosine) the other way denies a small bend.
 _DENIED = 0.5
+# Robots' joints are offset alike on both sides: a small bend counts if anything else says so by this weight.
+_BACKED = 0.25
 # So far beside its line, a part of the whole limb, is a middle that is bent by 10°, or by 5°.
 _FULL, _SLIGHT = 0.04, 0.02
 # What a foot moves reaches this part of the leg further ahead than back to count in full, or a third at all.
@@ -69,10 +71,14 @@ def facing_of(
     clear, slight = [*_moving(tree, body, ahead, poses), *votes], []
     custom = Vector(*(tree.rig.rules.facing or ())).dot(ahead)
     stated = custom + (named.dot(ahead) if named is not None else 0.0)
-    for weight, small, noise, words in _bends(tree, body, plane, ahead, poses) if bends and not legs else ():
-        denied = small * stated < -_DENIED * abs(small)
-        clear.append((weight if denied else weight + small, words))
-        slight.append((noise + small if denied else noise, words))
+    bent = list(_bends(tree, body, plane, ahead, poses)) if bends and not legs else []
+    seen_so_far = [weight for weight, _ in clear]
+    for k, (weight, small, noise, words) in enumerate(bent):
+        others = [stated - custom, *seen_so_far, *(each[0] + each[1] for each in (*bent[:k], *bent[k + 1 :]))]
+        backed = any(small * other > _BACKED * abs(small) for other in others)
+        trusted = backed and small * stated >= -_DENIED * abs(small)
+        clear.append((weight + small if trusted else weight, words))
+        slight.append((noise if trusted else noise + small, words))
     slight.append((_CUSTOM * custom, "the format says so"))
     seen, most = fsum(weight for weight, _ in clear), fsum(abs(weight) for weight, _ in clear)
     total = seen + fsum(weight for weight, _ in slight)

@@ -71,11 +71,15 @@ def head_end(tree: Tree, body: Body, plane: Plane, poses: Poses) -> int:
         return 1
     if {hind.kind, front.kind} == {"arm", "leg"}:
         return -1 if hind.kind == "arm" else 1
-    back, ahead = hind.starts - front.starts, front.starts - hind.starts
+    ahead = front.starts - hind.starts
+    ahead = ahead - body.up * ahead.dot(body.up)  # legs may begin at other heights
+    back = -ahead
     tips, others = (_tips(tree, _beyond(tree, body, way, _FAR)) for way in (back, ahead))
     if tips != others and max(tips, others) > 1:
         return -1 if tips > others else 1
     one, other = (_beyond(tree, body, way, _NEAR) for way in (back, ahead))
+    if not one and not other:
+        return 0
     high, low = (max((tree.at[node].dot(body.up) for node in end), default=-inf) for end in (one, other))
     if not high > low:
         return 1

@@ -231,12 +231,12 @@ def triple_of(
     return Triple(at, quality, best - (others[0][0] if others else 0.0), size, named)
 
 
-def begin_as_one(tree: Tree, paths: Sequence[Sequence[int]]) -> bool:
+def begin_as_one(tree: Tree, paths: Sequence[Sequence[int]], together: float = _TOGETHER) -> bool:
     """Whether a limb begins where its twin does, in the middle: with a bone to the hip or shoulder."""
     if len(paths) < 2:
         return False
     (one, on), (other, off) = ((tree.at[path[0]], tree.at[path[1]]) for path in paths)
-    return (one - other).length < _TOGETHER * (on - off).length
+    return (one - other).length < together * (on - off).length
 
 
 def _leads_aside(tree: Tree, paths: Sequence[Sequence[int]], count: int) -> bool:

@@ -178,9 +178,12 @@ def _is_upper(name: LimbWords) -> bool:
 def _split(found: Sequence[str]) -> list[str]:
     """The words, with those together that riggers write as two, and those apart that they write as one."""
     apart: list[str] = []
+    corner = any(map(is_corner, found))
     for word in found:
         if apart and (apart[-1], word) in _TWO:
             apart[-1] = _TWO[apart[-1], word]
+        elif corner and apart and (apart[-1], word) == ("l", "leg"):
+            apart[-1:] = ["lower", "leg"]  # ``fr_lleg``: the corner says the side
         else:
             apart += _pieces(word)
     return apart

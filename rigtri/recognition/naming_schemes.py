@@ -125,7 +125,7 @@ def parse_name(name: str) -> ParsedName:
             continue
         if not (corner and is_corner(word)):
             kept.append(word)
-    return _parsed(side(apart) or corner, tuple(kept), frozenset(found))
+    return _parsed(corner or side(apart), tuple(kept), frozenset(found))
 
 
 def _parsed(which: Side, kept: tuple[str, ...], found: frozenset[str]) -> ParsedName:

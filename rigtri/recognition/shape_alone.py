@@ -13,6 +13,7 @@ from rigtri.recognition.evidence_against import doubted, unsure
 from rigtri.recognition.limb_triples import TIE
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.shape_analysis import shape_of
+from rigtri.recognition.shape_doubts import has_hock
 from rigtri.text import a
 
 # A joint within a bone bends by less than this (radians).
@@ -62,11 +63,19 @@ def _surely(draft: Draft, bare: Draft, each: Found, alone: Sequence[Found]) -> s
             and len({*draft.tree.rig.parents[[end, ends]].tolist()}) == 1
         ):
             continue
-        if _parts_a_bone(draft, bare, other.joints[1]):
+        if _parts_a_bone(draft, bare, other.joints[1]) or _share_a_hock(draft, each, other):
             continue
         if other.joints != each.joints or other.kind != each.kind:
             return f"{_titles(draft, other.joints)} is {a(other.kind)}"
     return ""
+
+
+def _share_a_hock(draft: Draft, each: Found, other: Found) -> bool:
+    """Whether two limbs are the two readings of a hind leg with a hock: one begins at the other's knee."""
+    if each.kind != "leg" or other.kind != "leg":
+        return False
+    upper, lower = (each, other) if each.joints[1:] == other.joints[:2] else (other, each)
+    return upper.joints[1:] == lower.joints[:2] and has_hock(draft, upper.joints, lower.joints[2])
 
 
 def _parts_a_bone(draft: Draft, bare: Draft, node: int) -> bool:

@@ -14,6 +14,7 @@ from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import HAND, STRAIGHT, begin_as_one, beside, branches
+from rigtri.recognition.limb_words import NO_WORDS, Level
 from rigtri.recognition.naming_schemes import roles_in_name
 
 # A further chain at the chest that is so long a part of the arms may be an arm as well.
@@ -22,6 +23,8 @@ _RIVAL = 0.2
 _CLEAR = 0.966
 # A bone after the wrist that is so long a part of the lower arm is rather the lower arm itself.
 _NEXT = 0.6
+# One that is so small a part of the whole limb is a hand with its tip; half of a lower arm is more.
+_TIP = 0.36
 # A first bone that is so long a part of the next one is a clavicle of none but very broad shoulders.
 _BROAD = 0.8
 # A trunk that rises by less than this (a cosine) lies.
@@ -45,10 +48,15 @@ _LOW = 0.2
 _STANDS = 0.5
 # A bone that is so small a part of the next one is hardly any.
 _HARDLY_ANY = 0.2
+# Hands, feet, and the cannon bone and hoof of a horse (0.7), reach less far beyond the limb, of its length.
+_FURTHER = 0.75
+# First joints are so near to each other, of what the next ones are, that they may be in the middle.
+_INNER = 0.3
 # A clavicle is at most so long a part of the upper arm.
 _CLAVICLE = 0.6
 # A joint of a leg with a hock stands so far beside the line of its neighbours, as a part of that.
 _ZIGZAG = 0.08
+_THREE: tuple[Level, Level, Level] = ("upper", "lower", "end")
 # Names that say so far which three joints bend: those of all three, one of them vague.
 _CALLED = 0.8
 
@@ -114,7 +122,26 @@ def goes_on(draft: Draft, each: Found) -> str:
     lower = (tree.at[path[end]] - tree.at[path[middle]]).length
     further = tree.bone[path[end + 1]] if end + 1 < len(path) else 0.0
     longer = further > (lower if mine.named <= 0.0 else lower / _HARDLY_ANY)
+    if longer and has_hock(draft, each.joints, path[end + 1]):
+        return ""
     return "a longer bone follows its end, so another joint may bend" if longer else ""
+
+
+def has_hock(draft: Draft, joints: Sequence[int], after: int) -> bool:
+    """Whether a hind leg of a body on four bends ahead at its knee and back at its end: that is a hock.
+
+    A rigger takes the bones above the knee and below it for the limb, or those below it; either is right.
+    """
+    body, tree = draft.shape.body, draft.tree
+    if body is None or body.form != "quadruped" or body.legs is None:
+        return False
+    if not any(set(joints) <= set(path) for path in body.legs.pair.paths):
+        return False
+    start, knee, hock = joints
+    knee_ahead, hock_ahead = (
+        beside(tree, three).dot(draft.facing) for three in ((start, knee, hock), (knee, hock, after))
+    )
+    return knee_ahead > 0.0 and hock_ahead < -_ZIGZAG
 
 
 def later_start(draft: Draft, each: Found) -> str:
@@ -131,11 +158,27 @@ def later_start(draft: Draft, each: Found) -> str:
 def middle_bone(draft: Draft, each: Found) -> str:
     """A limb of three joints that begins where its twin does: its first bone leads to the hip or shoulder."""
     mine, tree = each.pair, draft.tree
-    if mine is None or len(mine.at) < 3 or mine.named > 0.0 or mine.fingers >= 2 or mine.at[0] > 0:
+    if mine is None or len(mine.at) < 3 or mine.named > 0.0 or mine.at[0] > 0:
         return ""
-    if mine.at[2] < len(mine.pair.paths[0]) - 1 or not begin_as_one(tree, mine.pair.paths):
+    path = mine.pair.paths[0]
+    if (len(path) > 3 or tree.below[path[-1]]) and begin_as_one(tree, mine.pair.paths, _INNER):
+        return "its first bone may lead from the middle"
+    if mine.fingers >= 2:
+        return ""
+    if mine.at[2] < len(path) - 1 or not begin_as_one(tree, mine.pair.paths):
         return ""
     return "its first bone leads from the middle, and nothing shows where it ends"
+
+
+def reaches_further(draft: Draft, each: Found) -> str:
+    """A limb whose last joint moves points so far beyond it that a further bone has to be there: a shin."""
+    mine, tree = each.pair, draft.tree
+    if mine is None or len(mine.at) < 3 or mine.named > 0.0 or tree.below[each.joints[2]]:
+        return ""
+    middle, end = (tree.at[joint] for joint in each.joints[1:])
+    points = draft.poses.box_of([each.joints[2]], tree.places)
+    far = max(((point - end).dot((end - middle).unit) for point in points), default=0.0)
+    return "what its end moves reaches as far as a further bone" if far > _FURTHER * mine.size else ""
 
 
 def other_end(draft: Draft, each: Found) -> str:
@@ -174,23 +217,24 @@ def rival(draft: Draft, each: Found) -> str:
     if mine is None or not (each.kind == "arm" or front) or len(mine.at) < 3 or mine.named > _CALLED:
         return ""
     path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
-    long = end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]
     a, b, c = (tree.at[k] for k in mine.joints(0))
+    upper, lower = (b - a).length, (c - b).length
+    further = tree.bone[path[end + 1]] if end + 1 < len(path) else 0.0
     bend = (b - a).unit.dot((c - b).unit)
     at, fingers = branches(tree, path)
     hand = at == end and fingers >= HAND  # no elbow has so many below it
-    if start == 0 and long and not hand and (not front or bend > _CLEAR):
+    if start == 0 and further > _NEXT * lower and not hand and (not front or bend > _CLEAR):
         return "its first bone may be a clavicle, as a long bone follows"
-    if start > 0 and long and not hand and bend > STRAIGHT:
+    if start > 0 and further > _TIP * (upper + lower) and not hand and bend > STRAIGHT:
         return "its middle may be a twist joint of its upper bone, as a long bone follows"
-    ends = start > 0 and end == len(path) - 1 and not fingers
+    ends = start > 0 and end == len(path) - 1 and not fingers and not _has_names_of_three(draft, each)
     if ends and _hangs_from_a_lying_trunk(body, mine) and not _stands_below_its_blade(tree, body, mine):
         return "its first bone may be a shoulder blade or an upper bone, and nothing shows where its foot is"
     if front:
         return ""
     if mine.fingers >= 2 or draft.shape.plane is None:
         return ""
-    if start == 1 and tree.bone[path[1]] > _BROAD * (b - a).length:
+    if start == 1 and tree.bone[path[1]] > _BROAD * upper:
         return "its first bone may be an upper arm or a clavicle, and nothing shows where its hand is"
     for node in _beside(draft, mine):
         aside = [abs(draft.shape.plane.side_of(tree.at[k])) for k in tree.paths[node][:2]]
@@ -198,6 +242,12 @@ def rival(draft: Draft, each: Found) -> str:
         if long and aside[0] > 0.01 * mine.size and aside[1] > 0.05 * mine.size:
             return f"the chain from '{draft.tree.rig.title(node)}' may be an arm as well"
     return ""
+
+
+def _has_names_of_three(draft: Draft, each: Found) -> bool:
+    """Whether words call the three joints upper, lower and end."""
+    words = (draft.words.get(joint, NO_WORDS).levels for joint in each.joints)
+    return all(own.get(level) == 1.0 for own, level in zip(words, _THREE, strict=True))
 
 
 def _hangs_from_a_lying_trunk(body: Body | None, arms: Limbs) -> bool:
