@@ -166,8 +166,16 @@ def test_evidence_for_and_against_limbs_is_what_a_reviewer_has_read(golden: Gold
             if int(number) in chosen.get(kind, ()):
                 layout = recognise(rig)
                 lines.append(f"{case.name}{words}")
+                for one in layout.characters:
+                    axes = (*one.up, *one.facing)
+                    lines.append("  up {:.6g} {:.6g} {:.6g}, faces {:.6g} {:.6g} {:.6g}".format(*axes))
                 for chain in (chain for chain in layout.chains if chain.bend):
                     joints, why = " ".join(map(rig.title, chain.bend)), "; ".join(chain.evidence)
                     lines.append(f"  {chain.name} {chain.confidence:.6g}: {joints}: {why}")
+                others = (
+                    chain for chain in layout.chains if chain.kind not in ("arm", "leg", "hand", "foot")
+                )
+                ends = [f"{k.name} {rig.title(k.joints[0])} {rig.title(k.joints[-1])}" for k in others]
+                lines += [f"  {'; '.join(ends)}"] * bool(ends)
                 lines += [f"  {remark}" for remark in layout.remarks]
     golden.check("recognition.txt", "\n".join([*lines, ""]))
