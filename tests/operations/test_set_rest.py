@@ -91,6 +91,20 @@ def test_each_of_two_characters_of_a_stage_plays_as_before(tmp_path: Path) -> No
     assert deviation(source, out, at_rest=False) < 1e-6
 
 
+def test_a_character_that_plays_nothing_rests_otherwise_while_others_play(tmp_path: Path) -> None:
+    shutil.copy(SAMPLES / "biped.usda", tmp_path / "hero.usda")
+    still = 'over "figure"\n{\nover "skeleton"\n{\nrel skel:animationSource = None\n}\n}\n'
+    reference = "(references = @./hero.usda@)"
+    arcs = f'def "A" {reference}\n{{\n}}\ndef "B" {reference}\n{{\n{still}}}\n'
+    source, out = save(tmp_path, f"#usda 1.0\n{arcs}", "two.usda"), tmp_path / "out.usda"
+    cli("set-rest", source, "-o", out, "--pose", "tpose", code=0)
+    before, after = rigtri.read(source), rigtri.read(out)
+    arms = [node for node, name in enumerate(before.names) if name == "upper_arm_L"]
+    assert len(arms) == 2
+    for arm in arms:
+        assert not np.allclose(before.local[arm], after.local[arm], atol=1e-3)
+
+
 @pytest.mark.ci
 def test_a_moment_and_another_file_give_the_rest_pose(tmp_path: Path) -> None:
     out, alike = tmp_path / "out.glb", tmp_path / "alike.glb"

@@ -16,7 +16,7 @@ import numpy as np
 from rigtri.evaluation.timelines import PLAYED, played_at_once, timelines
 from rigtri.frames.rig_size import size_of
 from rigtri.maths.matrices import multiply
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.pending_edits import Conversion
@@ -316,6 +316,8 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
         rig = played_at_once(rig, played.name)
         if all(clip.key != PLAYED for clip in rig.clips):  # nothing played
             rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
+    if expected.keeps_clips and all(isinstance(clip.key, tuple) for clip in source.rig.clips):
+        rig = _resting(rig, keys, made.rig)
     # What the result knows as rigtri's is not compared where the source, exported, lacks the metadata.
     known = {made.rig.keys[node]: made.rig.metadata[node] for node in made.rig.own & made.rig.metadata.keys()}
     metadata = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
@@ -331,6 +333,25 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
 
     movement = morph_movement(was, made, others)
     return replace(found, morphs={name: far / size for name, far in movement.items() if far > 0})
+
+
+def _resting(rig: Rig, keys: Sequence[Hashable], made: Rig) -> Rig:
+    """A stage with the rest pose of ``made`` in its clips for skeletons without an animation.
+
+    These show how they rest, whatever else plays, and have no clip that could have keys of the old rest pose.
+    """
+    there = {key: node for node, key in enumerate(made.keys)}
+    driven = {made.keys[track.node] for clip in made.clips for track in clip.tracks}
+    driven |= {keys[track.node] for clip in rig.clips for track in clip.tracks}
+    held = [
+        Track(node, path, "STEP", np.zeros(1), getattr(made, path)[[there[keys[node]]]])
+        for skin in rig.skins
+        if driven.isdisjoint(keys[node] for node in skin.joints)
+        for node in skin.joints.tolist()
+        if keys[node] in there
+        for path in PATHS
+    ]
+    return replace(rig, clips=tuple(replace(clip, tracks=(*clip.tracks, *held)) for clip in rig.clips))
 
 
 def _bound_in(rig: Rig, sizes: Mapping[int, float]) -> Rig:
