@@ -162,6 +162,16 @@ def test_a_thumb_without_fingers_or_of_one_joint_says_nothing_of_the_side_that_c
     assert side([2, 3], [[1]]) < 0
 
 
+def test_a_finger_and_a_thumb_that_begin_at_one_place_show_no_palm() -> None:
+    """As of CMU's mocap. Before, the noise between them was the palm, and every run turned the hand anew."""
+    at = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [1.2, 0, 0], [1, 1e-16, 0]])
+    joints, lines, arm = (1, 2, 3, 4), [(2, 3)], at[1] - at[0]
+    hand = _PosedHand(joints, lines, (4,), 1, arm, at, natural=None, is_left=True, guessed=False)
+    assert hand.palm(hand.curl) is None
+    at[4, 1] = 0.1
+    assert _PosedHand(joints, lines, (4,), 1, arm, at, None, True, False).palm(hand.curl) is not None
+
+
 def test_two_hands_that_are_bent_alike_count_with_their_mean_bend() -> None:
     x, y = np.array([1.0, 0, 0]), np.array([0.0, 1, 0])
     one = _Curl(x, 0.5, 0.75, 1.0)
