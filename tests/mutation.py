@@ -3,6 +3,7 @@
     python -m mutation --count 30                 # in the folder tests; a fault needs one to ten minutes
     python -m mutation --count 30 --list          # only list the faults
     python -m mutation --contexts .coverage       # run only the tests that execute the changed line: seconds
+    python -m mutation --only 'export/blender/*'  # only in modules that fit a pattern
 
 A fault is another sign or operator, another bound, another axis or item, a reversed condition, or a statement
 that writes and is left out. Faults are spread over the rooms of the package and follow from ``--seed``. First
@@ -167,10 +168,14 @@ def _writes(node: ast.AST) -> bool:
     return isinstance(called, ast.Attribute) and called.attr.startswith(WRITES)
 
 
-def chosen(seed: int, count: int) -> list[Fault]:
-    """Faults room by room, each in a file of its own."""
+def chosen(seed: int, count: int, only: str = "") -> list[Fault]:
+    """Faults room by room, each in a file of its own; only: or any of the modules that fit a pattern."""
     chance, found = random.Random(seed), list[Fault]()
     files = {room: sorted((ROOT / "rigtri" / room).rglob("*.py")) for room in ROOMS}
+    if only:
+        fit = [path for paths in files.values() for path in paths if path.match(only)]
+        known = [each for p in fit for each in faults_of(p.relative_to(ROOT).as_posix(), p.read_bytes())]
+        return chance.sample(known, min(count, len(known)))
     while len(found) < count:
         room = ROOMS[len(found) % len(ROOMS)]
         path = chance.choice(files[room])
@@ -271,9 +276,10 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=30)
     parser.add_argument("--list", action="store_true", help="only list the faults")
+    parser.add_argument("--only", default="", metavar="PATTERN", help="modules, such as export/blender/*")
     parser.add_argument("--contexts", type=Path, metavar="FILE", help="data of coverage.py by test")
     given = parser.parse_args(words)
-    faults, unseen = chosen(given.seed, given.count), 0
+    faults, unseen = chosen(given.seed, given.count, given.only), 0
     with tempfile.TemporaryDirectory() as name:
         folder = laid_out(Path(name))
         for number, fault in enumerate(faults, 1):
