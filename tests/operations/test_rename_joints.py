@@ -270,3 +270,12 @@ def test_real_files_look_as_before_and_come_back(path: Path, tmp_path: Path) -> 
 def test_two_names_for_one_joint_are_an_error(tmp_path: Path) -> None:
     words = ("rename-joints", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--name", "hand_L=a")
     assert "two names" in cli(*words, "--name", "hand_L=b", code=2).stderr
+
+
+def test_names_that_would_give_a_joint_a_parent_are_refused(tmp_path: Path) -> None:
+    text = (SAMPLES / "biped.usda").read_text()
+    (tmp_path / "in.usda").write_text(text.replace("hips/spine", "hips/spine 1"))
+    words = ("rename-joints", tmp_path / "in.usda", "-o", tmp_path / "out.usda")
+    result = cli(*words, "--name", "spine 1=spine", code=3)
+    assert "'hips/spine 1' is not a path of names, so it has no parent in UsdSkel" in result.stderr
+    assert not (tmp_path / "out.usda").exists()

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
 from pxr import Sdf
 
 from rigtri.errors import FileError
@@ -21,6 +22,7 @@ from rigtri.formats.usd.opinions.skeleton_edits import joint_names
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.joint_tokens import renamed_token
 from rigtri.formats.usd.reading.node_keys import kind
+from rigtri.formats.usd.reading.skeleton_reader import nearest_listed
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.rig import Rig
 from rigtri.text import and_more
@@ -35,8 +37,8 @@ def rename_joints(edit: UsdEdit) -> None:
     if not names:
         return
     renaming: Renaming = {path: partial(renamed_token, names=each) for path, each in names.items()}
-    for path in renaming:
-        _check(source, path)
+    for path, renamed in renaming.items():
+        _check(source, path, renamed)
     played = {path: _played(source, path, demanded=path in renaming) for path in source.skeletons}
     influences = influence_edits(source, renaming, grown=False)
     edits = [
@@ -68,10 +70,16 @@ def _names(source: Source, rig: Rig) -> dict[str, dict[str, str]]:
     return found
 
 
-def _check(source: Source, path: str) -> None:
-    """FileError where the skeleton or what drives and binds it cannot be edited."""
+def _check(source: Source, path: str, renamed: Callable[[str], str]) -> None:
+    """FileError where the skeleton or what drives and binds it cannot be edited, or names move joints."""
     skeleton = source.skeletons[path]
     refuse(skeleton.locked)
+    now = nearest_listed(list(map(renamed, skeleton.tokens)))
+    if (moved := np.flatnonzero(nearest_listed(skeleton.tokens) != now)).size:
+        raise FileError(
+            f"<{path}>: joint '{skeleton.tokens[moved[0]]}' is not a path of names, so it has no parent in "
+            "UsdSkel; new names would give it one, and move it. Give joints paths first, parent/child"
+        )
     if path not in source.animations:
         refuse(why_bound_otherwise(source.stage, path))
 
