@@ -110,10 +110,19 @@ def test_scale_is_not_frozen_above_a_prim_that_another_variant_has(tmp_path: Pat
 
 
 def test_scale_is_frozen_where_another_variant_deactivates_a_mesh(tmp_path: Path) -> None:
-    """A deactivated prim has a path on the stage, and no place."""
+    """A deactivated prim has a path on the stage, and no place; nor has one that the variant lacks."""
     without = variant_set("lod", hi="", lo='over "Skin" (active = false)\n{\n}')
     source = save(tmp_path, choosing(scene(skeleton(), animation(), MESH, without), lod="hi"))
     out = tmp_path / "out.usda"
+    cli(
+        "freeze",
+        model(tmp_path / "lods", b=BODY % "", d=""),
+        "-o",
+        tmp_path / "lods.usda",
+        "--unit",
+        1,
+        code=0,
+    )
     cli("freeze", source, "-o", out, "--unit", 1, code=0)
     before, after = (skinned(Usd.Stage.Open(str(path)), Usd.TimeCode(3)) for path in (source, out))
     assert np.abs(before["/Root/Skin"] - 100 * after["/Root/Skin"]).max() < 1e-4

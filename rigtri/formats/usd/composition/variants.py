@@ -331,9 +331,8 @@ def why_placed_otherwise(stage: Any) -> str:
         if not title:
             before = found
             continue
-        there = {
-            path for path in _differing(before, found) if _SHOWN(trial.GetPrimAtPath(path.GetPrimPath()))
-        }
+        prims = {path: trial.GetPrimAtPath(path.GetPrimPath()) for path in _differing(before, found)}
+        there = {path for path, prim in prims.items() if prim and _SHOWN(prim)}
         if there:
             return f"{title} has <{min(there)}> of its own. Give each variant a file of its own"
     return ""
