@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from program import cli
 from pxr import Sdf, Usd, UsdGeom
 from second_opinions import usd_errors
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, write
 
 from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.maths.quaternions import IDENTITY, unit
+from rigtri.model.metadata import ConstraintRecord
 from rigtri.model.rig import Rig
 
 POLE = {
@@ -172,3 +174,42 @@ def test_any_json_value_reads_back(value: Any) -> None:
     for name, (type_name, stored) in metadata_attributes.joint_attributes({"a/b": note}).items():
         prim.CreateAttribute(name, type_name).Set(stored)
     assert metadata_attributes.read_joints(prim) == {"a/b": note}
+
+
+PROP = 'def Xform "Prop"\n{\n}\n'
+
+
+def constrained(rig: Rig) -> list[tuple[str, list[str]]]:
+    """Where each constraint's child is, "" for one that is not there, and its drivers."""
+    found = []
+    for record in rig.records(ConstraintRecord).values():
+        nodes = [rig.known(name) for name in (record.child, *record.drivers)]
+        child, *drivers = ("" if node is None else rig.labels[node] for node in nodes)
+        found.append((child, drivers))
+    return found
+
+
+def test_what_a_reference_does_not_bring_is_no_other_prim_of_its_name(tmp_path: Path) -> None:
+    """A constraint on a prop beside the referenced prim, and one by such a prop."""
+    save(tmp_path, scene(skeleton(), animation(), MESH) + PROP + PROP.replace("Prop", "Own"), "in.usda")
+    for k, (child, *drivers) in enumerate((("/Prop", "b"), ("c", "/Own", "/Prop", "a"))):
+        words = [word for driver in drivers for word in ("--driver", driver)]
+        cli("constrain", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--child", child, *words, code=0)
+        shot = f'#usda 1.0\n{PROP}def "A" (references = @./out.usda@</Root>)\n{{\n}}\n'
+        assert constrained(read(save(tmp_path, shot, f"shot_{k}.usda")).rig) == [
+            (("", ["a/b"]), ("a/b/c", ["", "", "a"]))[k]
+        ]
+        (tmp_path / "out.usda").unlink()
+
+
+def test_a_constraint_that_a_prim_shows_again_leaves_what_lies_outside_to_its_source(tmp_path: Path) -> None:
+    save(tmp_path, scene(skeleton(), animation(), MESH), "hero.usda")
+    one, other = (
+        'def "A" (references = @./hero.usda@</Root>)\n{\n}\n',
+        'def "B" (references = </A>)\n{\n}\n',
+    )
+    source, out = save(tmp_path, f"#usda 1.0\n{PROP}{one}{other}"), tmp_path / "out.usda"
+    cli("constrain", source, "-o", out, "--child", "/Prop", "--driver", "/A/Skel:a/b", code=0)
+    assert constrained(read(out).rig) == [("/Prop", ["/A/Skel:a/b"]), ("", ["/B/Skel:a/b"])]
+    cli("strip", out, "-o", tmp_path / "plain.usda", code=0)
+    assert (tmp_path / "plain.usda").read_text() == source.read_text()

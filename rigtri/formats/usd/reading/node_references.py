@@ -14,10 +14,15 @@ from dataclasses import replace
 from itertools import takewhile
 from typing import Any
 
+from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.reading.metadata_attributes import INDICES, PREFIX, TARGET, attribute_name
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.model.metadata import Place, with_references
 from rigtri.model.rig import Rig
+
+_CHILD = PREFIX + "child"
+# Behind the name of what is beyond what a reference brings; no node is called so.
+_ELSEWHERE = " (elsewhere)"
 
 
 def resolved(rig: Rig, stage: Any) -> Rig:
@@ -28,31 +33,60 @@ def resolved(rig: Rig, stage: Any) -> Rig:
     metadata = {}
     for node, stored in rig.metadata.items():
         is_prim = kind(rig.keys[node]) == "prim"
-        targets = read_targets(stage.GetPrimAtPath(parts(rig.keys[node])[1])) if is_prim else {}
+        prim = stage.GetPrimAtPath(parts(rig.keys[node])[1]) if is_prim else None
+        targets = read_targets(prim) if prim else {}
+        if prim and _shows_again(prim, targets):
+            targets[_CHILD] = [None]
         metadata[node] = with_references(stored, _Meaning(found, node, targets))
     return replace(rig, metadata=metadata)
 
 
-def read_targets(prim: Any) -> dict[str, list[str]]:
-    """The prims that a prim's metadata refer to: for each attribute the path of each of its references."""
+def read_targets(prim: Any) -> dict[str, list[str | None]]:
+    """The prims that a prim's metadata refer to: for each attribute the path of each of its references.
+
+    None for one that is beyond what a reference brings, so that it is not on this stage; "" for none.
+    """
     found = {}
     for relation in prim.GetAuthoredPropertiesInNamespace(PREFIX.rstrip(":")):
         name, is_target, _ = relation.GetName().rpartition(TARGET)
         if is_target and hasattr(relation, "GetTargets"):
-            paths = [str(path) for path in relation.GetTargets()]
+            paths = _targets(relation)
             indices = prim.GetAttribute(name + INDICES).Get() if prim.HasAttribute(name + INDICES) else None
             found[name] = paths if indices is None else [_at(paths, index) for index in indices]
     return found
 
 
-def _at(paths: Sequence[str], index: Any) -> str:
+def _targets(relation: Any) -> list[str | None]:
+    """The targets as they were authored, those that composition has left out as None."""
+    left = list(relation.GetTargets())
+    (spec, *_) = relation.GetPropertyStack(DEFAULT)
+    authored = spec.targetPathList.GetAddedOrExplicitItems()
+    if len(authored) <= len(left):
+        return list(map(str, left))
+    # Those that stay keep their order, and but for the root of a reference their names.
+    found = [str(left.pop(0)) if left and left[0].name == path.name else None for path in authored]
+    return [None] * len(authored) if left else found
+
+
+def _shows_again(prim: Any, targets: Mapping[str, Sequence[str | None]]) -> bool:
+    """Whether a constraint's child lies outside of the prim that an arc within the stage shows again with it.
+
+    Its source constrains that child already.
+    """
+    child, stage = targets.get(_CHILD), prim.GetStage()
+    places = {spec.path for spec in prim.GetPrimStack() if stage.HasLocalLayer(spec.layer)} if child else ()
+    sources = (stage.GetPrimAtPath(path) for path in places if path.IsPrimPath() and path != prim.GetPath())
+    return any(source and read_targets(source).get(_CHILD) == child for source in sources)
+
+
+def _at(paths: Sequence[str | None], index: Any) -> str | None:
     return paths[index] if isinstance(index, int) and 0 <= index < len(paths) else ""
 
 
 class _Meaning:
     """The addresses that the references of one node mean. targets: what `read_targets` gives of it."""
 
-    def __init__(self, finder: _Finder, node: int, targets: Mapping[str, Sequence[str]]) -> None:
+    def __init__(self, finder: _Finder, node: int, targets: Mapping[str, Sequence[str | None]]) -> None:
         self.finder, self.node, self.targets = finder, node, targets
 
     def __call__(self, place: Place, name: str) -> str:
@@ -60,6 +94,8 @@ class _Meaning:
         paths = self.targets.get(attribute, ())
         # One prim is what all references mean.
         path = paths[0] if len(paths) == 1 else _at(paths, number)
+        if path is None:  # whatever has its name here is another one
+            return name + _ELSEWHERE
         found = self.finder.at(path, name)
         if found is None:
             found = self.finder.rig.known(name)
