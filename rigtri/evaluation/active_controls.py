@@ -6,8 +6,11 @@ they are posed.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from rigtri.errors import UsageError
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline
@@ -45,6 +48,24 @@ def controls_at_work(rig: Rig, timeline: Timeline) -> frozenset[int]:
         if keyed.isdisjoint(joint for joint in map(rig.known, names) if joint is not None):
             found.add(node)
     return frozenset(found)
+
+
+def of_one_motion(rig: Rig, chosen: Sequence[Timeline], *, made: bool) -> Sequence[Timeline]:
+    """The timelines, where controls have the motion that each asks for; made: they are to get one of each.
+
+    UsageError for several that instances of one character play: controls of a stage have one motion.
+    """
+    several = [each for each in chosen if isinstance(rig.clips[each.members[0]].key, tuple)]
+    shared = {k for each in several for k in each.members if sum(k in other.members for other in several) > 1}
+    if len(several) > 1 and (
+        made or any(t.node in controls_and_poles(rig) for k in shared for t in rig.clips[k].tracks)
+    ):
+        names = [each.name for each in several]
+        raise UsageError(
+            f"Instances of one character play {', '.join(names)}, and their controls have one motion: "
+            f"choose whose with --clip, e.g. --clip {names[0]}"
+        )
+    return chosen
 
 
 def moved_at_rest(rig: Rig, size: float) -> frozenset[int]:

@@ -6,7 +6,7 @@ tuples, and what drives prims, skeletons and morphs together gives one pose.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import cached_property
@@ -58,14 +58,32 @@ def timelines(rig: Rig) -> list[Timeline]:
     alone = [k for k, clip in enumerate(rig.clips) if not isinstance(clip.key, tuple)]
     together = [k for k, clip in enumerate(rig.clips) if isinstance(clip.key, tuple)]
     found = [Timeline(rig.clips[k], (k,)) for k in alone if rig.clips[k].without_idle.tracks]
-    if any(rig.clips[k].without_idle.tracks for k in together):
+    for shown in _in_step(rig, together):
         # Defaults are seen only where no samples are, so they come first and samples go over them.
-        order = sorted(together, key=lambda k: not _is_default(rig.clips[k]))
+        order = sorted(shown, key=lambda k: not _is_default(rig.clips[k]))
         tracks = {(t.node, t.path): t for k in order for t in rig.clips[k].without_idle.tracks}
-        first = min(together, key=lambda k: _is_default(rig.clips[k]))
-        members = (first, *(k for k in together if k != first))
+        first = min(shown, key=lambda k: _is_default(rig.clips[k]))
+        members = (first, *(k for k in shown if k != first))
         found.append(Timeline(Clip(rig.clips[first].name, as_played(rig, tuple(tracks.values()))), members))
     return found
+
+
+def _in_step(rig: Rig, together: Sequence[int]) -> Iterator[list[int]]:
+    """Clips of a stage that play at the same time, by their numbers.
+
+    Instances of one character play an animation each, which move the same nodes: every one of them plays
+    with all that moves other nodes.
+    """
+    movers: dict[tuple[int, Path], dict[Hashable, None]] = {}
+    for clip in (rig.clips[k] for k in together):
+        # The stage's own keys of prims are no animation that an instance plays.
+        for track in clip.without_idle.tracks if clip.animation != PLAYED[1:] else ():
+            movers.setdefault((track.node, track.path), {})[clip.animation] = None
+    ways = {tuple(animations) for animations in movers.values()}
+    shown = any(rig.clips[k].without_idle.tracks for k in together)
+    for turn in range(max(map(len, ways), default=int(shown))):
+        others = {a for way in ways for k, a in enumerate(way) if k != min(turn, len(way) - 1)}
+        yield [k for k in together if rig.clips[k].animation not in others]
 
 
 def played_at_once(rig: Rig, name: str) -> Rig:
@@ -74,15 +92,25 @@ def played_at_once(rig: Rig, name: str) -> Rig:
 
     What is seen without a time, or not at all, stays in clips of its own. Without keys nothing changes.
     """
-    found = next((t for t in timelines(rig) if isinstance(rig.clips[t.members[0]].key, tuple)), None)
+    every = [t for t in timelines(rig) if isinstance(rig.clips[t.members[0]].key, tuple)]
+    found = next(iter(every), None)
     if found is None or _is_default(rig.clips[found.members[0]]):
         return rig
+    # What moves prims is seen with whatever instances of a character play.
+    others = {k for each in every for k in each.members}.difference(found.members)
+    loose = {(t.node, t.path): t for k in sorted(others) for t in rig.clips[k].tracks if _is_loose(rig, t)}
     apart = [
-        clip
+        replace(clip, tracks=tuple(t for t in clip.tracks if not _is_loose(rig, t))) if k in others else clip
         for k, clip in enumerate(rig.clips)
         if k not in found.members or _is_default(clip) or (clip.idle and clip.tracks)
     ]
-    return replace(rig, clips=(replace(found.clip, name=name, key=PLAYED), *apart))
+    tracks = loose | {(t.node, t.path): t for t in found.clip.tracks}
+    shown = replace(found.clip, name=name, key=PLAYED, tracks=tuple(tracks.values()))
+    return replace(rig, clips=(shown, *apart))
+
+
+def _is_loose(rig: Rig, track: Track) -> bool:
+    return track.path != "weights" and not rig.is_joint[track.node]
 
 
 def chosen_timelines(rig: Rig, patterns: Sequence[str]) -> list[Timeline]:

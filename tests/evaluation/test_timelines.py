@@ -212,3 +212,20 @@ def test_a_clip_and_a_time_are_split_at_the_last_mark() -> None:
         timeline_and_time(codes, "walk")
     with pytest.raises(GeometryError, match="Clip 'empty' has no keys"):
         timeline_and_time(rig, "empty@0")
+
+
+def test_animations_of_instances_play_one_at_a_time_each_with_all_else() -> None:
+    """In a stage two clips move one node where instances of a character play one each."""
+    rig = random_rig(1)
+    keys = (("samples", "/Walk"), ("samples", "/Run"), ("default", "/Walk"), ("samples", "/Other"))
+    nodes = (0, 0, 0, 1)
+    made = tuple(
+        Clip(key[1], (moved(node, 1.0 + k),), key)
+        for k, (key, node) in enumerate(zip(keys, nodes, strict=True))
+    )
+    walk, run = timelines(replace(rig, clips=made))
+    assert (walk.name, walk.members, run.name, run.members) == ("/Walk", (0, 2, 3), "/Run", (1, 3))
+    for each, along in ((walk, 1.0), (run, 2.0)):
+        found = each.track(0, "translation")
+        assert found is not None
+        assert found.values[1, 0] == along

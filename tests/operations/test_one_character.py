@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from crowds import crowd
 from pairs import PAIR, pair
 from places import SAMPLES, slow
 from program import cli
 from rigs import rig_of
+from usd_files import deviation
 
 from rigtri import constrain, take_clips
 from rigtri.errors import UsageError
@@ -161,6 +163,25 @@ def test_an_instance_that_is_read_at_another_is_refused_with_what_to_do(tmp_path
     cut = shared.index('def "B"')
     alone.write_text(shared[:cut] + shared[cut:].replace("instanceable = true", "instanceable = false"))
     cli("orient-joints", alone, "-o", out, "--character", "B", code=0)
+
+
+@pytest.mark.parametrize("clip", ["Run", "Walk"])
+def test_controls_of_a_crowd_have_the_motion_of_one_of_its_animations(clip: str, tmp_path: Path) -> None:
+    source, (rigged, moved, back) = crowd(tmp_path), (tmp_path / f"{name}.usda" for name in "abc")
+    cli("add-controls", source, "-o", rigged, "--below", "a", code=0)
+    several = "Instances of one character play Run, Walk, and their controls have one motion"
+    for start, to, out in ((rigged, "controls", moved), (moved, "joints", back)):
+        assert several in cli("bake", start, "-o", out, "--to", to, code=2).output
+        cli("bake", start, "-o", out, "--to", to, "--clip", clip, code=0)
+    assert deviation(source, back) < 1e-5
+    cli("strip", moved, "-o", tmp_path / "plain.usda", code=0)  # no motion is lost
+
+
+def test_a_rivet_follows_no_instance_of_several_animations(tmp_path: Path) -> None:
+    """A prim of a stage has one motion."""
+    mesh = ("--mesh", "/World/One/Skin", "--at", "0,2.5,0")
+    printed = cli("add-rivet", crowd(tmp_path), "-o", tmp_path / "out.usda", *mesh, code=3).output
+    assert "it would move otherwise with each" in printed
 
 
 def test_several_characters_are_conformed_one_at_a_time(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from crowds import crowd
 from program import cli
-from usd_files import animation, deviation
+from usd_files import MESH, animation, deviation, save, scene, skeleton
 
 ALL, NONE = "instanceable = true", "instanceable = false"
 OTHER = animation("Other").replace("(0.8, 0, 0.6, 0), (0.6,", "(1, 0, 0, 0), (0.6,")
@@ -62,3 +62,10 @@ def test_where_an_instance_goes_comes_home(tmp_path: Path) -> None:
     taken(source, edited, 0)
     assert deviation(tmp_path / "edited.usda", tmp_path / "out.usda", at_rest=False) == 0.0
     assert deviation(source, tmp_path / "out.usda", at_rest=False) > 0.1
+
+
+def test_one_clip_is_that_of_several_animations_which_the_user_names(tmp_path: Path) -> None:
+    source = crowd(tmp_path)
+    other = animation("Take").replace("(0.8, 0, 0.6, 0), (0.6,", "(1, 0, 0, 0), (0.6,")
+    edited = save(tmp_path, scene(skeleton(source="rel skel:animationSource = </Root/Take>"), other, MESH))
+    assert "say which 'Take' is with --as 'Take=CLIP'" in taken(source, edited, 2)

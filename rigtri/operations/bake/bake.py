@@ -18,6 +18,7 @@ from rigtri.evaluation.active_controls import (
     controls_and_poles,
     controls_at_work,
     moved_at_rest,
+    of_one_motion,
     skeleton_size,
 )
 from rigtri.evaluation.constraint_solver import Parts
@@ -143,7 +144,7 @@ class _Baker:
             if not timelines(self.rig):
                 text = "The file has no clips, so there is no motion that controls could be given"
                 self.report.warn("no-clips", text)
-            chosen = chosen_timelines(self.rig, self.options.clip)
+            chosen = of_one_motion(self.rig, chosen_timelines(self.rig, self.options.clip), made=True)
             for timeline in counted(chosen, "clips"):
                 self._to_controls(timeline)
             warn_of_result(self.start, self.options, self.report)
@@ -170,7 +171,7 @@ class _Baker:
     def _once(self) -> None:
         """Joints from controls and constraints, and all that follows joints, with rivets as they are."""
         self.reference, self.solvers = ControlsAtZero(self.rig), {}
-        chosen = chosen_timelines(self.rig, self.options.clip)
+        chosen = of_one_motion(self.rig, chosen_timelines(self.rig, self.options.clip), made=False)
         for timeline in counted(chosen, "clips"):
             self._to_joints(timeline)
         self._rest(self.rig)

@@ -227,7 +227,7 @@ class ClipNames:
                 every = [name for timeline in self.theirs for name in self._names(timeline)]
                 raise NameNotFoundError("clip", pattern, every)
         together = self.together(patterns)
-        if self.one_timeline:
+        if self.one_timeline and (len(self.ours) < 2 or not self.known.keys() >= together.keys()):
             together = self._alone(together)
         self._warn_unmatched(together)
         return [self.merged(name, parts) for name, parts in together.items()]
@@ -259,6 +259,9 @@ class ClipNames:
         if len(together) > 1:
             listed = ", ".join(f"'{name}'" for name in together)
             raise UsageError(f"A USD file has one clip, EDITED has {listed}; choose one with --clip")
+        if len(self.ours) > 1:
+            (name,), ours = together, ", ".join(f"'{name}'" for name in self.known)
+            raise UsageError(f"Instances of RIG play {ours}: say which '{name}' is with --as '{name}=CLIP'")
         known = self.ours or self.rig.clips
         return {known[0].name if known else "": parts for parts in together.values()}
 

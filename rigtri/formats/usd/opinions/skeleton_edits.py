@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from rigtri.formats.usd.opinions.edits import Edit, Setting, set_matrices, set_t
 from rigtri.formats.usd.reading.animation_reader import Property
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Track
+from rigtri.model.animation import Path, Track
 
 _LISTS = ("joints", "bindTransforms", "restTransforms", "jointNames")
 # In customData of restTransforms: rigtri added them, together with a joint.
@@ -88,3 +88,20 @@ def as_samples(track: Track, title: str) -> Track:
     """A track as samples hold it, without steps; FileError for splines."""
     check_no_spline(track, title)
     return without_steps(track)
+
+
+def as_one(tracks: Iterable[Track], title: str) -> dict[Path, Track]:
+    """What moves a prim, as samples hold it, by path: a stage has one time, whatever instances play.
+
+    FileError where the animations of instances of one character would each move it otherwise.
+    """
+    found: dict[Path, Track] = {}
+    for track in (as_samples(each, title) for each in tracks):
+        known = found.setdefault(track.path, track)
+        if not (np.array_equal(known.times, track.times) and np.array_equal(known.values, track.values)):
+            raise FileError(
+                f"{title} follows a character whose instances play several animations: it would move "
+                "otherwise with each, and a prim has one motion. Give the instance that it is to follow "
+                "joints of its own (instanceable = false)."
+            )
+    return found

@@ -15,7 +15,7 @@ from pxr import Sdf, UsdGeom
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import refuse, tokens_of, why_locked
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens, set_value
-from rigtri.formats.usd.opinions.skeleton_edits import as_samples
+from rigtri.formats.usd.opinions.skeleton_edits import as_one, as_samples
 from rigtri.formats.usd.opinions.xform_edits import (
     OP_TYPES,
     op_samples,
@@ -38,8 +38,7 @@ def key_xforms(edit: UsdEdit) -> None:
     """Write the new keys of prims that are not rigtri's. FileError where the ops of one take none."""
     tracks = edit.changes.prim_tracks
     for node in dict.fromkeys(track.node for track in tracks):
-        title = f"<{edit.rig.labels[node]}>"
-        mine = {track.path: as_samples(track, title) for track in tracks if track.node == node}
+        mine = as_one((track for track in tracks if track.node == node), f"<{edit.rig.labels[node]}>")
         edit.values += _prim_edits(edit.source, edit.rig, node, mine)
 
 

@@ -24,7 +24,7 @@ from rigtri.formats.usd.opinions.edits import (
     set_value,
 )
 from rigtri.formats.usd.opinions.reference_edits import portable, reference_edits
-from rigtri.formats.usd.opinions.skeleton_edits import as_samples, set_joints
+from rigtri.formats.usd.opinions.skeleton_edits import as_one, set_joints
 from rigtri.formats.usd.opinions.xform_edits import EULER, SAME_ROTATION, set_transform
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, is_rigtri_prim, sets_transform
 from rigtri.formats.usd.reading.control_shape_reader import curves_name, curves_of
@@ -85,8 +85,8 @@ def _renamed(before: Rig, rig: Rig) -> dict[Any, str]:
 def _tracks(rig: Rig, node: int) -> list[Track]:
     """All that moves a prim of rigtri, as samples hold it; a scale that stays 1 is none."""
     tracks = (t for clip in rig.clips for t in clip.tracks if t.node == node and t.path != "weights")
-    found = [as_samples(track, f"<{rig.labels[node]}>") for track in tracks]
-    return [t for t in found if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_ROTATION]
+    found = as_one(tracks, f"'{rig.title(node)}'")
+    return [t for t in found.values() if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_ROTATION]
 
 
 def _is_control(rig: Rig, node: int) -> bool:
