@@ -11,6 +11,7 @@ import pytest
 from crowds import ACTOR, HERO, TURNS, alike, bound, contents, crowd, instance, prototypes, shot
 from program import cli
 from pxr import Sdf, Usd, UsdSkel, UsdUtils
+from test_usd_keys import SHAPES, WEIGHTS
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, skinned, write
 
 from rigtri.errors import FileError
@@ -336,6 +337,29 @@ def test_an_instance_without_a_type_stands_beside_one_with_a_scale(first: str, t
         stages = [Usd.Stage.Open(str(path)) for path in (source, frozen)]
         one, other = (skinned(stage, Usd.TimeCode(1)) for stage in stages)
         assert all(np.abs(one[path] - other[path]).max() < 1e-5 for path in one)
+
+
+@pytest.mark.parametrize(
+    "words", [["rename-joints", "--name", "b=elbow"], ["add-socket", "--name", "s", "--on", "b"]]
+)
+def test_a_crowd_with_blend_shapes_gets_joints_and_keeps_the_weights_of_each_animation(
+    words: list[str], tmp_path: Path
+) -> None:
+    save(tmp_path, scene(skeleton(source=""), SHAPES), "parts/hero.usda")
+    clips = [
+        animation(name, shapes=WEIGHTS.replace("0.5", more)) for name, more in (("Walk", "0.5"), ("Run", "1"))
+    ]
+    agents = [
+        instance(name, more=bound(f"/World/{clip}")) for name, clip in (("One", "Walk"), ("Two", "Run"))
+    ]
+    source, out = save(tmp_path, shot(*clips, *agents)), tmp_path / "out.usda"
+    printed = cli(words[0], source, "-o", out, *words[1:], code=0).output
+    # What instances share is edited with them, at whichever of them it is seen.
+    assert "by their old paths" not in printed
+    stages = [Usd.Stage.Open(str(path)) for path in (source, out)]
+    for clip in ("Walk", "Run"):
+        before, after = (stage.GetAttributeAtPath(f"/World/{clip}.blendShapeWeights") for stage in stages)
+        assert [before.Get(t) for t in (1, 2, 3)] == [after.Get(t) for t in (1, 2, 3)]
 
 
 @pytest.mark.parametrize(

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any
 
-from pxr import Usd
-
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_locked
 from rigtri.formats.usd.composition.value_types import usable
 from rigtri.formats.usd.composition.variants import each_choice
 from rigtri.formats.usd.opinions.edits import Edit, Setting, binding_schema, set_tokens
-from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, Bindings, weighted
+from rigtri.formats.usd.reading.mesh_reader import Bindings, weighted
 from rigtri.formats.usd.reading.source import Source
 from rigtri.report import Notice
 from rigtri.text import and_more
@@ -132,7 +130,7 @@ def stale_names(source: Source, renaming: Renaming, edits: Sequence[Edit]) -> li
     edited |= {(str(edit.prim), edit.name) for edit in edits if isinstance(edit, Setting)}
     found = [
         str(attribute.GetPath())
-        for prim in Usd.PrimRange(source.stage.GetPseudoRoot(), ALL_PRIMS)
+        for prim in source.instances.prims()
         for attribute in prim.GetAuthoredAttributes()
         if (str(prim.GetPath()), attribute.GetName()) not in edited and _names(attribute, old)
     ]

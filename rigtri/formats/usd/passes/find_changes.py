@@ -67,6 +67,16 @@ def _keyed_prims(before: Rig, rig: Rig, moved: Booleans) -> set[int]:
     return found
 
 
+def _same_weights(was: Track | None, now: Track) -> bool:
+    """Whether two tracks are equal, though passes before have read the stage again and made new ones."""
+    return (
+        was is not None
+        and (was.interpolation, was.unlisted) == (now.interpolation, now.unlisted)
+        and np.array_equal(was.times, now.times)
+        and np.array_equal(was.values, now.values)
+    )
+
+
 def _divided(
     before: Rig, rig: Rig, prim: Callable[[int], bool]
 ) -> tuple[tuple[Clip, ...], list[Track], list[Weights]]:
@@ -86,10 +96,11 @@ def _divided(
         kept: list[Track] = []
         for now in new.tracks:
             was = known.get((now.node, now.path))
-            if now is was or not (now.path == "weights" or prim(now.node)):
+            weighs = now.path == "weights"
+            if now is was or not (weighs or prim(now.node)) or (weighs and _same_weights(was, now)):
                 kept.append(now)
                 continue
-            if now.path == "weights":
+            if weighs:
                 weights.append((every.get((now.node, now.path)), now))
             else:
                 prims.append(now)
