@@ -16,6 +16,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline
 from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.vectors import length
+from rigtri.model.animation import PATHS
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 
@@ -53,19 +54,25 @@ def controls_at_work(rig: Rig, timeline: Timeline) -> frozenset[int]:
 def of_one_motion(rig: Rig, chosen: Sequence[Timeline], *, made: bool) -> Sequence[Timeline]:
     """The timelines, where controls have the motion that each asks for; made: they are to get one of each.
 
-    UsageError for several that instances of one character play: controls of a stage have one motion.
+    UsageError for several that instances of one character play: controls of a stage have one motion. Those of
+    another character have it in all of them, and get it in the first.
     """
     several = [each for each in chosen if isinstance(rig.clips[each.members[0]].key, tuple)]
     shared = {k for each in several for k in each.members if sum(k in other.members for other in several) > 1}
-    if len(several) > 1 and (
+    if len(several) < 2 or not (
         made or any(t.node in controls_and_poles(rig) for k in shared for t in rig.clips[k].tracks)
     ):
-        names = [each.name for each in several]
+        return chosen
+    names = {name for each in rig.records(ControlRecord).values() for name in (each.joint, *each.chain)}
+    about = {node for joint in map(rig.known, names) if joint is not None for node in rig.path_to_root(joint)}
+    first, *others = several
+    if any(first.track(n, path) is not t.track(n, path) for t in others for n in about for path in PATHS):
+        called = [each.name for each in several]
         raise UsageError(
-            f"Instances of one character play {', '.join(names)}, and their controls have one motion: "
-            f"choose whose with --clip, e.g. --clip {names[0]}"
+            f"Instances of one character play {', '.join(called)}, and their controls have one motion: "
+            f"choose whose with --clip, e.g. --clip {called[0]}"
         )
-    return chosen
+    return [each for each in chosen if each not in others]
 
 
 def moved_at_rest(rig: Rig, size: float) -> frozenset[int]:

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from crowds import crowd
+from crowds import ACTOR, crowd
 from pairs import PAIR, pair
 from places import SAMPLES, slow
 from program import cli
 from rigs import rig_of
-from usd_files import deviation
+from usd_files import deviation, save
 
 from rigtri import constrain, take_clips
 from rigtri.errors import UsageError
@@ -175,6 +175,16 @@ def test_controls_of_a_crowd_have_the_motion_of_one_of_its_animations(clip: str,
         cli("bake", start, "-o", out, "--to", to, "--clip", clip, code=0)
     assert deviation(source, back) < 1e-5
     cli("strip", moved, "-o", tmp_path / "plain.usda", code=0)  # no motion is lost
+
+
+def test_a_character_beside_a_crowd_is_baked_without_a_choice_of_what_that_plays(tmp_path: Path) -> None:
+    source, (rigged, moved, back) = crowd(tmp_path), (tmp_path / f"{name}.usda" for name in "abc")
+    save(tmp_path, ACTOR, "parts/actor.usda")
+    source.write_text(source.read_text() + 'def "Solo" (references = @./parts/actor.usda@</Root>)\n{\n}\n')
+    cli("add-controls", source, "-o", rigged, "--below", "/Solo/Skel:a", code=0)
+    cli("bake", rigged, "-o", moved, "--to", "controls", code=0)
+    cli("bake", moved, "-o", back, "--to", "joints", code=0)
+    assert deviation(source, back) < 1e-5
 
 
 def test_a_rivet_follows_no_instance_of_several_animations(tmp_path: Path) -> None:
