@@ -126,7 +126,12 @@ def stale_names(source: Source, renaming: Renaming, edits: Sequence[Edit]) -> li
         for token in source.skeletons[path].tokens
         if renamed(token) != token
     }
-    edited = {(path, name) for path in renaming for name in ("joints", "jointNames")}
+    # Other skeletons and what they play have joints of their own, whatever these are called.
+    others = (
+        path for path, each in source.skeletons.items() if path not in renaming for path in each.animations
+    )
+    known = {*source.skeletons, *others}
+    edited = {(path, name) for path in known for name in ("joints", "jointNames")}
     edited |= {(str(edit.prim), edit.name) for edit in edits if isinstance(edit, Setting)}
     found = [
         str(attribute.GetPath())
