@@ -18,6 +18,7 @@ from rigtri.model.metadata import (
     RECORDS,
     ConstraintRecord,
     ControlRecord,
+    OffsetRecord,
     PoleVectorRecord,
     RivetRecord,
     Stored,
@@ -133,3 +134,17 @@ def damaged(rig: Rig, report: Report) -> Rig:
     rig, node = add(rig, "bad_ctl", parent, ControlRecord(kind="fk", joint="head"))
     stored = {**rig.metadata[node], "kind": "banana"}
     return replace(rig, metadata={**rig.metadata, node: stored})
+
+
+@pytest.mark.parametrize(
+    ("axes", "problems"),
+    [
+        ([0.0, 0.0, 0.6, 0.8], ()),
+        ([0.0, 0.6, 0.8], ("its axes is [0.0, 0.6, 0.8]",)),
+        ("0068", ("its axes is '0068'",)),
+        ([0.0, 0.0, 0.6, "w"], ("its axes is [0.0, 0.0, 0.6, 'w']",)),
+    ],
+)
+def test_a_row_of_numbers_has_as_many_as_it_should(axes: Any, problems: tuple[str, ...]) -> None:
+    record = OffsetRecord.from_dict({"v": 1, "type": "offset", "kind": "fk", "joint": "a", "axes": axes})
+    assert record.problems == problems

@@ -70,6 +70,7 @@ def test_data_that_start_at_an_odd_offset_are_read(tmp_path: Path) -> None:
     ("change", "words"),
     [
         ({"count": 100}, "needs"),
+        ({"count": 7, "type": "SCALAR"}, "needs 28 bytes"),  # by no more than one of them
         ({"count": 10**15}, "needs"),
         ({"count": 0}, "at least 1"),
         ({"count": -1}, "whole number"),

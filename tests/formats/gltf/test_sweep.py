@@ -8,14 +8,15 @@ from typing import Any
 
 import pytest
 from builds import STEPS, Step, everything
-from gltf_files import Builder, glb_json
+from gltf_files import Builder, glb_bytes, glb_json, glb_parts
 from morphs import arm
 from places import slow
 
-from rigtri import verify
+from rigtri import add_twist, verify
 from rigtri.errors import FileError
 from rigtri.formats import read
-from rigtri.formats.gltf.garbage_collect import OWN_NAME, _taken
+from rigtri.formats.gltf.garbage_collect import OWN_NAME, _close_up, _taken
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.references import used_accessors
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
@@ -179,3 +180,40 @@ def test_bytes_that_others_need_are_whole_views_of_theirs_and_accessors_in_ours(
     storage: Any = SimpleNamespace(span=span)
     taken = _taken({"bufferViews": views, "accessors": accessors}, storage, 0, {0})
     assert list(taken) == [(40, 48), (0, 4), (8, 20)]
+
+
+def test_what_lies_behind_removed_bytes_moves_up_by_as_many() -> None:
+    views = [
+        {"buffer": 0, "byteLength": 40},
+        {"buffer": 0, "byteOffset": 40, "byteLength": 16},
+        {"buffer": 1, "byteOffset": 40, "byteLength": 16},
+    ]
+    accessors = [
+        {"bufferView": 0, "byteOffset": 8},
+        {"bufferView": 0, "byteOffset": 32},
+        {"bufferView": 1, "byteOffset": 4},
+        {"bufferView": 2, "byteOffset": 4},
+        {"count": 3},
+    ]
+    draft = CopyOnWrite({"bufferViews": views, "accessors": accessors})
+    _close_up(draft, 0, [(16, 24), (28, 32)])
+    assert [view.get("byteOffset", 0) for view in draft.gltf["bufferViews"]] == [0, 28, 40]
+    assert [view["byteLength"] for view in draft.gltf["bufferViews"]] == [28, 16, 16]
+    assert [one.get("byteOffset") for one in draft.gltf["accessors"]] == [8, 20, 4, 4, None]
+    assert accessors[1]["byteOffset"] == 32  # what was read stays as it was
+
+
+def test_matrices_behind_the_last_joint_go_where_another_tool_has_kept_no_others(tmp_path: Path) -> None:
+    """rigtri leaves the matrices of before where they are; who writes the file anew drops them."""
+
+    def twist(rig: Rig, report: Report) -> Rig:
+        return add_twist(rig, joint="upper", to="lower", count=1)
+
+    built = run(arm().glb(tmp_path / "arm.glb"), twist)
+    gltf, binary = glb_parts(built)
+    (old,) = (k for k, a in enumerate(gltf["accessors"]) if a["type"] == "MAT4" and a["count"] == 2)
+    gltf["accessors"][old] |= {"type": "SCALAR", "count": 1}
+    built.write_bytes(glb_bytes(gltf, binary))
+    bare = run(built, _strip)
+    (skin,), accessors = glb_json(bare)["skins"], glb_json(bare)["accessors"]
+    assert (len(skin["joints"]), accessors[skin["inverseBindMatrices"]]["count"]) == (2, 2)
