@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from places import SAMPLES, ci, first, slow
+from rigs import rig_of as plain_rig
 from taken_clips import notices, resting, rig_of, shown_at, turned_key, without_skin
 
 from rigtri.errors import GeometryError
@@ -21,7 +22,7 @@ from rigtri.maths.quaternions import from_axis_angle, rotate, to_axes
 from rigtri.maths.quaternions import multiply as multiply_rotations
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
-from rigtri.model.animation import Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.operations.take_clips.bind_axes import BoundAxes, _at_one_place
@@ -266,3 +267,27 @@ def test_two_bones_that_point_as_in_rig_and_not_along_one_line_show_axes() -> No
     assert shown(bone(x, x)) == shown(bone(x, x), bone(x, x)) == shown(bone(x, x), bone(-x, -x)) == set()
     assert shown(bone(x, x), bone(y, x)) == set()  # points elsewhere
     assert shown(bone(x, x), bone(y, y, slides=True)) == shown(bone(x, x), bone(y, y, size=1e-9)) == set()
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3])
+def test_a_mirrored_node_moves_as_in_a_file_that_mirrors_all_its_axes(angle: float) -> None:
+    """Blender writes one mirrored axis as three and a half turn about it."""
+    rig = plain_rig(["top", "arm", "hand"], [-1, 0, 1], np.eye(3))
+    scale, times = np.array([[1, 1, 1], [-1, 1, 1], [1, 1, 1]], dtype=float), np.arange(2.0)
+    turns = np.stack([from_axis_angle([1, 2, 3], each) for each in (0.0, 0.5)])
+    swing = Track(1, "rotation", "LINEAR", times, turns)
+    rig = replace(rig, scale=scale, clips=(Clip("swing", (swing,)),))
+    half = from_axis_angle([1, 0, 0], np.pi)
+    edited = replace(
+        swing, values=multiply_rotations(turns, multiply_rotations(from_axis_angle([0, 1, 0], angle), half))
+    )
+    rotation = rig.rotation.copy()
+    rotation[1] = half
+    other = replace(rig, scale=np.abs(scale) * [[1], [-1], [1]], rotation=rotation)
+    other = replace(other, clips=(Clip("swing", (edited,)),))
+    home = take_clips(rig, from_=other)
+    there, here = (
+        sampling.worlds(each, sampling.locals_at(each, each.clip("swing"), times)) for each in (other, home)
+    )
+    assert np.abs(here - there).max() <= 1e-9
+    assert (home.clips == rig.clips) == (angle == 0.0)

@@ -88,8 +88,9 @@ class Transfer:
         if not self.is_carried(node) and _mappable(left, right, own):
             place = self._in_parent(node)
             placed = right if place is None else multiply(right, place)
+            signs = self._signs(node, left)
             tracks = (
-                _mapped(track, node, left, placed if track.path == "translation" else right)
+                _signed(_mapped(track, node, left, placed if track.path == "translation" else right), signs)
                 for track in own.values()
             )
             return Transferred(tuple(tracks), sampled=False)
@@ -105,7 +106,19 @@ class Transfer:
             return None
         if track.path == "translation" and (place := self._in_parent(node)) is not None:
             right = multiply(right, place)
+        track = _signed(track, self._signs(node, left))
         return _mapped(track, self.both.of[node], inverse(left), inverse(right))
+
+    def _signs(self, node: int, left: Floats) -> Floats:
+        """Which axes of a node both files mirror otherwise, (3,): 1, or −1 for two of them, a half turn.
+
+        A mirrored node is mirrored along one axis in RIG, and along all three once Blender has written it.
+        """
+        theirs = rest_parts(self.both.other, self.both.of[node])["scale"][0]
+        axes = _axes(left)
+        x, y, z = (theirs[k] * axes[k] * axes[k] for k in range(3))
+        signs = np.sign((x + y + z) * rest_parts(self.both.rig, node)["scale"][0])
+        return np.asarray(signs if signs.prod() > 0 else np.ones(3))
 
     def _sampled(self, node: int, left: Floats) -> tuple[Track, ...]:
         """Keys wherever anything that moves the node, or a node above it, has one."""
@@ -276,6 +289,15 @@ def _mapped(track: Track, node: int, left: Floats, right: Floats) -> Track:
             x, y, z = (values[..., k, np.newaxis] * squares[:, k] for k in range(3))
             values = size * (x + y + z)
     return replace(track, node=node, values=values, key=None)
+
+
+def _signed(track: Track, signs: Floats) -> Track:
+    """A track of the same motion: its scale with other signs, its rotation after the half turn they are."""
+    if track.path == "translation" or (signs > 0).all():
+        return track
+    if track.path == "scale":
+        return replace(track, values=track.values * signs)
+    return replace(track, values=product(track.values, from_axes(np.diag(signs))))
 
 
 def _axes(matrix: Floats) -> Floats:
