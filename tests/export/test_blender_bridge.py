@@ -688,6 +688,15 @@ def test_a_joint_follows_its_control_in_its_own_axes() -> None:
     assert [names[each[0]][int(each[1:])]["name"] for each in targets] == ["spine_ctl", "head drive"]
 
 
+def test_an_object_does_not_stand_as_the_bone_of_its_control() -> None:
+    """glTF's import gives objects other axes, so a node that is no joint rides on its control."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "tail.glb"), whole_character=True, frame="joint")
+    plan = exported(replace(rig, skins=()), gltf=True).plan
+    targets = [each["target"] for each in plan["constraints"] if each["name"].startswith("Follow")]
+    assert targets
+    assert all(target.startswith("s") for target in targets)
+
+
 def test_twist_joints_take_their_shares_of_the_turn_between_two_joints() -> None:
     limb = ("upper_arm_L", "forearm_L", "hand_L")
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), joints="upper_arm_L")

@@ -61,6 +61,7 @@ def _copy(plan: Plan, joint: int, control: int) -> None:
     if armature >= 0:
         place[:3, :3] *= length(plan.rig.world[armature, 0, :3])
     same = np.abs(world[joint] - place).max() <= SAME_POSITION * max(1.0, np.abs(world[joint]).max())
+    same = same and plan.bone_axes(joint)  # an object has other axes than the bone of its control
     target = word if same else plan.ride("drive", word, joint)
     plan.constrain(plan.node(joint), "COPY_TRANSFORMS", target, f"Follow {plan.called(control)}")
 
