@@ -53,6 +53,17 @@ def to_parts(m: Floats) -> Parts:
     return Parts(m[..., 3, :3].copy("K"), nearest_rotation_of(m), length(m[..., :3, :3]) * sign)
 
 
+def mirrored_as(parts: Parts, scale: Floats) -> Parts:
+    """The same parts with the signs of a scale, (3,), wherever a half turn gives them these."""
+    signs = np.sign(parts.scale * scale)
+    half = (signs.prod(axis=-1) > 0) & (signs.min(axis=-1) < 0)
+    if not half.any():
+        return parts
+    signs = np.where(half[..., np.newaxis], signs, 1.0)
+    turn = np.concatenate([np.where(half[..., np.newaxis], signs > 0, 0.0), ~half[..., np.newaxis]], axis=-1)
+    return parts._replace(rotation=product(parts.rotation, turn), scale=parts.scale * signs)
+
+
 def nearest_rotation_of(m: Floats) -> Floats:
     """The rotations nearest to matrices, (..., 4, 4) → xyzw (..., 4); NaN for a flat one."""
     return from_axes(nearest_rotation(m))

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from rigtri.evaluation.constraint_solver import Parts, nearest_rotation_of, to_parts
+from rigtri.evaluation.constraint_solver import Parts, mirrored_as, nearest_rotation_of, to_parts
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import (
@@ -53,7 +53,7 @@ class PoseCache:
             return self.parts[node]
         rig = self.rig
         if rig.has_matrix[node]:
-            return to_parts(rig.normalised_local[node][np.newaxis])
+            return mirrored_as(to_parts(rig.normalised_local[node][np.newaxis]), rig.scale[node])
         rows = slice(node, node + 1)
         return Parts(rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows])
 

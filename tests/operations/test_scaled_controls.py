@@ -14,9 +14,12 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.maths.matrices import compose, inverse
+from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.orient_joints.controls_check import _deviation
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.operations.orient_joints.scaled_controls import scales_by_controls
@@ -120,3 +123,20 @@ def test_joints_that_controls_move_elsewhere_are_told_with_the_moment() -> None:
     far, joint, time = _deviation(one, other, [0, 1])
     assert (far * size, joint, time) == (0.5, 1, 2.0)
     assert _deviation(one, other, [0])[0] == 0.0
+
+
+def test_a_mirrored_joint_keeps_the_axis_along_which_it_is_mirrored() -> None:
+    """A matrix, as USD stores a rest pose, does not say which one that is; scale alone has keys or values."""
+    bare = chain((0, 0, 0), (1, 0, 0), (2, 1, 0), (3, 2, 0))
+    scale, has_matrix = bare.scale.copy(), bare.has_matrix.copy()
+    scale[B], has_matrix[B] = (-1.0, 1.0, 1.0), True
+    matrix = compose(bare.translation, bare.rotation, scale)
+    bare = replace(bare, scale=scale, has_matrix=has_matrix, matrix=matrix)
+    bare = replace(bare, skins=(replace(bare.skins[0], inverse_bind=inverse(bare.world)),))
+    rig = add_controls(bare, options=AddControlsOptions(joints=("b",)))
+    turns = np.stack([from_axis_angle([1, 2, 3], angle) for angle in (0.0, 0.2)])
+    swing = Track(rig.find("b_ctl"), "rotation", "LINEAR", np.arange(2.0), turns)
+    baked = bake(replace(rig, clips=(Clip("swing", (swing,)),)), options=BakeOptions())
+    found = {track.path: track.values for track in baked.clips[0].tracks if track.node == B}
+    assert found.keys() == {"rotation"}
+    assert_allclose(np.abs(found["rotation"][:, 3]), np.cos([0.0, 0.1]), atol=1e-6)

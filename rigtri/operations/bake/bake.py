@@ -21,7 +21,7 @@ from rigtri.evaluation.active_controls import (
     of_one_motion,
     skeleton_size,
 )
-from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.constraint_solver import Parts, mirrored_as
 from rigtri.evaluation.curve_refinement import ControlCurve, JointCurve, RefinedSamples, refine_samples
 from rigtri.evaluation.inverse_solver import solve_controls
 from rigtri.evaluation.key_reduction import key_tolerances
@@ -259,7 +259,8 @@ class _Baker:
         timing = self._times_from(timeline, replaced)
         with as_share(0, _SAMPLED):
             samples = self._samples(JointCurve(solver, timeline.clip, self.size), timing)
-        times, parts = samples.times, samples.parts
+        times, scales = samples.times, self.rig.scale
+        parts = {node: mirrored_as(each, scales[node]) for node, each in samples.parts.items()}
         held = times if steps_only(timing) else jumps(timing)
         refuse_overstretch(self.rig, solver.limbs, parts, timeline.name, times)
         tracks = [
