@@ -18,7 +18,7 @@ from rigtri.frames.skeleton import ReferencePose, Skeleton, reference
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle, bend_direction, bend_sine, frame, pole_position
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance, normalise, project
-from rigtri.model.metadata import PoleVectorRecord
+from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_polevector import AddPolevectorOptions as AddPolevectorOptions
@@ -26,6 +26,7 @@ from rigtri.operations.rigtri_nodes import (
     add,
     built_at_zero,
     find,
+    find_all,
     given_name,
     home,
     refuse_taken,
@@ -208,7 +209,7 @@ def _pole_position(
     degrees = float(np.degrees(bend_angle(*points)))
     record = _pole_record(rig, limb, options, found, degrees)
     _warn_bend(rig, limb, found, points, report)
-    rig, node = _placed(rig, limb, record, options, position, _axes(points, found, options))
+    rig, node = _placed(rig, limb, record, options, position, _axes(points, found, options), report)
     entry: dict[str, Any] = {
         "limb": [rig.title(k) for k in limb.triple],
         "polevector": rig.names[node],
@@ -270,6 +271,7 @@ def _placed(
     options: AddPolevectorOptions,
     position: Floats,
     axes: Floats,
+    report: Report,
 ) -> tuple[Rig, int]:
     """The limb's pole vector at its place, found again by its chain or made new."""
     node = find(rig, PoleVectorRecord, chain=record.chain)
@@ -282,13 +284,30 @@ def _placed(
         old = rig.records(PoleVectorRecord)[node]
         record = replace(record, shape=old.shape, size=old.size, color=old.color)
         rig = with_record(rig, node, record)
-        return (move_joint if joint else stand)(rig, node, position, axes), node
+        moved = (move_joint if joint else stand)(rig, node, position, axes)
+        if not np.array_equal(moved.local[node, 3], rig.local[node, 3]):
+            _warn_solved(rig, node, record, report)
+        return moved, node
     if options.as_ == "joint":
         parent, like = skin_sibling_parent(rig, limb.start)
         return add_joint(rig, name, parent, record, position, axes, like=like)
     rig, parent = home(rig, limb.start)
     rig, node = add(rig, name, parent, record)
     return stand(rig, node, position, axes), node
+
+
+def _warn_solved(rig: Rig, pole: int, record: PoleVectorRecord, report: Report) -> None:
+    """Warn of the clips in which IK bends a limb towards its pole vector as that rests."""
+    solvers = set(find_all(rig, ControlRecord, chain=record.chain))
+    clips = []
+    for clip in rig.clips:
+        keyed = {track.node for track in clip.tracks}
+        places = (track.node == pole and track.path == "translation" for track in clip.tracks)
+        if solvers & keyed and not any(places):
+            clips.append(clip.name)
+    if clips:
+        text = f"'{rig.names[pole]}' has no keys in {and_more(clips, 6)}, where IK moves its limb"
+        report.warn("pole-moved", f"{text}: from its new place, the next bake gives other motion there")
 
 
 def _called(rig: Rig, limb: Limb) -> str:

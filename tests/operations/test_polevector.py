@@ -20,6 +20,7 @@ from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
@@ -176,6 +177,24 @@ def test_clips_in_which_the_pole_flips_are_listed() -> None:
     report = Report()
     placed(replace(arm(), clips=(clip,)), report, check_clips=True)
     assert {event["what"] for event in report.limbs[0]["clips"][0]["at"]} >= {"flipped"}
+
+
+def test_clips_that_count_from_the_place_of_a_moved_pole_are_named() -> None:
+    limb = (given(arm(), "a", "b", "c"),)
+    rig = add_controls(arm(), options=AddControlsOptions(ik=limb))
+    control, pole = rig.find("c_ik_ctl"), rig.find("b_pole")
+
+    def keyed(node: int) -> Track:
+        return Track(node, "translation", "LINEAR", np.arange(2.0), np.zeros((2, 3)))
+
+    clips = (Clip("solved", (keyed(control),)), Clip("both", (keyed(control), keyed(pole))))
+    rig, report = replace(rig, clips=(*clips, Clip("idle", ()))), Report()
+    placed(rig, report, limb=limb)
+    assert not report.warnings
+    placed(rig, report, limb=limb, reach=0.8)
+    (notice,) = report.warnings
+    assert notice.code == "pole-moved"
+    assert "'b_pole' has no keys in solved, where" in notice.text
 
 
 def test_the_foot_of_a_flat_rig_need_not_be_parented_below_the_shin() -> None:
