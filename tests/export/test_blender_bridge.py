@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import json
 import re
 import shutil
@@ -835,6 +836,42 @@ def test_a_jump_takes_a_time_that_blender_does_not_merge() -> None:
     plan = exported(replace(rig, clips=(Clip("jump", (track,)),)), gltf=False).plan
     (curve,) = plan["keys"]["curves"]
     assert curve["times"] == [0.0, 8.98, 9.0, 20.0]
+
+
+@pytest.mark.slow
+def test_controls_of_plain_prims_in_usd_come_to_blender_and_home(tmp_path: Path) -> None:
+    """Blender's import makes no action for prims, so the script makes one; bones are the script's own."""
+    plain, rigged, animate, edited, home = (
+        str(tmp_path / f"{name}.usda") for name in ("plain", "rigged", "animate", "edited", "home")
+    )
+    stage = Usd.Stage.CreateNew(plain)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    stage.SetStartTimeCode(1.0)
+    stage.SetEndTimeCode(10.0)
+    for path, up in zip(
+        itertools.accumulate(("/World", "/base", "/mid", "/arm", "/tip")), range(5), strict=True
+    ):
+        prim = UsdGeom.Xform.Define(stage, path)
+        place, turned = prim.AddTranslateOp(), prim.AddRotateXYZOp()
+        for time, way in ((1.0, 0.0), (10.0, 0.2 if up else 0.0)):
+            place.Set((0.3 * up + way, up, 0.0), time)
+            turned.Set((0.0, 0.0, 20.0 * way * up), time)
+    stage.Save()
+    options = ["--root", "/World", "-q"]
+    cli("add-controls", plain, "-o", rigged, "--below", "base", *options, code=0)
+    cli("bake", rigged, "-o", animate, "--to", "controls", *options, code=0)
+    cli("export-blender", animate, "-o", tmp_path / "setup.py", *options, code=0)
+    keys = {"tip_ctl": {"by": [0.0002, 0.0005, -0.0004]}}
+    job = {"script": str(tmp_path / "setup.py"), "target": edited, "clip": "xforms", "keys": keys}
+    blender_trip(job, folder=tmp_path)
+    cli("take-clips", animate, "--from", edited, "-o", home, *options, code=0)
+    stages = [Usd.Stage.Open(path) for path in (animate, home)]
+    was, now = ({prim.GetName(): UsdGeom.Xformable(prim) for prim in each.Traverse()} for each in stages)
+    for name in ("base_ctl_offset", "base_ctl", "arm_ctl", "tip_ctl"):
+        by = np.array([0.02, 0.05, -0.04]) if name == "tip_ctl" else np.zeros(3)
+        for time in (1.0, 5.0, 10.0):
+            before, after = (np.array(each[name].GetLocalTransformation(time)) for each in (was, now))
+            assert np.abs(after - before - np.pad([by], ((3, 0), (0, 1)))).max() < 1e-4
 
 
 @pytest.mark.slow

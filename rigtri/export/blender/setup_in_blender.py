@@ -531,6 +531,8 @@ def put_rows(curve: Any, rows: Any, template: Any) -> None:
 
 def channels(action: Any, slot: Any, *, make: bool = False) -> Any:
     """The curves of an action for one slot; None for none."""
+    if make and not action.layers:
+        action.layers.new("Layer").strips.new(type="KEYFRAME")
     return action.layers[0].strips[0].channelbag(slot, ensure=make) if action.layers else None
 
 
