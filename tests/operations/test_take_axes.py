@@ -17,13 +17,15 @@ from taken_clips import notices, resting, rig_of, shown_at, turned_key, without_
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
 from rigtri.maths.matrices import from_frame, inverse, multiply
+from rigtri.maths.quaternions import IDENTITY, from_axis_angle, rotate, to_axes
 from rigtri.maths.quaternions import conjugate as opposite
-from rigtri.maths.quaternions import from_axis_angle, rotate, to_axes
 from rigtri.maths.quaternions import multiply as multiply_rotations
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Clip, Track
+from rigtri.model.metadata import ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.operations.take_clips.bind_axes import BoundAxes, _at_one_place
 from rigtri.operations.take_clips.take_clips import take_clips
@@ -291,3 +293,35 @@ def test_a_mirrored_node_moves_as_in_a_file_that_mirrors_all_its_axes(angle: flo
     )
     assert np.abs(here - there).max() <= 1e-9
     assert (home.clips == rig.clips) == (angle == 0.0)
+
+
+def test_controls_of_plain_nodes_are_bones_of_their_own_in_another_world() -> None:
+    """Blender's world has z up: nodes stand in it as the top one does, and bones each in their own axes."""
+    points = np.array([[0, 0, 0], [0, 2, 0], [1, 2, 0], [0, 0, 0]], dtype=float)
+    rig = plain_rig(["World", "arm", "arm_offset", "arm_ctl"], [-1, 0, 0, 2], points)
+    notes = {2: OffsetRecord(kind="fk", joint="arm"), 3: ControlRecord(kind="fk", joint="arm")}
+    times, still = np.arange(2.0), np.tile(IDENTITY, (2, 1))
+    turns = np.stack([from_axis_angle([1, 2, 3], each) for each in (0.0, 0.5)])
+    swing = (Track(1, "rotation", "LINEAR", times, turns), Track(3, "rotation", "LINEAR", times, turns))
+    metadata = {node: note.to_dict() for node, note in notes.items()}
+    rig = replace(rig, metadata=metadata, clips=(Clip("swing", swing),))
+    upright = from_axis_angle([1, 0, 0], np.pi / 2)
+    rotation, translation = rig.rotation.copy(), points.copy()
+    rotation[[0, 2]], translation[2] = upright, rotate(upright, points[2])
+    parents, bones = rig.parents.copy(), np.array([2, 3])
+    parents[2] = -1
+    other = replace(rig, metadata={}, parents=parents, rotation=rotation, translation=translation)
+    other = replace(other, rules=replace(rig.rules, up=(0.0, 0.0, 1.0)))
+    edited = multiply_rotations(turns, from_axis_angle([0, 1, 0], 0.3))
+    tracks = (
+        swing[0],
+        replace(swing[1], values=edited),
+        Track(2, "rotation", "LINEAR", times, still + upright - IDENTITY),
+    )
+    other = replace(
+        other, skins=(Skin("bones", bones, inverse(other.world[bones])),), clips=(Clip("swing", tracks),)
+    )
+    home = take_clips(rig, from_=other)
+    found = {track.node: track.values for track in home.clips[0].tracks}
+    assert found.keys() == {1, 3}
+    assert np.abs(found[3] - edited).max() <= 1e-9

@@ -251,7 +251,7 @@ class Counterparts:
         if node in self._bound:
             return self._bound[node]
         theirs, between = self.of[node], self.between(node)
-        drawn = multiply(multiply(self.rig.local[node], inverse(between)), inverse(self.other.local[theirs]))
+        drawn = self._from_rest(node, between)
         if not np.isfinite(drawn).all():
             return self._inherited(node, between)
         if self.rig.is_joint[node]:
@@ -265,6 +265,11 @@ class Counterparts:
         if not in_place:
             drawn[3, :3] = 0.0
         return drawn
+
+    def _from_rest(self, node: int, between: Floats) -> Floats:
+        """C of a node that rests in both files alike."""
+        there = self.other.local[self.of[node]]
+        return multiply(multiply(self.rig.local[node], inverse(between)), inverse(there))
 
     def _rests_alike(self, node: int) -> tuple[bool, bool]:
         """Whether the bound joints that a node carries rest alike in both worlds: their axes, and places.
@@ -296,9 +301,10 @@ class Counterparts:
         Of a first control that is a bone in EDITED, that of joints: exporters turn objects otherwise.
         """
         above, rig = self.line(node)[2], self.rig
-        is_bone = node in rig.own and self.other.is_joint[self.of[node]] and self._tops
+        is_bone = node in rig.own and self.other.is_joint[self.of[node]]
         if is_bone and above not in rig.own and not (above >= 0 and rig.is_joint[above]):
-            turn = self._bound[self._tops[0]].copy()
+            # Bones of plain nodes alone are the script's own, and nothing moves the offset on top.
+            turn = (self._bound[self._tops[0]] if self._tops else self._from_rest(node, between)).copy()
         else:
             turn = (self.turns[above] if above >= 0 else inverse(self.space)).copy()
         turn[3, :3] = 0.0
