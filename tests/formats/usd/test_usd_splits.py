@@ -336,7 +336,7 @@ def test_frames_for_several_libraries_of_the_same_joints_report_which_and_how_to
     both, one = tmp_path / "both.usda", tmp_path / "one.usda"
     result = cli("orient-joints", library, "-o", both, "--frames", stored, code=0)
     assert "'shoulder' is a joint of Walk, Run" in result.output
-    assert "--skin Walk" in result.output
+    assert "--skin 'Walk'" in result.output
     assert "2 joints re-oriented" in result.output
     alone = cli("orient-joints", library, "-o", one, "--frames", stored, "--skin", "Run", code=0)
     assert "1 joint re-oriented" in alone.output
