@@ -828,6 +828,24 @@ def test_the_script_knows_weights_at_rest_whatever_the_scene_shows_when_it_runs(
     assert weights == {f"{mark}hips_root_ctl": 1.0, f"{mark}chest": 0.0}
 
 
+def test_controls_that_do_not_move_with_the_armature_get_one_of_their_own(tmp_path: Path) -> None:
+    plain = read(below(tmp_path / "in.glb", [1.0, 1.0, 1.0])).rig
+    armature = plain.find("Armature")
+    moved = Track(
+        armature, "translation", "LINEAR", np.array([0.0, 1.0]), np.array([[0.1, 0.2, 0.3], [1.0, 0, 0]])
+    )
+    for keys, apart in (((), False), ((moved,), True)):
+        rig = rigtri.add_controls(replace(plain, clips=(Clip("go", keys),)), joints=["head"])
+        report = Report()
+        assert exported(rig, gltf=True, report=report).plan["apart"] is apart
+        assert ("blender-differs" in {notice.code for notice in report.warnings}) is apart
+    (group,) = rig.nodes_of("group")
+    carried = replace(rig, parents=np.where(np.arange(len(rig.names)) == group, armature, rig.parents))
+    plan = exported(carried, gltf=True).plan
+    assert not plan["apart"]
+    assert plan["nodes"][int(plan["carrier"][1:])]["name"] == "Armature"
+
+
 def test_a_jump_takes_a_time_that_blender_does_not_merge() -> None:
     rig = with_keyed_controls()
     values = np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0], [0, 0, 0]])
@@ -853,9 +871,9 @@ def test_controls_of_plain_prims_in_usd_come_to_blender_and_home(tmp_path: Path)
     ):
         prim = UsdGeom.Xform.Define(stage, path)
         place, turned = prim.AddTranslateOp(), prim.AddRotateXYZOp()
-        for time, way in ((1.0, 0.0), (10.0, 0.2 if up else 0.0)):
+        for time, way in ((1.0, 0.0), (10.0, 0.2)):
             place.Set((0.3 * up + way, up, 0.0), time)
-            turned.Set((0.0, 0.0, 20.0 * way * up), time)
+            turned.Set((0.0, 0.0, 20.0 * way * (up + 1)), time)
     stage.Save()
     options = ["--root", "/World", "-q"]
     cli("add-controls", plain, "-o", rigged, "--below", "base", *options, code=0)

@@ -58,7 +58,7 @@ def _copy(plan: Plan, joint: int, control: int) -> None:
     """Let a joint stand where its control does, whose bone rests in the scale of the armature."""
     world, word = plan.reference.world, plan.node(control)
     place, armature = world[control].copy(), armature_of(plan.rig, joint)
-    if armature >= 0:
+    if armature >= 0 and not plan.apart:
         place[:3, :3] *= length(plan.rig.world[armature, 0, :3])
     same = np.abs(world[joint] - place).max() <= SAME_POSITION * max(1.0, np.abs(world[joint]).max())
     same = same and plan.bone_axes(joint)  # an object has other axes than the bone of its control

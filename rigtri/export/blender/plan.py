@@ -39,7 +39,8 @@ _KINDS = {PoleVectorRecord.type: "pole", ControlRecord.type: "fk"}
 @dataclass(eq=False)
 class Plan:
     """The lists, as they grow. limbs: the IK ends by name, in the order of their switches. weights: those of
-    weight nodes at rest.
+    weight nodes at rest. group: the node above all controls; carrier: the one that it is a child of;
+    apart: clips move the armature, and not the controls, which so are bones of another.
     """
 
     rig: Rig
@@ -53,6 +54,8 @@ class Plan:
     controls: list[dict[str, Any]] = field(default_factory=list)
     weights: dict[str, float] = field(default_factory=dict)
     group: str = ""
+    carrier: str = ""
+    apart: bool = False
     _words: dict[int, str] = field(default_factory=dict)
 
     def node(self, node: int) -> str:
@@ -111,6 +114,11 @@ class Plan:
             self.controls.append(about | look | {"locked": _LOCKED.get(kind, "")})
         group = next((node for node in self.rig.nodes_of("group") if numbers), -1)
         self.group = self.node(group)
+        self.carrier = self.node(int(self.rig.parents[group])) if group >= 0 else ""
+        keyed = {track.node for clip in self.rig.clips for track in clip.tracks}
+        still = set(self.rig.path_to_root(group)) if group >= 0 else set[int]()
+        tops = {armature_of(self.rig, joint) for joint in np.flatnonzero(self.rig.is_joint).tolist()} - {-1}
+        self.apart = any(keyed.intersection(self.rig.path_to_root(top)) - still for top in tops)
 
     def socket(
         self, name: str, on: str, stand: Floats, *, bone: bool, leads: bool = False, child: int = -1
@@ -173,6 +181,8 @@ class Plan:
             "controls": self.controls,
             "weights": self.weights,
             "group": self.group,
+            "carrier": self.carrier,
+            "apart": self.apart,
         }
 
 

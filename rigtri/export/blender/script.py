@@ -114,6 +114,13 @@ def planned(rig: Rig, report: Report) -> Plan:
             follow(plan, rule, report)
     left_out(plan, report)
     _warn_still(rig, solver, report)
+    if plan.apart:
+        report.warn(
+            "blender-differs",
+            "Clips move an armature, and controls do not move along: they are bones of an armature of their "
+            "own in Blender. Its glTF export then writes other keys of joints; rigtri bake makes them from "
+            "the controls",
+        )
     return plan
 
 

@@ -635,9 +635,14 @@ def put_curves(bag: Any, about: dict[str, Any], thing: Any) -> None:
         bag.fcurves.find(path, index=k).update()
 
 
+def has_controls(owner: Any) -> bool:
+    """Whether controls are bones of the character's own armature, and not of one that stays where they do."""
+    return bool(owner.type == "ARMATURE" and not RIG["apart"])
+
+
 def rig_of(owner: Any) -> Any:
     """The armature that a character's controls are bones of; None for none."""
-    if owner is None or owner.type == "ARMATURE":
+    if owner is None or has_controls(owner):
         return owner
     made = (thing for collection in made_for(owner) for thing in collection.objects)
     return next((thing for thing in made if thing.pose and thing.name.startswith(f"{PREFIX}controls")), None)
@@ -729,7 +734,7 @@ class Setup:
     def add_controls(self) -> Any:
         """Bones for all controls, in the character's armature or a new one; what was imported is hidden."""
         things = [self.target(about["node"])[0] for about in RIG["controls"]]
-        rig = self.master if self.master.type == "ARMATURE" else None
+        rig = self.master if has_controls(self.master) else None
         if rig is None:
             rig = self.added("controls", bpy.data.armatures.new(PREFIX + "controls"))
             rig.hide_viewport = rig.hide_select = rig.hide_render = False
@@ -758,6 +763,8 @@ class Setup:
             rig.data.bones[bone][MARK] = 1
             rig.data.bones[bone].use_deform = False
             self.dress(rig.pose.bones[bone], about, thing)
+        if rig is not self.master and RIG["carrier"]:
+            self.ride(rig, RIG["carrier"], Matrix.Identity(4))
         return rig
 
     def hide(self, thing: Any) -> None:
@@ -939,8 +946,12 @@ class Setup:
         if not about["on"]:
             thing.matrix_world = place
             return
-        parent, bone = self.target(about["on"])
-        frame = self.world(about["on"])
+        self.ride(thing, about["on"], place)
+
+    def ride(self, thing: Any, word: str, place: Matrix) -> None:
+        """Let an object ride on another, and stand in a place while all is where the file has it."""
+        parent, bone = self.target(word)
+        frame = self.world(word)
         thing.parent = parent
         if bone:  # what hangs on a bone hangs on its end
             thing.parent_type, thing.parent_bone = "BONE", bone
