@@ -29,11 +29,13 @@ class ReadOptions(FileOptions):
     from_stream: the source was a stream and has no folder; its relative paths stay as they are (USD).
     to_stream: the output goes to a stream, and stands where the source stood (USD).
     empty: read also a file without a skeleton (USD).
+    beside: an option names the file, and --root is another file's (USD).
     """
 
     from_stream: bool = False
     to_stream: bool = False
     empty: bool = False
+    beside: bool = False
 
     def __post_init__(self) -> None:
         for name, one in options_of(FileOptions).items():

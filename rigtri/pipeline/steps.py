@@ -91,6 +91,7 @@ class _Files:
             self.edited.append(read(place, how))
             return known(self.edited[-1], place, how)
         try:
-            return known(read(Path(path)), Path(path), ReadOptions())
+            how = ReadOptions(beside=True)
+            return known(read(Path(path), how), Path(path), how)
         except RigtriError as error:
             raise type(error)(f"{one.flag}: {error}") from error

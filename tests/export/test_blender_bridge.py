@@ -787,6 +787,16 @@ def test_an_uneven_scale_above_joints_is_refused(scale: list[float], told: str, 
     assert not script.exists()
 
 
+def test_a_joint_that_shears_those_below_it_is_named_for_their_keys_cannot_come_home() -> None:
+    rig = with_keyed_controls()
+    scale = rig.scale.copy()
+    scale[rig.find("neck")] = 1.0, 1.3, 1.0
+    report = Report()
+    exported(replace(rig, scale=scale), gltf=True, report=report)
+    (text,) = (notice.text for notice in report.warnings if notice.code == "blender-differs")
+    assert "The scale of 'neck' is not uniform and shears 'head'" in text
+
+
 def test_left_out_rules_are_named(rigged: dict[str, Path], tmp_path: Path) -> None:
     out = str(tmp_path / "out.glb")
     line = ["constrain", str(rigged["biped.glb"]), "-o", out, "--type", "point", "--child", "head"]

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from places import slow
+from places import SAMPLES, slow
 from program import Ran, cli
 from pxr import Gf, Usd, UsdGeom
 
@@ -163,3 +163,9 @@ def test_prims_follow_matrices_and_refuse_sheared_ones(tmp_path: Path) -> None:
     error = cli("constrain", sheared, "-o", tmp_path / "out.usda", *words, code=5).stderr
     assert "'child' cannot follow 'driver'" in error
     assert "sheared" in error
+
+
+def test_plain_prims_of_another_file_are_said_to_give_keys_alone(tmp_path: Path) -> None:
+    source = _save(tmp_path / "in.usda", "rotateXYZ", animated=False)
+    ran = cli("bake", SAMPLES / "biped.usda", "-o", tmp_path / "out.usda", "--rig", source, code=3)
+    assert "take-clips RIG --from EDITED --root PRIM" in ran.stderr

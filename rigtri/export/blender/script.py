@@ -15,6 +15,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import controls_and_poles
+from rigtri.evaluation.rig_space import shearing_node
 from rigtri.evaluation.solver import Solver, refuse_cycles
 from rigtri.evaluation.timelines import timelines
 from rigtri.evaluation.twist_joints import twist_joints
@@ -36,6 +37,8 @@ _SLOT = 'json.loads("{}")'
 _WIDE = 96
 # How much the axes of an armature may differ in scale, as a share: bones are off by less than that.
 _EVEN = 1e-4
+# How much those of a joint may: less is noise that keys hold.
+_SHEARS = 1e-3
 
 
 @dataclass(frozen=True)
@@ -114,6 +117,7 @@ def planned(rig: Rig, report: Report) -> Plan:
             follow(plan, rule, report)
     left_out(plan, report)
     _warn_still(rig, solver, report)
+    _warn_sheared(rig, report)
     if plan.apart:
         report.warn(
             "blender-differs",
@@ -139,6 +143,25 @@ def _refuse_uneven(rig: Rig) -> None:
                 f"'{rig.title(node)}', a parent of joints, {what}; Blender's bones cannot follow "
                 "controls there. Apply its scale in the DCC, or give it one factor above 0 for all axes"
             )
+
+
+def _warn_sheared(rig: Rig, report: Report) -> None:
+    """Warn of joints that the scale of one above shears as they turn: keys of Blender's exports hold none."""
+    joints = [k for k in np.flatnonzero(rig.is_joint).tolist() if rig.parents[k] >= 0]
+    sizes = length(rig.world[rig.parents[joints], :3, :3])
+    uneven = sizes.max(axis=1) - sizes.min(axis=1) > _SHEARS * sizes.max(axis=1)
+    sheared = [
+        k for k, found in zip(joints, uneven.tolist(), strict=True) if found and rig.is_joint[rig.parents[k]]
+    ]
+    if sheared:
+        above = list_names(dict.fromkeys(rig.title(shearing_node(rig, k)) for k in sheared))
+        names = dict.fromkeys(rig.title(k) for k in sheared)
+        report.warn(
+            "blender-differs",
+            f"The scale of {above} is not uniform and shears {list_names(names)} as they turn: what Blender "
+            "exports then cannot be taken home. Apply that scale in the DCC first",
+            names=names,
+        )
 
 
 def _warn_still(rig: Rig, solver: Solver, report: Report) -> None:

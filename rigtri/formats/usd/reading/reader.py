@@ -165,6 +165,8 @@ class _Reader:
             )
         if not self.nodes.labels:
             return ", nor any prim that has a place"
+        if self.options.beside:
+            return ". Of plain Xform prims keys alone can be taken: take-clips RIG --from EDITED --root PRIM"
         text = "If its joints are plain Xform prims, name the topmost with --root, e.g. --root"
         return f". {text} {self.nodes.labels[0]}"
 
