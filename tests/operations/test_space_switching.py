@@ -92,6 +92,17 @@ def test_matched_switches_do_not_jump_and_follow_from_there() -> None:
     assert_allclose(world(baked, "sword", 2.0)[0, 3, :3], [x, 5 + y, 0], atol=1e-5)
 
 
+def test_a_constraint_that_moves_what_another_was_matched_with_says_so() -> None:
+    rig = switched(hands(), "swing@0.5=left", match=True)
+    for options, told in (
+        ({"type": "point", "driver": "right"}, True),
+        ({"type": "scale", "driver": "root"}, False),
+    ):
+        report = Report()
+        rigtri.constrain(rig, child="left", report=report, **options)
+        assert ("match-outdated" in {notice.code for notice in report.warnings}) is told
+
+
 def test_a_matched_switch_to_where_the_child_is_anyway_needs_no_driver_of_its_own() -> None:
     """A hand that stands still has the sword where it holds it at rest; one that has moved has not."""
     first, still = hands(), np.eye(3)[[0, 0]]

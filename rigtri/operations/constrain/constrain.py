@@ -31,7 +31,7 @@ from rigtri.model.constraints import (
 from rigtri.model.metadata import ConstraintRecord, ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import measured
-from rigtri.operations.constrain.switching import Switching, stored_switching, switching
+from rigtri.operations.constrain.switching import Switching, stored_switching, switching, warn_outdated
 from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
 from rigtri.operations.constrain.weight_keys import WeightKeys, requested_keys
 from rigtri.operations.operation import operation
@@ -100,6 +100,7 @@ def follow(
     _warn(rig, rule, found is not None, report)
     stored = _stored(rig, rule, found, place, vrm, report)
     _refuse_unsolvable(rig, stored, rule)
+    warn_outdated(rig, stored, place, report)
     return stored
 
 

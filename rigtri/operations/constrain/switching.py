@@ -12,24 +12,29 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation.active_controls import controls_at_work
+from rigtri.evaluation.active_controls import controls_at_work, skeleton_size
 from rigtri.evaluation.constraint_solver import evaluate_constraint
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.sampling import sorted_unique
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import put_tracks
+from rigtri.evaluation.timelines import put_tracks, timelines
 from rigtri.maths.matrices import multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
-from rigtri.model.constraints import Constraint, constraint_of
+from rigtri.model.constraints import Constraint, constraint_of, constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import ConstraintRecord, ConstraintWeightRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import offsets_in
 from rigtri.operations.constrain.weight_keys import WeightKeys, stored_keys
 from rigtri.operations.rigtri_nodes import add, with_record
+from rigtri.report import Report
+from rigtri.text import list_names
 
 # Offsets that differ by less, as a share of their numbers, are one: the float32 keys of what is followed.
 _SAME_OFFSET = 1e-6
+# How far a matched driver may be from where it was, as a share of the size.
+_JUMPS = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +165,31 @@ def stored_switching(
         rig = put_tracks(rig, keys.timeline, _tracks(keys, nodes, rule.weights))
     left = [each for own in known.values() for each in own]
     return rig, replace(rule, weight_nodes=tuple(nodes)), left
+
+
+def warn_outdated(before: Rig, after: Rig, place: int | None, report: Report) -> None:
+    """Warn of constraints, but that at a node, whose drivers are elsewhere now where a matched one counts."""
+    size, every = skeleton_size(before), {one.name: one for one in timelines(before)}
+    for node, rule in constraints_of(before).items():
+        weights = before.records(ConstraintWeightRecord)
+        clips = {weights[each].clip for each in rule.weight_nodes if each in weights and node != place}
+        names = []
+        for timeline in (every[name] for name in sorted(clips) if name in every):
+            keys = [track.times for track in timeline.clip.tracks if track.node in rule.weight_nodes]
+            times = sorted_unique(np.concatenate([np.zeros(0), *keys]))
+            was, now = (
+                Solver(rig, controls_at_work(rig, timeline)).run(sample_parts(rig, timeline.clip, times))
+                for rig in (before, after)
+            )
+            apart = np.stack([np.abs(was.world(k) - now.world(k)).max(axis=0) for k in rule.drivers])
+            apart[:, 3] /= size
+            if apart.max() > _JUMPS:
+                names.append(timeline.name)
+        if names:
+            child = before.title(rule.child)
+            text = f"'{child}' may jump in {list_names(names)}: what it was matched with moves otherwise now"
+            again = "run its constrain with --match again"
+            report.warn("match-outdated", f"{text}; {again}", joint=child)
 
 
 def _known(rig: Rig, node: int) -> dict[tuple[str, str], list[int]]:
