@@ -121,8 +121,9 @@ def _start(rig: Rig) -> int:
     layout = recognise(rig)
     if len(layout.characters) != 1:
         count = len(layout.characters)
-        found = f"There are {count} characters here" if count else "No character is recognised here"
-        raise GeometryError(f"{found}: name the joint below the root with --above")
+        found = f"There are {count} characters here: take one with --character, or name"
+        found = found if count else "No character is recognised here: name"
+        raise GeometryError(f"{found} the joint below the root with --above")
     (body,) = layout.characters
     joints = [part.joint for part in body.parts if rig.is_joint[part.joint]]
     if not joints:

@@ -10,7 +10,7 @@ Engine, the mannequin.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -149,8 +149,10 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
             axes = f"--to {options.to} has other axes: take --to {ways}, or VRM 1.0"
             raise GeometryError(f"{rig.rules.orient_locked}, and {axes}")
         steps = _of_locked(rig, options, steps, bodies)
+    one = _tracked(rig, options.character)
     for name, values in steps:
         known = len(report.joints)
+        alone = {} if one is None else {"character": _address(rig, one)}  # as it is called ahead of the step
         try:
             if name == "rename-joints" and (aside := _aside(rig, options.to, skeleton.root)):
                 values = {**values, "name": aside}
@@ -172,11 +174,24 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
             first = f" Run {name} first" if f"{name} --" in text else ""
             raise type(error)(f"{name}: {text}.{first}") from error
         del report.joints[known:]
-        report.added.append({"type": "step", "do": name, "node": "", "new": False, **_shown(values)})
+        shown = _shown({**values, **alone})
+        report.added.append({"type": "step", "do": name, "node": "", "new": False, **shown})
     _warn_misplaced(rig, report)
     _warn_missing(rig, options, skeleton, report)
     _warn_other_axes(rig, dict(steps)["orient-joints"], report)
     return rig
+
+
+def _tracked(rig: Rig, name: str | None) -> tuple[Hashable, str] | None:
+    """What finds the node of that name again after steps that rename and insert nodes."""
+    if name is None:
+        return None
+    node = rig.find(name, "character")
+    return rig.keys[node], rig.labels[node]
+
+
+def _address(rig: Rig, one: tuple[Hashable, str]) -> str:
+    return rig.address(list(zip(rig.keys, rig.labels, strict=True)).index(one))
 
 
 def _aside(rig: Rig, to: str, name: str) -> dict[str, str]:

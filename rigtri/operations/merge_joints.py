@@ -23,7 +23,7 @@ from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJointsOptions
-from rigtri.operations.prune_joints import named_nodes
+from rigtri.operations.prune_joints import named_nodes, sockets
 from rigtri.operations.without_nodes import staying, warn_lost_clips, without_nodes
 from rigtri.report import Report
 from rigtri.text import and_more
@@ -50,9 +50,11 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
     for glob in options.joints:
         for node in rig.match(glob):
             merging.take(node)
+    spared = merging.spare_sockets() if options.still or options.max_joints is not None else set[int]()
     if options.still:
         excluded = rig.with_ancestors([node for glob in options.exclude for node in rig.match(glob)])
-        _warn_unmerged(rig, [node for node in merging.take_still() if node not in excluded], report)
+        spared |= excluded
+        _warn_unmerged(rig, [node for node in merging.take_still() if node not in spared], report)
     if options.max_joints is not None:
         merging.take_least(options.max_joints)
     gone = merging.gone
@@ -70,8 +72,9 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
 def _warn_unmerged(rig: Rig, still: Sequence[int], report: Report) -> None:
     if still:
         names = and_more([rig.title(node) for node in still], 6)
-        why = "they or joints below have a mesh, camera or light, or the file or rigtri's metadata name them"
-        report.warn("still-kept", f"{names} never move against the joints above them, and stay: {why}")
+        why = "have a mesh, camera or light, are sockets, or the file or rigtri's metadata name them"
+        stay = "never move against the joints above them, and stay: they or joints below"
+        report.warn("still-kept", f"{names} {stay} {why}")
 
 
 class _Merging:
@@ -106,6 +109,12 @@ class _Merging:
             if holds[node] and self._above[node] >= 0:
                 holds[self._above[node]] = True
                 self._staying[self._above[node]] += 1
+
+    def spare_sockets(self) -> set[int]:
+        """Let sockets that are left stay, with what is above them: nobody has named these."""
+        spared = sockets(self.rig) - self.gone
+        self.kept |= self.rig.with_ancestors(spared)
+        return spared
 
     def heir(self, node: int) -> int:
         """The nearest joint above that stays, of every skin that has the node; −1 for none."""
@@ -176,7 +185,7 @@ class _Merging:
         for node in range(len(rig) - 1, -1, -1):
             if all(child in still for child in rig.children[node]):
                 needed = self.heir(node) >= 0 and is_still(node) if node in self._joints - self.gone else True
-                still |= {node} if needed else set()
+                still |= {node} if needed else set[int]()
         return sorted(still & self._joints - self.gone)
 
     def take_least(self, most: int) -> None:

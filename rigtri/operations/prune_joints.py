@@ -39,7 +39,7 @@ def _unneeded(rig: Rig, options: PruneJointsOptions) -> set[int]:
     needed[sorted(named_nodes(rig))] = True
     ends = rig.at_or_below(rig.is_joint) & ~rig.is_joint
     if not options.sockets and ((rig.is_joint | ends) & ~needed).any():
-        needed[sorted(_sockets(rig))] = True
+        needed[sorted(sockets(rig))] = True
     for glob in options.exclude:
         needed[rig.match(glob)] = True
     chosen = {node for glob in options.joints for node in rig.match(glob)}
@@ -82,7 +82,7 @@ def _is_end(rig: Rig, node: int) -> bool:
     return not name or again or "end" in roles_in_name(name)
 
 
-def _sockets(rig: Rig) -> set[int]:
+def sockets(rig: Rig) -> set[int]:
     """The joints that are there to hold something, by their names and by what is known of the body."""
     layout = recognise(rig)
     found = {p.joint for c in layout.characters for p in c.parts if p.role == "attachment"}

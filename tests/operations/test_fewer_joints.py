@@ -202,6 +202,18 @@ def test_a_merge_that_nothing_can_be_known_of_is_refused() -> None:
         rigtri.merge_joints(replace(rigtri.read(SAMPLES / "tpose.glb"), clips=()), still=True)
 
 
+def test_sockets_that_nobody_names_are_not_merged() -> None:
+    """Before, --still and --max-joints took a socket of USD, a joint that never moves against its hand."""
+    start = rigtri.read(SAMPLES / "biped.usda")
+    rig, report = rigtri.add_socket(start, name="weapon", on="hand_L"), Report()
+    assert "weapon" in rigtri.merge_joints(rig, still=True, report=report).names
+    assert not any("weapon" in warning.text for warning in report.warnings)
+    few = rigtri.merge_joints(rig, max_joints=12)
+    assert few.is_joint.sum() == 12
+    assert few.has("weapon")
+    assert not rigtri.merge_joints(rig, joints=("weapon",), max_joints=60).has("weapon")
+
+
 def test_still_joints_that_hold_something_are_named() -> None:
     rig, report = rigtri.read(SAMPLES / "biped.glb"), Report()
     arm, fingers, attachment = rig.find("upper_arm_R"), rig.find("fingers_R"), rig.attachment.copy()

@@ -65,6 +65,26 @@ def test_both_characters_are_built_and_built_again(suffix: str, samples: Path, t
     assert again.read_bytes() == out.read_bytes()
 
 
+@pytest.mark.ci
+@pytest.mark.parametrize(
+    ("suffix", "one", "to"),
+    [slow("usda", "B", "unreal"), ("gltf", "/B/biped/hips", "unity")],
+)
+def test_the_steps_that_conform_one_character_edit_it_alone(
+    suffix: str, one: str, to: str, samples: Path, tmp_path: Path
+) -> None:
+    """Before, the spec of --save-spec conformed both, or could not add a root to one."""
+    source, out, built_one = (tmp_path / f"{name}.{suffix}" for name in ("pair", "out", "built"))
+    pair(samples, tmp_path, suffix)
+    spec = tmp_path / "conform.yaml"
+    # One is named by a joint, which has another name from the first step on.
+    cli("conform", source, "-o", out, "--to", to, "--character", one, "--save-spec", spec, code=0)
+    cli("build", source, "-o", built_one, "--spec", spec, code=0)
+    conformed, other = read(out).rig, read(built_one).rig
+    assert conformed.names == other.names
+    assert np.allclose(conformed.world, other.world, atol=1e-6)
+
+
 @pytest.mark.parametrize("suffix", [slow("usda"), "gltf"])
 def test_one_character_is_edited_alone(suffix: str, samples: Path, tmp_path: Path) -> None:
     source, out, bare = (tmp_path / f"{name}.{suffix}" for name in ("pair", "out", "bare"))

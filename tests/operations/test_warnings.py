@@ -85,7 +85,7 @@ CASES: dict[str, tuple[Callable[[Report], object], str]] = {
     "still-kept": (
         lambda report: _warn_unmerged(ARM, [1, 2], report),
         "b, c never move against the joints above them, and stay: they or joints below have a mesh, camera "
-        "or light, or the file or rigtri's metadata name them",
+        "or light, are sockets, or the file or rigtri's metadata name them",
     ),
     "still-moving": (
         lambda report: _warn_still_moving(ARM, _moving(ARM, 0, 1, 3), 2, report),

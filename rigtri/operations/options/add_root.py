@@ -6,11 +6,11 @@ from typing import Literal
 
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import Name, Node
+from rigtri.operations.option_kinds import Name, Node, OneCharacter
 
 
 @dataclass(frozen=True)
-class AddRootOptions:
+class AddRootOptions(OneCharacter):
     """Options of add-root."""
 
     name: Name = option("root", help="Name of the root joint.", group="what")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import Direction, Name, Node, Point
+from rigtri.operations.option_kinds import Direction, Name, Node, OneCharacter, Point
 
 
 @dataclass(frozen=True)
-class AddSocketOptions:
+class AddSocketOptions(OneCharacter):
     """Options of add-socket."""
 
     name: Name = option(help="Name of the socket.", group="what")

@@ -8,11 +8,11 @@ from typing import Literal
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import Above, UpAxis
+from rigtri.operations.option_kinds import Above, OneCharacter, UpAxis
 
 
 @dataclass(frozen=True)
-class FreezeOptions:
+class FreezeOptions(OneCharacter):
     """Options of freeze."""
 
     scale: bool = option(

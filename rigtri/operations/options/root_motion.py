@@ -6,11 +6,11 @@ from typing import Literal
 
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import Clips, CoordinateAxis, Node
+from rigtri.operations.option_kinds import Clips, CoordinateAxis, Node, OneCharacter
 
 
 @dataclass(frozen=True)
-class RootMotionOptions:
+class RootMotionOptions(OneCharacter):
     """Options of root-motion."""
 
     mode: Literal["extract", "remove"] = option(

@@ -7,11 +7,11 @@ from collections.abc import Collection
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import Facing, RigFile
+from rigtri.operations.option_kinds import Facing, OneCharacter, RigFile
 
 
 @dataclass(frozen=True)
-class SetRestOptions:
+class SetRestOptions(OneCharacter):
     """Options of set-rest."""
 
     pose: str = option(
