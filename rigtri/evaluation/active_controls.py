@@ -6,7 +6,7 @@ they are posed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from rigtri.evaluation.timelines import Timeline
 from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS
+from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 
@@ -55,24 +56,36 @@ def of_one_motion(rig: Rig, chosen: Sequence[Timeline], *, made: bool) -> Sequen
     """The timelines, where controls have the motion that each asks for; made: they are to get one of each.
 
     UsageError for several that instances of one character play: controls of a stage have one motion. Those of
-    another character have it in all of them, and get it in the first.
+    another character, and props that follow it, have it in all of them, and get it in the first.
     """
     several = [each for each in chosen if isinstance(rig.clips[each.members[0]].key, tuple)]
     shared = {k for each in several for k in each.members if sum(k in other.members for other in several) > 1}
-    if len(several) < 2 or not (
-        made or any(t.node in controls_and_poles(rig) for k in shared for t in rig.clips[k].tracks)
-    ):
+    constraints = constraints_of(rig).values()
+    keyed = made or any(t.node in controls_and_poles(rig) for k in shared for t in rig.clips[k].tracks)
+    if len(several) < 2 or not (keyed or constraints):
         return chosen
-    names = {name for each in rig.records(ControlRecord).values() for name in (each.joint, *each.chain)}
-    about = {node for joint in map(rig.known, names) if joint is not None for node in rig.path_to_root(joint)}
     first, *others = several
-    if any(first.track(n, path) is not t.track(n, path) for t in others for n in about for path in PATHS):
-        called = [each.name for each in several]
-        raise UsageError(
-            f"Instances of one character play {', '.join(called)}, and their controls have one motion: "
-            f"choose whose with --clip, e.g. --clip {called[0]}"
-        )
-    return [each for each in chosen if each not in others]
+
+    def differs(nodes: Iterable[int]) -> bool:
+        about = {above for node in nodes for above in rig.path_to_root(node)}
+        each = ((n, path, other) for n in about for path in PATHS for other in others)
+        return any(first.track(n, path) is not other.track(n, path) for n, path, other in each)
+
+    names = {name for each in rig.records(ControlRecord).values() for name in (each.joint, *each.chain)}
+    controlled = differs(node for node in map(rig.known, names) if node is not None)
+    following = [each.child for each in constraints if differs((each.child, *each.sources))]
+    if not controlled and not following:
+        return [each for each in chosen if each not in others]
+    one = keyed and controlled
+    props = [node for node in following if not rig.is_joint[node]]
+    if not one and not props:
+        return chosen
+    called = [rig.clips[next(k for k in each.members if k not in shared)].name for each in several]
+    what = "their controls have" if one else f"'{rig.title(props[0])}', which follows one, has"
+    raise UsageError(
+        f"Instances of one character play {', '.join(called)}, and {what} one motion: "
+        f"choose whose with --clip, e.g. --clip {called[0]}"
+    )
 
 
 def moved_at_rest(rig: Rig, size: float) -> frozenset[int]:

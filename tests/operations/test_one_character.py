@@ -207,6 +207,18 @@ def test_a_character_beside_a_crowd_is_baked_without_a_choice_of_what_that_plays
     assert deviation(source, back) < 1e-5
 
 
+def test_a_prop_of_a_character_beside_a_crowd_is_baked_as_if_that_were_not_there(tmp_path: Path) -> None:
+    source, held, out = crowd(tmp_path), tmp_path / "held.usda", tmp_path / "out.usda"
+    save(tmp_path, ACTOR, "parts/actor.usda")
+    solo = 'def "Solo" (references = @./parts/actor.usda@</Root>)\n{\n}\ndef Xform "Sword"\n{\n}\n'
+    source.write_text(source.read_text() + solo)
+    for driver, code in (("/Solo/Skel:a", 0), ("/World/One/Skel:a", 2)):
+        cli("constrain", source, "-o", held, "--child", "Sword", "--driver", driver, "--overwrite", code=0)
+        printed = cli("bake", held, "-o", out, "--to", "joints", "--overwrite", code=code).output
+    assert "play Run, Walk, and 'Sword', which follows one, has one motion" in printed
+    cli("bake", held, "-o", out, "--to", "joints", "--overwrite", "--clip", "Walk", code=0)
+
+
 def test_a_rivet_follows_no_instance_of_several_animations(tmp_path: Path) -> None:
     """A prim of a stage has one motion."""
     mesh = ("--mesh", "/World/One/Skin", "--at", "0,2.5,0")
