@@ -33,6 +33,11 @@ class NodeNames(Hierarchy, ABC):
     def holders(self) -> frozenset[int]:
         """Nodes that are no step of a path."""
 
+    @property
+    @abstractmethod
+    def others(self) -> frozenset[int]:
+        """Nodes that a name which several share does not mean."""
+
     def path(self, node: int) -> str:
         """The names from the root down to a node, ``/root/hips/spine``; ``#index`` for a nameless one.
 
@@ -106,6 +111,7 @@ class NodeNames(Hierarchy, ABC):
         # A joint wins over a mesh node of the same name; nothing else is guessed.
         joints = [node for node in found if self.is_joint[node]]
         found = joints if len(joints) == 1 else found or self._by_address.get(name, [])
+        found = [node for node in found if node not in self.others] or found
         if not found:
             raise NameNotFoundError(kind, name, self._hints)
         if len(found) > 1:

@@ -298,6 +298,10 @@ class Rig(NodeNames):
         """The nodes that hold the axes of a joint below them."""
         return frozenset(self.frame_of.values())
 
+    @property
+    def others(self) -> frozenset[int]:
+        return self.rules.others
+
     def with_parts(self, nodes: Iterable[int]) -> Rig:
         """This rig with translation, rotation and scale of nodes in place of their matrices.
 

@@ -271,6 +271,7 @@ class OneCharacter:
 
     character: Node | None = option(
         None,
-        help="Of several characters, only the one at or below this node; names of joints mean its own.",
+        help="Of several characters, only the one at or below this node; names of joints and controls mean "
+        "its own.",
         rare=True,
     )

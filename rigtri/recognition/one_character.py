@@ -1,8 +1,8 @@
 """One character of a rig that has several: what an operation sees that is to edit it alone.
 
 A character is what skins with common joints move (`model.characters`) and what is below them. The
-joints of the others are no joints meanwhile, so that names mean the one at hand; and what rigtri has built
-for them is not seen.
+joints of the others are no joints meanwhile, and what rigtri has built for them is not seen, so that names
+mean the one at hand.
 """
 
 from __future__ import annotations
@@ -88,7 +88,8 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
     while rig.rules.group_parent >= 0 and rig.parents[top] >= 0:
         top = int(rig.parents[top])
     parent = top if rig.rules.group_parent >= 0 else -1
-    rules, content = replace(rig.rules, group_parent=parent), rig.content.without_skins(others)
+    rules = replace(rig.rules, group_parent=parent, others=frozenset(hidden))
+    content = rig.content.without_skins(others)
     small = replace(rig, skins=skins, metadata=seen, rules=rules, content=content)
     made = edit(small)
     if made is small:
@@ -107,7 +108,7 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
         made,
         skins=tuple(whole),
         metadata=dict(sorted(metadata.items())),
-        rules=replace(made.rules, group_parent=group if group < 0 else place[group]),
+        rules=replace(made.rules, group_parent=group if group < 0 else place[group], others=frozenset()),
         content=content,
     )
 

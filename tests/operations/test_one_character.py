@@ -25,7 +25,7 @@ from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.recognition.one_character import _of_others
+from rigtri.recognition.one_character import _of_others, named, within
 
 
 def built(rig: Rig) -> list[list[str]]:
@@ -245,6 +245,21 @@ def test_each_character_is_mirrored_about_its_own_plane(suffix: str, samples: Pa
     assert counts[0] == 2 * counts[1] > 0
     cli("mirror", out, "-o", again, code=0)
     assert again.read_bytes() == out.read_bytes()
+
+
+def test_names_of_controls_mean_those_of_the_character_that_is_edited() -> None:
+    """Two references of one asset have all names alike."""
+    rig = rig_of(["a", "joint", "ctl", "b", "joint", "ctl"], [-1, 0, 0, -1, 3, 3], np.zeros((6, 3)))
+    skins = tuple(Skin(name, np.array([node]), np.eye(4)[np.newaxis]) for name, node in (("a", 1), ("b", 4)))
+    about = {k: {"v": 1, "type": "control", "kind": "fk", "joint": f"#{k - 1}"} for k in (2, 5)}
+    seen = []
+    for top in "ab":
+        whole = replace(rig, skins=skins, metadata=about)
+        made = within(
+            whole, named(whole, top), lambda small: seen.append(small.find("ctl")) or replace(small)
+        )
+        assert not made.others
+    assert seen == [2, 5]
 
 
 def test_metadata_of_other_characters_are_those_about_their_joints_alone_and_groups_of_such() -> None:
