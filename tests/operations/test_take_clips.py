@@ -26,6 +26,7 @@ from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Interpolation, Track, key_values
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.orient_joints.orient import orient_joints
@@ -215,6 +216,28 @@ def test_a_key_that_was_taken_out_is_seen() -> None:
     (now,) = (t for t in home.clip("walk").tracks if (t.node, t.path) == (node, "rotation"))
     assert len(now.times) == 8
     assert apart(home, edited, "walk") < CLOSE
+
+
+def test_a_jump_between_two_frames_stays_beside_what_was_read_finer_than_frames() -> None:
+    """As angles about three axes of USD prims are; b has keys of a control, c those of a weight."""
+    rig = chain((0, 0, 0), (0, 1, 0), (0, 2, 0))
+    control = {"v": 1, "type": "control", "kind": "fk", "joint": "a"}
+    weight = {"v": 1, "type": "constraintWeight", "driver": "a"}
+    rig = replace(rig, metadata={1: control, 2: weight}, skins=(Skin("", np.arange(1), np.eye(4)[None]),))
+    frames, finer = np.arange(13) / 24, np.arange(97) / 192
+
+    def turning(node: int, times: Floats) -> Track:
+        return Track(node, "rotation", "LINEAR", times, from_axis_angle(np.eye(3)[:1], times))
+
+    def jumping(before: float) -> Track:
+        values = [[0.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 2.0, 0.0]]
+        return Track(2, "translation", "LINEAR", np.array([0.0, before, 0.25]), np.array(values))
+
+    def clip(before: float, times: Floats) -> Clip:
+        return Clip("walk", (turning(0, frames), turning(1, times), jumping(before)))
+
+    rig = replace(rig, clips=(clip(0.2499999, frames),))
+    assert take_clips(rig, from_=replace(rig, clips=(clip(5 / 24, finer),))) is rig
 
 
 @pytest.mark.ci

@@ -195,8 +195,8 @@ class Comparison:
 
     @cached_property
     def frames(self) -> Floats:
-        """The times, (f,), at which anything of EDITED's clip has a key, by the clock."""
-        return self.clock.times(self.transfer.frames)
+        """The times, (f,), of EDITED's frames, by the clock."""
+        return self.clock.times(self.transfer.joint_frames)
 
     def same_knots(self, was: Track, now: Track, bound: Floats) -> float | None:
         """See `rigtri.operations.take_clips.track_comparison.same_knots`."""

@@ -7,7 +7,7 @@ Else the motion is worked out at the other file's keys.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 
@@ -44,6 +44,11 @@ class Transferred:
     sampled: bool
 
 
+def _times(tracks: Iterable[Track]) -> Floats:
+    distinct = {id(track.times): track.times for track in tracks}
+    return sorted_unique(np.concatenate([*distinct.values(), np.zeros(0)]))
+
+
 class Transfer:
     """One clip of the other file, seen from the rig. Times are the other file's.
 
@@ -61,8 +66,13 @@ class Transfer:
     @cached_property
     def frames(self) -> Floats:
         """The times at which anything of the clip has a key."""
-        distinct = {id(track.times): track.times for track in self.clip.tracks}
-        return sorted_unique(np.concatenate([*distinct.values(), np.zeros(0)]))
+        return _times(self.clip.tracks)
+
+    @cached_property
+    def joint_frames(self) -> Floats:
+        """The times at which joints have keys, else anything: reading samples angles of prims finer."""
+        joints = _times(t for t in self.clip.tracks if self.both.other.is_joint[t.node])
+        return joints if len(joints) > 2 else self.frames
 
     def nodes(self) -> list[int]:
         """The nodes of the rig that the clip moves: by keys of their own, or joints and what is above them
