@@ -226,10 +226,23 @@ class MaterialReader:
         if "black" in wraps:
             mine = self._black.setdefault(len(self._scene.materials), {})
             mine[asset.path] = texture, [wrap == "black" for wrap in wraps]
-        return texture, tuple(self._value(node, "scale", (1.0,) * 4)), channel
+        scales = tuple(self._value(node, "scale", (1.0,) * 4))
+        self._bias(node, name, channel, scales)
+        return texture, scales, channel
+
+    def _bias(self, node: Any, name: str, channel: str, scales: tuple[float, ...]) -> None:
+        """Report what a texture adds where glTF does not, as it does for normals and occlusion."""
+        bias = self._value(node, "bias", (0.0,) * 4)
+        implied = {"normal": lambda k: -scales[k] / 2.0, "occlusion": lambda k: 1.0 - scales[k]}.get(name)
+        used = ["rgba".index(one) for one in channel]
+        if any(bias) and any(abs(bias[k] - (implied(k) if implied else 0.0)) > _ROUNDED for k in used):
+            self._scene.lose(f"inputs:bias (<{node.GetPath()}>)")
 
     def _image(self, asset: Any) -> Image | None:
         path = str(asset.resolvedPath) or asset.path
+        if "<UDIM>" in path and path not in self._images:
+            self._scene.lose(f"the texture '{asset.path}': glTF has no UDIM tiles")
+            self._images[path] = None
         if path not in self._images:
             try:
                 self._images[path] = self._named(asset.path, self._content(asset))

@@ -37,7 +37,7 @@ _READ = {
     "NodeGraph": "outputs:",
     "UsdPreviewSurface": f"info: outputs: inputs:diffuseColor inputs:emissiveColor {_COAT} "
     f"{_CHANNELS} {_OPACITY}",
-    "UsdUVTexture": f"info: outputs: inputs:file inputs:st inputs:scale {_SAMPLER}",
+    "UsdUVTexture": f"info: outputs: inputs:file inputs:st inputs:scale inputs:bias {_SAMPLER}",
     "UsdTransform2d": "info: outputs: inputs:in inputs:rotation inputs:scale inputs:translation",
     "UsdPrimvarReader_float2": "info: outputs: inputs:varname",
     "UsdPrimvarReader_float3": "info: outputs: inputs:varname",
@@ -49,8 +49,6 @@ _READ = {
 _MOVES = ("xformOp:", "translations", "rotations", "scales", "blendShapeWeights", "points", "extent")
 _METADATA = ("assetInfo", "documentation", "comment")
 _OWN_DATA = ("extras", "unlit", "rigtri")
-# The bias that a normal map in eight bits must have; glTF takes it for granted.
-_NORMAL_BIAS = (-1.0, -1.0, -1.0)
 
 # The colour space of all numbers in glTF.
 _COLOURS = "lin_rec709_scene"
@@ -136,8 +134,6 @@ def _has_meaning(prim: Any, attribute: Any) -> bool:
     value, name = attribute.Get(), attribute.GetName()
     if attribute.ValueMightBeTimeVarying() or attribute.GetNumTimeSamples():
         return True
-    if name == "inputs:bias" and value is not None:
-        return tuple(value)[:3] != _NORMAL_BIAS and any(value)
     if name == "colorSpace:name" and value == _COLOURS:
         return False
     usual = prim.GetPrimDefinition().GetAttributeFallbackValue(name)

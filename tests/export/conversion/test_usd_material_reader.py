@@ -115,6 +115,36 @@ def _look(folder: Path, inputs: str, body: str = "", interface: str = "") -> tup
     return material, _lost(outcome)
 
 
+@pytest.mark.parametrize(
+    ("taken", "scale", "bias", "lost"),
+    [
+        ("normal = rgb", "2, 2, 2, 1", "-1, -1, -1, 0", False),
+        ("normal = rgb", "1.4, 1.4, 2, 1", "-0.7, -0.7, -1, 0", False),
+        ("normal = rgb", "2, -2, 2, 1", "-1, -1, -1, 0", True),
+        ("occlusion = r", "0.25, 0, 0, 1", "0.75, 0.5, 0, 0", False),
+        ("occlusion = r", "0.25, 0, 0, 1", "0.5, 0, 0, 0", True),
+        ("diffuseColor = rgb", "1, 1, 1, 1", "0, 0, 0, 0.5", False),
+        ("diffuseColor = rgb", "0.5, 0.5, 0.5, 1", "0.5, 0.5, 0.5, 0", True),
+    ],
+)
+def test_a_bias_is_listed_where_gltf_has_none(
+    taken: str, scale: str, bias: str, lost: bool, tmp_path: Path
+) -> None:
+    name, channel = taken.split(" = ")
+    kind = "normal3f" if name == "normal" else "color3f" if channel == "rgb" else "float"
+    more = f"float4 inputs:scale = ({scale})\n float4 inputs:bias = ({bias})"
+    link = f"{kind} inputs:{name}.connect = </m/look/map.outputs:{channel}>"
+    found = _look(tmp_path, link, _map("map", " = @./grey.png@", more))[1]
+    assert ("inputs:bias (</m/look/map>)" in found) is lost
+
+
+def test_tiles_of_a_texture_are_listed_as_such(tmp_path: Path) -> None:
+    (tmp_path / "skin.1001.png").write_bytes(png((255, 0, 0)))
+    link = "color3f inputs:diffuseColor.connect = </m/look/map.outputs:rgb>"
+    _, lost = _look(tmp_path, link, _map("map", " = @./skin.<UDIM>.png@"))
+    assert "the texture './skin.<UDIM>.png': glTF has no UDIM tiles" in lost
+
+
 def test_values_come_through_interfaces_of_materials(tmp_path: Path) -> None:
     material, lost = _look(
         tmp_path,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
+from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from rigtri.export.conversion.usd_unread import _has_meaning
 from rigtri.formats.usd.reading.scene_facts import _below, _bound_materials
@@ -50,9 +50,6 @@ def test_what_is_below_inherits_what_is_not_said() -> None:
 @pytest.mark.parametrize(
     ("name", "kind", "value", "says"),
     [
-        ("inputs:bias", Sdf.ValueTypeNames.Float4, Gf.Vec4f(-1, -1, -1, 0), False),
-        ("inputs:bias", Sdf.ValueTypeNames.Float4, Gf.Vec4f(0, 0, 0, 0), False),
-        ("inputs:bias", Sdf.ValueTypeNames.Float4, Gf.Vec4f(0.5, 0, 0, 0), True),
         ("colorSpace:name", Sdf.ValueTypeNames.Token, "lin_rec709_scene", False),
         ("colorSpace:name", Sdf.ValueTypeNames.Token, "srgb_texture", True),
         ("inputs:other", Sdf.ValueTypeNames.Token, "lin_rec709_scene", True),
