@@ -40,10 +40,10 @@ BEYOND_SQUARE = 1e-4
 # How much the palm of a hanging hand, which is at the thigh, is turned back (a sine): squarely turned hands
 # close back, and those that are raised ahead, down.
 TURNED_BACK = 0.01
-# The rule of hands that show neither a thumb nor a bend: which way their fingers close is a guess.
 # Fingers that begin nearer to each other than this part of the lower arm begin at one place, as those of the
 # mocap of CMU do: noise says nothing of the palm.
 _NO_WIDTH = 1e-4
+# The rule of hands that show neither a thumb nor a bend: which way their fingers close is a guess.
 AS_HANDS_HANG = "palm of a hand hanging at the side"
 FOUR = ("index", "middle", "ring", "little")
 

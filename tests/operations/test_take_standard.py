@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
-from places import ASSETS, SAMPLES, ci
+from places import SAMPLES, ci
 from taken_clips import notices, rig_of, without_skin
 
 from rigtri.errors import GeometryError
@@ -211,9 +212,9 @@ REAL = ("gltf/kaykit_Barbarian.glb", "gltf/khronos_CesiumMan_Binary.glb", "usd/u
 
 @pytest.mark.parametrize("name", REAL)
 @pytest.mark.parametrize("to", ["unity", "godot"])
-def test_real_characters_take_the_walk_of_the_biped(name: str, to: str) -> None:
+def test_real_characters_take_the_walk_of_the_biped(assets: Path, name: str, to: str) -> None:
     edited = biped(to)
-    rig = replace(conform(rig_of(ASSETS / name), to=to), clips=())
+    rig = replace(conform(rig_of(assets / name), to=to), clips=())
     kept = {k for n, title in enumerate(edited.names) if title in rig.names for k in edited.path_to_root(n)}
     clip = edited.clip("walk")
     edited = replace(edited, clips=(replace(clip, tracks=tuple(t for t in clip.tracks if t.node in kept)),))
