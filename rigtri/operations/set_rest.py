@@ -39,6 +39,9 @@ from rigtri.text import and_more
 # Radians, and shares of the size and scale: a rest pose that differs by less is the one that is there. Places
 # of bind poses come from inverses of float32, whose noise turns short bones by some 1e-5.
 SAME = 3e-5
+# Radians: what node constraints count from stays, where the pose would turn it by less. An arm that is
+# farther from its side is in no T-pose (STRETCHED).
+LITTLE = np.radians(20.0)
 # Scales along axes that differ by a larger share are meant: smaller ones are noise of exporters.
 UNEVEN = 0.01
 # Degrees by which what is below a joint stands elsewhere in its axes: axes that were chosen otherwise differ
@@ -103,14 +106,36 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
             _warn_unsure(rig, body, report)
             fingers = options.straight_fingers
             turned = posed(rig, worlds, body, pose, options.facing, straight_fingers=fingers)
+            kept = _kept_by_constraints(rig, turned, report)
             for node, rotation in turned.items():
-                if node in held:
+                if node in kept:
+                    found.pop(node, None)
+                if node in held or node in kept:
                     continue
                 was = found.get(node) or Parts(*(getattr(rig, p)[[node]] for p in PATHS))
                 found[node] = was._replace(rotation=rotation[np.newaxis])
         return found
     cache = pose_of(rig, PoseOptions(at=options.pose), report)
     return {node: cache.part(node) for node in sorted(cache.parts) if node in set(joints)}
+
+
+def _kept_by_constraints(rig: Rig, turned: Mapping[int, Floats], report: Report) -> set[int]:
+    """The joints of VRM constraints that stand as in the pose but for little; said in a warning."""
+    rests = {
+        node: to_parts(rig.normalised_local[node]).rotation.reshape(4) for node in _tied(rig) & turned.keys()
+    }
+    off = {node: float(angle_between(rest, turned[node])) for node, rest in rests.items()}
+    kept = {node: each for node, each in off.items() if SAME < each <= LITTLE}
+    if kept:
+        names, most = and_more([rig.title(node) for node in sorted(kept)], 6), np.degrees(max(kept.values()))
+        text = f"Node constraints count from the rest pose of {names}, which stay as they are"
+        report.warn("constraint-source", f"{text}, up to {most:.2g} degrees from the pose", geometry=True)
+    return set(kept)
+
+
+def _tied(rig: Rig) -> set[int]:
+    """The nodes that constraints of VRM move, or count from."""
+    return {node for c in rig.node_constraints if c.key is not None for node in (c.node, c.source)}
 
 
 def _warn_unsure(rig: Rig, body: Character, report: Report) -> None:
@@ -287,7 +312,6 @@ def _refuse(rig: Rig, moved: list[int]) -> None:
             f"{why}, where '{rig.title(resting[0])}' shows its rest pose: with another one the clip would "
             "look different. Give it values there first"
         )
-    tied = {node for c in rig.node_constraints if c.key is not None for node in (c.node, c.source)}
-    if ties := sorted(tied & set(moved)):
+    if ties := sorted(_tied(rig) & set(moved)):
         names = and_more([rig.title(node) for node in ties], 6)
         raise GeometryError(f"Node constraints count from the rest pose of {names}: take them out first")

@@ -20,8 +20,10 @@ from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.vectors import normalise
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
 
 
 def places(rig: Rig, number: int) -> np.ndarray:
@@ -145,6 +147,23 @@ def test_vrm_0_has_no_rest_rotations(tmp_path: Path) -> None:
     turned[joint] = (0, 0, 0.6, 0.8)
     with pytest.raises(GeometryError, match=r"VRM 0\.x forbids rest rotations"):
         rigtri.set_rest(rig, like=replace(rig, rotation=turned, source=None))
+
+
+@pytest.mark.parametrize(("source", "stays"), [("forearm_L", True), ("upper_arm_L", False)])
+def test_what_node_constraints_count_from_stays_where_little_is_to_be_done(source: str, stays: bool) -> None:
+    """The pose would turn the forearm by 12 degrees, the upper arm by 38. Before, both were refused."""
+    rig, report = rigtri.read(SAMPLES / "biped.glb"), Report()
+    node, eyes = rig.find(source), rig.find("eyes")
+    rig = replace(rig, node_constraints=(NodeConstraint("rotation", eyes, node, np.zeros(3), key="file"),))
+    if not stays:
+        with pytest.raises(GeometryError, match=f"the rest pose of {source}: take them out"):
+            rigtri.set_rest(rig, pose="tpose")
+        return
+    out = rigtri.set_rest(rig, pose="tpose", report=report)
+    assert np.array_equal(out.rotation[node], rig.rotation[node])
+    assert not np.allclose(out.rotation[rig.find("upper_arm_L")], rig.rotation[rig.find("upper_arm_L")])
+    (warning,) = report.warnings
+    assert warning.text.endswith("of forearm_L, which stay as they are, up to 12 degrees from the pose")
 
 
 def test_a_scale_that_shears_is_refused() -> None:
