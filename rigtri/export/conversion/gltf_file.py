@@ -5,6 +5,7 @@ Source: glTF 2.0; KHR_lights_punctual.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from typing import Any
 
@@ -41,6 +42,7 @@ class GltfWriter:
         self.index = np.cumsum([k not in scene.omitted for k in range(len(self.rig))]) - 1
         self.index[sorted(scene.omitted)] = -1
         self.primitives: dict[int, int] = {}  # rig node → how many primitives its node shows
+        self._meshes: dict[str, int] = {}
         self._skins: dict[tuple[int, bytes], int] = {}
         self._used: set[str] = set()
         self._animated = {t.node for clip in self.rig.clips for t in clip.tracks if t.path != "weights"}
@@ -126,9 +128,11 @@ class GltfWriter:
             if mesh.morph_names:
                 found["extras"] = {"targetNames": list(mesh.morph_names)}
         meshes = self.gltf.setdefault("meshes", [])
-        meshes.append(found)
         holder = self.gltf["nodes"][self.index[node]]
-        holder["mesh"] = len(meshes) - 1
+        # Instances show one mesh, each with its own skin.
+        holder["mesh"] = self._meshes.setdefault(json.dumps(found), len(meshes))
+        if holder["mesh"] == len(meshes):
+            meshes.append(found)
         if mesh.skin is not None:
             holder["skin"] = self._skin(mesh)
 

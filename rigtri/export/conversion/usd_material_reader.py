@@ -45,6 +45,7 @@ class MaterialReader:
         """read: the bytes of the texture that an asset path names; FileError where they are not to be had."""
         self._scene, self._content = scene, read
         self._known: dict[tuple[str, bool, str], int] = {}
+        self._used: set[str] = set()
         # Textures that are black beside their edges, and whether along u and v, by material and by path.
         self._black: dict[int, dict[str, tuple[Texture, list[bool]]]] = {}
         self._images: dict[str, Image | None] = {}
@@ -57,7 +58,8 @@ class MaterialReader:
 
         coordinates: the number of each set. values: what corners have, by glTF's names, (c, ...).
         """
-        key = str(material.GetPath()), double_sided, str(sorted(coordinates.items()))
+        self._used.add(str(material.GetPath()))
+        key = _specs(material.GetPrim()), double_sided, str(sorted(coordinates.items()))
         if key not in self._known:
             self._known[key] = len(self._scene.materials)
             self._scene.materials.append(self._read(material, coordinates, double_sided))
@@ -69,7 +71,7 @@ class MaterialReader:
 
     def unused(self, prim: Any) -> bool:
         """Whether a prim is a material that no mesh has."""
-        return prim.IsA(UsdShade.Material) and all(str(prim.GetPath()) != path for path, *_ in self._known)
+        return prim.IsA(UsdShade.Material) and str(prim.GetPath()) not in self._used
 
     def coloured(self, colour: tuple[float, ...] | None, *, double_sided: bool) -> int | None:
         """The number of a material of one colour (displayColor, displayOpacity); None for none."""
@@ -264,6 +266,12 @@ class MaterialReader:
             name, number = f"{stem}_{number}{suffix}", number + 1
         self._names.add(name.lower())
         return Image(name, content)
+
+
+def _specs(material: Any) -> str:
+    """Where all opinions about a material are: what instances show of one asset is one material."""
+    stacks = (prim.GetPrimStack() for prim in Usd.PrimRange(material))
+    return str([(spec.layer.identifier, str(spec.path)) for stack in stacks for spec in stack])
 
 
 def _is_grey(image: Image) -> bool:

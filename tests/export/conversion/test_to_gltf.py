@@ -191,7 +191,8 @@ def test_corners_subsets_and_instances_become_points_primitives_and_nodes(tmp_pa
     rigtri.convert(_quad(tmp_path), out)
     gltf: dict[str, Any] = glb_json(out)
     shown = [node["mesh"] for node in gltf["nodes"] if "mesh" in node]
-    assert len(shown) == 2
+    assert shown == [0, 0]
+    assert len(gltf["meshes"]) == 1
     red, blue = gltf["meshes"][shown[0]]["primitives"]
     counts = [gltf["accessors"][p["indices"]]["count"] for p in (red, blue)]
     assert counts == [6, 3]
