@@ -59,6 +59,21 @@ def built(samples: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def test_strip_names_the_layers_that_have_what_it_cannot_take_out(tmp_path: Path) -> None:
+    hero, rig, shot, more, bare = (
+        tmp_path / f"{name}.usda" for name in ("hero", "rig", "shot", "more", "bare")
+    )
+    hero.write_text(scene(skeleton(), animation(), MESH))
+    shot.write_text(INSTANCED.replace("hero", "rig").replace("true", "false") + 'def Xform "Sword"\n{\n}\n')
+    cli("constrain", hero, "-o", rig, "--child", "Skin", "--driver", "a", code=0)
+    printed = cli("strip", shot, "-o", bare, code=3).output
+    assert "is written in rig.usda, so it cannot be taken out here: strip that layer" in printed
+    cli("constrain", shot, "-o", more, "--child", "Sword", "--driver", "a", code=0)
+    printed = cli("strip", more, "-o", bare, code=3).output
+    assert "is written in more.usda and in rig.usda" in printed
+    assert "Strip rig.usda" in printed
+
+
 def referenced(name: str, file: str = "hero.usda", more: str = "", body: str = "") -> str:
     return f'def "{name}" (references = @./{file}@ {more}) {{\n{body}\n}}\n'
 

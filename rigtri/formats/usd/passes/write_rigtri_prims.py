@@ -156,14 +156,17 @@ def _removals(source: Source, rig: Rig) -> list[Edit]:
     tops = [node for node in gone if int(rig.parents[node]) not in rig.pending.removed]
     for node in gone:
         stack = source.stage.GetPrimAtPath(rig.labels[node]).GetPrimStack()
-        for spec in stack[1:]:
+        if len(stack) > 1:
+            names = " and in ".join(spec.layer.GetDisplayName() for spec in stack)
             raise FileError(
-                f"<{rig.labels[node]}> is written in {stack[0].layer.identifier} and in "
-                f"{spec.layer.identifier}, so it cannot be taken out of one of them."
+                f"<{rig.labels[node]}> is written in {names}, so it cannot be taken out of one of them. "
+                f"Strip {stack[-1].layer.GetDisplayName()}, and take what is about it out of the other"
             )
     paths = {rig.labels[node] for node in gone}
     _refuse_others_below(rig, paths)
-    return [_erase(rig.labels[node]) for node in tops if not _goes_along(source, rig.labels[node], paths)]
+    return [
+        _erase(source, rig.labels[node]) for node in tops if not _goes_along(source, rig.labels[node], paths)
+    ]
 
 
 def _goes_along(source: Source, path: str, gone: Collection[str]) -> bool:
@@ -184,11 +187,15 @@ def _refuse_others_below(rig: Rig, gone: Collection[str]) -> None:
             )
 
 
-def _erase(path: str) -> Edit:
+def _erase(source: Source, path: str) -> Edit:
     def erase(layer: Any) -> None:
         spec = layer.GetPrimAtPath(path)
         if spec is None:
-            raise FileError(f"<{path}> is written in another layer, so it cannot be taken out here.")
+            (first, *_) = source.stage.GetPrimAtPath(path).GetPrimStack()
+            name = first.layer.GetDisplayName()
+            raise FileError(
+                f"<{path}> is written in {name}, so it cannot be taken out here: strip that layer"
+            )
         layers.remove(spec)
 
     return Edit(Sdf.Path(path), erase)
