@@ -89,12 +89,20 @@ def add_controls(rig: Rig, *, options: AddControlsOptions, report: Report) -> Ri
     def build(rig: Rig, mine: AddControlsOptions) -> Rig:
         return built_at_zero(rig, lambda rig: _Builder(rig, mine, report).build())
 
-    several = bodies(rig) if options.whole_character and not options.selection.named else []
-    limbs = named_limbs(rig, options.ik)
+    several = bodies(rig) if options.whole_character or options.root_control else []
+    if not several:
+        return build(rig, options)
+    limbs, joints = named_limbs(rig, options.ik), list[int]()
+    if options.selection.named:
+        joints = chosen(skeleton(rig, options.root), options.selection)
+        options = replace(options, chain=(), below=(), skin=None, exclude=())
+    all_of_them = not joints and (options.whole_character or options.limbs is not None or not limbs)
     for nodes in several:
-        mine = replace(options, ik=tuple(limb for limb in limbs if limb.start in nodes))
-        rig = within(rig, nodes, partial(build, mine=mine))
-    return rig if several else build(rig, options)
+        ik = tuple(limb for limb in limbs if limb.start in nodes)
+        own = tuple(rig.address(joint) for joint in joints if joint in nodes)
+        if all_of_them or ik or own:
+            rig = within(rig, nodes, partial(build, mine=replace(options, ik=ik, joints=own)))
+    return rig
 
 
 class _Builder:

@@ -16,7 +16,7 @@ from program import cli
 from rigs import rig_of
 from usd_files import deviation, save
 
-from rigtri import constrain, take_clips
+from rigtri import add_controls, constrain, take_clips
 from rigtri.errors import UsageError
 from rigtri.formats import read
 from rigtri.model.animation import Track
@@ -52,6 +52,25 @@ def test_each_character_gets_a_root_control_and_a_rig_of_its_own(
     for node in rig.nodes_of("control") if suffix == "usda" else ():
         joint = rig.known(rig.metadata[node]["joint"])
         assert [node in rig.below(top) for top in tops] == [joint in rig.below(top) for top in tops]
+
+
+@pytest.mark.parametrize(
+    ("heads", "roots"), [(0, [1, 1]), (1, [0, 1]), (2, [1, 1])], ids=["none named", "one", "both"]
+)
+def test_each_character_whose_joints_are_named_gets_a_root_control(
+    heads: int, roots: list[int], samples: Path, tmp_path: Path
+) -> None:
+    rig = read(pair(samples, tmp_path, "gltf")).rig
+    joints = map(rig.address, np.flatnonzero(rig.is_joint).tolist())
+    named = tuple(name for name in joints if name.endswith("head"))[2 - heads :]
+    options: dict[str, Any] = {"root_control": True} | ({"joints": named} if named else {})
+    made = add_controls(rig, **options)
+    records = made.records(ControlRecord)
+    for names, count in zip(built(made), roots, strict=True):
+        found = [records[made.find(name)].kind for name in names]
+        assert found.count("root") == count
+        assert found.count("fk") == count * bool(heads)
+    assert add_controls(made, **options).metadata == made.metadata
 
 
 @pytest.mark.ci
