@@ -61,6 +61,16 @@ def test_a_jaw_that_is_all_a_head_has_is_not_the_head(names: dict[str, str]) -> 
     assert found(called, BODY) == {"neck": ["neck"], "head": ["head"]}
 
 
+def test_the_eyes_of_smpl_x_are_eyes() -> None:
+    """Before, they were helpers, and conformed characters had none."""
+    eyes: list[Joint] = [
+        (f"{side}_eye_smplhf", "head", (x, 1.66, 0.08)) for side, x in (("left", 0.03), ("right", -0.03))
+    ]
+    joints = [*BODY, *eyes]
+    (body,) = recognise(rig_with(joints)).characters
+    assert [joints[body.bones[bone]][0] for bone in ("leftEye", "rightEye")] == [name for name, _, _ in eyes]
+
+
 def test_without_names_what_moves_far_less_than_the_head_is_a_jaw() -> None:
     rig = with_points(rig_with(BODY, named=False), BODY)
     assert found(rig, BODY) == {"neck": ["neck"], "head": ["head"]}
