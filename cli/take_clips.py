@@ -27,7 +27,7 @@ from .help_format import Command
 from .option_types import FilePath
 from .options import edit_options, output_options, reading_options, target_option
 from .parameters import check_streams, given_options
-from .terminal_text import grown
+from .terminal_text import counted, grown
 
 
 @click.command("take-clips", cls=Command, help=__doc__)
@@ -51,8 +51,9 @@ def summary(report: Report) -> str:
     tracks, same = sum(entry["tracks"] for entry in clips), sum(entry["same"] for entry in clips)
     nodes = {name for entry in clips for name in entry["changed"]}
     if not tracks:
-        return f"{len(clips)} clips, {same} tracks: EDITED has no changes; nothing was transferred"
+        seen = f"{counted(len(clips), 'clip')}, {counted(same, 'track')}"
+        return f"{seen}: EDITED has no changes; nothing was transferred"
     new = sum(entry["new"] for entry in clips)
     more = f", {new} of them new" if new else ""
-    line = f"{len(clips)} clips{more}: {tracks} tracks of {len(nodes)} nodes transferred, {same} unchanged"
-    return line + grown(clips)
+    taken = f"{counted(tracks, 'track')} of {counted(len(nodes), 'node')} transferred"
+    return f"{counted(len(clips), 'clip')}{more}: {taken}, {same} unchanged{grown(clips)}"
