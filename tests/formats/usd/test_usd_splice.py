@@ -134,6 +134,16 @@ def test_what_is_removed_takes_its_line_and_nothing_else() -> None:
     assert changed(ODD, remove) == want.encode()
 
 
+def test_an_empty_prim_that_was_filled_and_emptied_is_what_it_was() -> None:
+    def fill(layer: Any) -> None:
+        Sdf.CreatePrimInLayer(layer, "/B/Inner/deep").specifier = Sdf.SpecifierDef
+
+    def empty(layer: Any) -> None:
+        del layer.GetPrimAtPath("/B/Inner").nameChildren["deep"]
+
+    assert changed(changed(ODD, fill), empty) == ODD.encode()
+
+
 def test_a_renamed_asset_is_changed_alone() -> None:
     def rename(layer: Any) -> None:
         layer.GetAttributeAtPath("/B.file").default = Sdf.AssetPath("../a#{b.png")

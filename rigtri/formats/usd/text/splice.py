@@ -10,7 +10,7 @@ so that nothing here needs to know the whole grammar to be safe.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -213,11 +213,26 @@ class _Splice:
             elif before.of((old.start, old.end)) != edited.of((item.start, item.end)):
                 raise self.source.unknown(spans[0][0], f"no statement '{key.decode(errors='replace')}'")
         gone = olds.keys() - news.keys()
+        if self._empties(spans[0], items[0], listed, gone, added):
+            self.cuts.append((*spans[0], b""))
+            return
         for mine in listed:
             if mine.key in gone:
                 self.cuts.append(self._whole(mine))
         if added:
             self._insert(added, [item for item in listed if item.key not in gone], items[0], spans[0])
+
+    def _empties(
+        self, span: Span, owner: Item, listed: list[Item], gone: Collection[bytes], added: list[Item]
+    ) -> bool:
+        """Whether nothing stays of a prim that opens on its own line: where that was empty it was {}."""
+        if added or not listed or any(item.key not in gone for item in listed) or owner.body != span:
+            return False
+        at, left = span[0], b""
+        for item in listed:
+            left, at = left + self.source.content[at : item.start], item.end
+        left += self.source.content[at : span[1]]
+        return owner.kind == "body" and not left.strip() and not self._leads(span[0] - 1)
 
     def _insert(self, added: Iterable[Item], kept: list[Item], owner: Item, span: Span) -> None:
         """Put new statements behind those of their kind."""
