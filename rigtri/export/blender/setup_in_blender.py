@@ -557,12 +557,26 @@ class Kept:
         self.again = bool(bones)
         self.switches = {bone.name: float(bone[SWITCH]) for bone in bones if SWITCH in bone}
         self.poses = {bone.name: bone.matrix_basis.copy() for bone in bones}
+        # What an armature of the script's own plays, for that is made anew.
+        own = rig.animation_data if bones and MARK in rig else None
+        self.playing = (own.action, own.action_slot) if own and own.action else None
+        self.strips = [
+            (strip.action, strip.action_slot, placed(strip), track.mute)
+            for track in (own.nla_tracks if own else ())
+            for strip in track.strips
+            if strip.action
+        ]
 
     def give(self, setup: "Setup") -> None:
         """Let the bones of controls have it. What follows a limb does so by constraints."""
         for name, pose in self.poses.items():
             if name in setup.rig.pose.bones:
                 setup.rig.pose.bones[name].matrix_basis = pose
+        for action, slot, numbers, mute in self.strips:
+            put_strip(setup.rig, action, slot, numbers, mute)
+        if self.playing is not None:
+            data = setup.rig.animation_data_create()
+            data.action, data.action_slot = self.playing
         if self.again:
             return
         slots = {action: slot for action, slot, _ in uses_of(setup.rig)}
@@ -585,14 +599,25 @@ def play(rig: Any, action: Any, strip: Any) -> Any:
     slot = action.slots.new(id_type="OBJECT", name=rig.name)
     data = rig.animation_data_create()
     if strip is not None:
-        track = data.nla_tracks.new()
-        own = track.strips.new(strip.name, int(strip.frame_start), action)
-        own.action_slot, track.name, track.mute = slot, action.name, True
-        own.action_frame_start, own.action_frame_end = strip.action_frame_start, strip.action_frame_end
-        own.frame_start, own.frame_end = strip.frame_start, strip.frame_end
+        put_strip(rig, action, slot, placed(strip), True)
     if data.action is None:
         data.action, data.action_slot = action, slot
     return slot
+
+
+def placed(strip: Any) -> dict[str, Any]:
+    """The name of a strip, and which frames of its action it plays when."""
+    words = ("name", "action_frame_start", "action_frame_end", "frame_start", "frame_end")
+    return {word: getattr(strip, word) for word in words}
+
+
+def put_strip(rig: Any, action: Any, slot: Any, numbers: dict[str, Any], mute: bool) -> None:
+    """Let an armature play an action in a strip of a track of its own."""
+    track = rig.animation_data_create().nla_tracks.new()
+    own = track.strips.new(numbers["name"], int(numbers["frame_start"]), action)
+    own.action_slot, track.name, track.mute = slot, action.name, mute
+    for word, value in numbers.items():
+        setattr(own, word, value)
 
 
 def give_keys(nodes: list[Any]) -> None:
@@ -1081,7 +1106,7 @@ def set_up(given: str | None = None, drive: float | None = None) -> int:
             + ", or let the script do it"
         )
     master = character(nodes)
-    if text := elsewhere(nodes):
+    if not RIG["apart"] and (text := elsewhere(nodes)):
         print(f"rigtri: warning: {text}", file=sys.stderr)
     before = float(master.get(DRIVE, 1.0))
     kept = Kept(nodes)

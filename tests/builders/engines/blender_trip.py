@@ -5,8 +5,9 @@ controls of ``keys`` get keys in a clip of their own: at frame 1 where they stan
 in their own channels, and turned by ``turn`` degrees about their y axis. ``off`` are IK ends whose IK is off.
 With ``clip``, all keys of ``keys``' controls in that action are moved by ``by`` instead, and all actions
 exported, or with the suffix of a USD ``target`` what plays.
-``move``: where the armature object is put then. What is visible is exported to ``target``; ``seen``,
-a .npz, gets the places of all joints, of all frames, in the file's axes.
+``runs``: how often the script runs, once else. ``move``: where the armature object is put then.
+What is visible is exported to ``target``; ``seen``, a .npz, gets the places of all joints, of all frames, in
+the file's axes.
 """
 
 import contextlib
@@ -63,7 +64,8 @@ def edit(clip, name, by):
 def work(job):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     sys.argv = [job["script"]]
-    runpy.run_path(job["script"], run_name="__main__")
+    for _ in range(job.get("runs", 1)):
+        runpy.run_path(job["script"], run_name="__main__")
     if "clip" in job:
         for name, given in job["keys"].items():
             edit(job["clip"], name, given["by"])
