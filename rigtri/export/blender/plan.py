@@ -20,6 +20,7 @@ from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.matrices import from_frame, orthonormal_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.model.animation import Track, key_values
 from rigtri.model.constraints import Constraint
 from rigtri.model.metadata import PIVOTS, ControlRecord, OffsetRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
@@ -32,6 +33,8 @@ Share = float | list[str]
 # Bones of the control armature, and for each kind the channels that mean nothing: they are locked.
 CONTROLS = (ControlRecord.type, OffsetRecord.type, PoleVectorRecord.type)
 _LOCKED = {"ik": "s", "pole": "rs", "offset": "trs"} | dict.fromkeys(PIVOTS, "s")
+# How far keys may be from the rest pose, as a share, and hold it.
+_RESTS = 1e-5
 # What else than its own kind a record is to the script: of controls whose kind cannot be read, FK.
 _KINDS = {PoleVectorRecord.type: "pole", ControlRecord.type: "fk"}
 
@@ -115,7 +118,7 @@ class Plan:
         group = next((node for node in self.rig.nodes_of("group") if numbers), -1)
         self.group = self.node(group)
         self.carrier = self.node(int(self.rig.parents[group])) if group >= 0 else ""
-        keyed = {track.node for clip in self.rig.clips for track in clip.tracks}
+        keyed = {t.node for clip in self.rig.clips for t in clip.tracks if _leaves_rest(self.rig, t)}
         still = set(self.rig.path_to_root(group)) if group >= 0 else set[int]()
         tops = {armature_of(self.rig, joint) for joint in np.flatnonzero(self.rig.is_joint).tolist()} - {-1}
         self.apart = any(keyed.intersection(self.rig.path_to_root(top)) - still for top in tops)
@@ -204,6 +207,18 @@ def frame(place: Floats, along: Floats, side: Floats) -> Floats:
 def armature_of(rig: Rig, joint: int) -> int:
     """The first node above a joint that is none: what its armature is in Blender; −1 for the world."""
     return next((node for node in rig.path_to_root(joint) if not rig.is_joint[node]), -1)
+
+
+def _leaves_rest(rig: Rig, track: Track) -> bool:
+    """Whether a track moves a node from where it rests; exporters write keys of all nodes."""
+    rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}.get(track.path)
+    if rest is None:
+        return False
+    keys, own = key_values(track), rest[track.node]
+    apart = np.abs(keys - own).max(axis=1)
+    if track.path == "rotation":  # either sign is the same rotation
+        apart = np.minimum(apart, np.abs(keys + own).max(axis=1))
+    return bool(apart.max(initial=0.0) > _RESTS * max(1.0, float(np.abs(own).max())))
 
 
 def _above(rig: Rig, node: int) -> list[str]:
