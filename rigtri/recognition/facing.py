@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import fsum
+from math import acos, fsum
 
 import numpy as np
 
@@ -30,6 +30,9 @@ _CUSTOM = 0.4
 _STEP = 0.25
 # Bends from 10° on are no noise; smaller ones count less, and where twins have them alike, up to this part.
 _CLEAR, _ALIKE = radians_below(10), 0.25
+# Alone they tell facing where they bend so far, and one bone is so long a part of the other: what axles of
+# robots are set off by, up to 15 % of a bone, bends a limb less, and no axle is half as long as a bone.
+_BENT, _BALANCED = radians_below(30), 0.5
 # What names and the format say to this part (a cosine) the other way denies a small bend.
 _DENIED = 0.5
 # Robots' joints are offset alike on both sides: a small bend counts if anything else says so by this weight.
@@ -38,8 +41,12 @@ _BACKED = 0.25
 _FULL, _SLIGHT = 0.04, 0.02
 # What a foot moves reaches this part of the leg further ahead than back to count in full, or a third at all.
 _SOLE = 0.1
+# Feet that make something sure point ahead by so much, in votes: an axle behind an ankle is shorter.
+_FEET, _TOES = "the feet point there", 1.4
 # A thumb stands aside by this much (a sine) to count; hands that are raised beyond this may turn either way.
 _ASIDE, _RAISED = 0.3, 0.5
+# The thumb of three fingers goes so far another way (40°), and so many times as far as the others do.
+_OPPOSED, _ODD = radians_below(40), 2.0
 # A trunk that leans so far from its up (a sine) leans ahead, and from the second on it lies.
 _LEANS, _LIES = 0.35, 0.7
 # So far ahead feet point (a cosine).
@@ -68,12 +75,14 @@ def facing_of(
     ahead = plane.normal.cross(body.up)
     ahead = (ahead - body.up * ahead.dot(body.up)).unit
     votes = _votes(tree, body, ahead, poses) if not legs else ends_of_trunk(tree, legs, plane, ahead)
-    clear, slight = [*_moving(tree, body, ahead, poses), *votes], []
+    evidence = [*_moving(tree, body, ahead, poses), *votes]
+    slight = [(weight, words) for weight, words in evidence if words == _FEET and abs(weight) <= _TOES]
+    clear = [each for each in evidence if each not in slight]
     custom = Vector(*(tree.rig.rules.facing or ())).dot(ahead)
     stated = custom + (named.dot(ahead) if named is not None else 0.0)
     bent = list(_bends(tree, body, plane, ahead, poses)) if bends and not legs else []
     seen_so_far = [weight for weight, _ in clear]
-    for k, (weight, small, noise, words) in enumerate(bent):
+    for k, (weight, small, noise, words, _) in enumerate(bent):
         others = [stated - custom, *seen_so_far, *(each[0] + each[1] for each in (*bent[:k], *bent[k + 1 :]))]
         backed = any(small * other > _BACKED * abs(small) for other in others)
         trusted = backed and small * stated >= -_DENIED * abs(small)
@@ -82,7 +91,9 @@ def facing_of(
     slight.append((_CUSTOM * custom, "the format says so"))
     seen, most = fsum(weight for weight, _ in clear), fsum(abs(weight) for weight, _ in clear)
     total = seen + fsum(weight for weight, _ in slight)
-    sure = abs(seen) / max(most, _ENOUGH) if seen * total > 0 else 0.0
+    backed = fsum(abs(weight) for weight in seen_so_far if weight * total > 0) > _BACKED
+    alone = any(far and weight * total > 0 for weight, _, _, _, far in bent)
+    sure = abs(seen) / max(most, _ENOUGH) if seen * total > 0 and (backed or alone) else 0.0
     why = tuple(dict.fromkeys(words for weight, words in (*clear, *slight) if weight * total > 0))
     return (ahead if total >= 0 else -ahead), sure, why
 
@@ -103,7 +114,7 @@ def _votes(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tupl
         elif abs(along) > _LEANS:
             yield 3.0 * along, "the trunk leans there"
     if body.legs:
-        yield 2.0 * feet_ahead(tree, body, ahead, poses), "the feet point there"
+        yield 2.0 * feet_ahead(tree, body, ahead, poses), _FEET
     if body.arms and body.form == "biped":
         yield _thumbs(tree, body.arms, body.up, ahead), "the thumbs are there"
 
@@ -132,17 +143,20 @@ def _middle(places: Sequence[Vector]) -> Vector | None:
 
 def _bends(
     tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses
-) -> Iterator[tuple[float, float, float, str]]:
-    """As `_votes`, of knees and elbows: of clear bends, of small ones of twins, and of what may be noise."""
+) -> Iterator[tuple[float, float, float, str, bool]]:
+    """As `_votes`, of knees and elbows: of clear bends, of small ones of twins, and of what may be noise.
+
+    And whether they bend so far that they tell something alone.
+    """
     moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
-    for limbs, clear, small, all_ in _bent(body, plane.normal, ahead, moments):
+    for limbs, clear, small, all_, far in _bent(body, plane.normal, ahead, moments):
         feet = long_feet(tree, limbs, body.up, ahead) if limbs is body.legs and body.form == "biped" else 0.0
         if feet:
-            yield feet, 0.0, 0.0, "the feet point there"
+            yield feet, 0.0, 0.0, _FEET, True
             continue
         weight = -0.5 if limbs is body.arms else 0.3 if _goes_on(tree, limbs) else 1.0
         words = "the elbows bend away from there" if limbs is body.arms else "the knees bend there"
-        yield weight * clear, weight * small, weight * (all_ - clear - small), words
+        yield weight * clear, weight * small, weight * (all_ - clear - small), words, far
 
 
 def long_feet(tree: Tree, legs: Limbs, up: Vector, ahead: Vector) -> float:
@@ -210,10 +224,20 @@ def _thumbs(tree: Tree, arms: Limbs, up: Vector, ahead: Vector) -> float:
         along = _middle([tree.at[k[0]] - tree.at[wrist] for j, k in enumerate(fingers) if j != which])
         if which < 0 or along is None or along.unit.dot(up) > _RAISED:
             return 0.0
+        if not _stands_out(tree, fingers, which):
+            return 0.0
         aside = tree.at[fingers[which][1]] - tree.at[wrist]
         aside = (aside - along.unit * aside.dot(along.unit)).unit
         total += 0.5 * aside.dot(ahead)
     return total if abs(total) > _ASIDE else 0.0
+
+
+def _stands_out(tree: Tree, fingers: Sequence[Sequence[int]], which: int) -> bool:
+    """Whether a thumb is none of three fingers alike, of which noise and short bones make one another."""
+    ways = [(tree.at[k[1]] - tree.at[k[0]]).unit for k in fingers]
+    alike = [max(one.dot(k) for k in ways if k is not one) for one in ways]
+    far, others = (acos(max(-1.0, min(1.0, k))) for k in (alike.pop(which), min(alike)))
+    return len(fingers) > 3 or far > max(_OPPOSED, _ODD * others)
 
 
 def _toes(tree: Tree, legs: Limbs, ahead: Vector) -> float:
@@ -228,10 +252,11 @@ def _toes(tree: Tree, legs: Limbs, ahead: Vector) -> float:
 
 def _bent(
     body: Body, lateral: Vector, level: Vector, places: Floats
-) -> Iterator[tuple[Limbs, float, float, float]]:
+) -> Iterator[tuple[Limbs, float, float, float, bool]]:
     """How far the middles of limbs stand ahead, at rest and in motion, places (f, n, 3): −1 to 1.
 
-    Of legs and arms: where both bend clearly, where they bend less, but alike, and in all. In each pose
+    Of legs and arms: where both bend clearly, where they bend less, but alike, and in all; and whether both
+    bend far in any pose. In each pose
     ahead is what lies across the line between both limbs and the spine; of a trunk that lies, the spine
     itself, on the side of ``level``.
     """
@@ -254,11 +279,14 @@ def _bent(
     ahead = normalise(cross(across, spine))[:, :, np.newaxis]
     aside = offset(start, middle, end)
     along = finite(dot(aside, ahead))
-    clear = np.asarray((bend_angle(start, middle, end) > _CLEAR).all(axis=-1, keepdims=True))
+    bend, bones = bend_angle(start, middle, end), (length(middle - start), length(end - middle))
+    clear = np.asarray((bend > _CLEAR).all(axis=-1, keepdims=True))
+    bend = np.where(np.minimum(*bones) > _BALANCED * np.maximum(*bones), bend, 0.0)
+    far = (bend.max(axis=0) > _BENT).all(axis=-1).tolist()
     small = _are_alike(aside, across) & ~clear
     for k, limbs in enumerate(pairs):
         plain, alike = (_share((along * which)[:, k], _FULL * limbs.size) for which in (clear, small))
-        yield limbs, plain, alike, _share(along[:, k], _SLIGHT * limbs.size)
+        yield limbs, plain, alike, _share(along[:, k], _SLIGHT * limbs.size), far[k]
 
 
 def _share(along: Floats, full: float) -> float:

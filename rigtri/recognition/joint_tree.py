@@ -12,7 +12,8 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
-from rigtri.recognition.naming_schemes import is_bone, is_segment
+from rigtri.recognition.limb_words import AXES
+from rigtri.recognition.naming_schemes import is_bone, is_segment, parse_name
 
 # A path longer than this is not a limb: what comes after is of no interest, and paths stay short.
 _LONGEST = 15
@@ -20,6 +21,9 @@ _LONGEST = 15
 _IN_LINE = 0.9
 # Nearer than this part of the bone that it is in, a node stands where the joint does.
 _SAME_POSITION = 1e-3
+
+# Of what robots call axes of joints, the one that others call twist joints.
+_ROLL = "roll"
 
 
 class Tree:
@@ -205,14 +209,18 @@ def _unplaced_joints(rig: Rig) -> frozenset[int]:
 def segments_of(tree: Tree) -> frozenset[int]:
     """The joints that by their names are parts of the bones above them: they stand within, or are leaves.
 
-    Twist and roll joints, and those that Rigify makes of a bone: ``DEF-forearm.L.001``.
+    Twist and roll joints, and those that Rigify makes of a bone: ``DEF-forearm.L.001``. Of robots, whose
+    joints have the names of their axes, ``elbow_roll`` is a joint like ``elbow_yaw``.
     """
     names, found = tree.rig.names, set[int]()
+    robot = any(not (AXES - {_ROLL}).isdisjoint(parse_name(names[node]).words) for node in tree.nodes)
     for node in tree.nodes:
         over = tree.above[node]
         while over in found:
             over = tree.above[over]
         if over < 0 or len(tree.below[node]) > 1 or not is_segment(names[node], names[over]):
+            continue
+        if robot and _ROLL in parse_name(names[node]).words:
             continue
         after = tree.below[node][0] if tree.below[node] else -1
         if after < 0 or _is_between(tree, over, node, after):

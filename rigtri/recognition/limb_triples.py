@@ -28,6 +28,8 @@ from rigtri.recognition.symmetry import Pair
 STRAIGHT = 0.9945
 # What joints within a bone cost, and what it costs where they do not part it evenly.
 _WITHIN, _UNEVEN = 0.08, 0.25
+# Joints nearer than this part of a limb to each other are in one place.
+SAME_PLACE = 0.01
 # What it costs where only one of both bones has as many parts.
 _UNLIKE = 0.05
 # What a first bone costs that is too long for a clavicle, and from which part of the upper bone on: a joint
@@ -211,8 +213,8 @@ def triple_of(
         first = int(max(behind, default=0.0) > whole)
     for at in places:
         quality = _quality(bones, at, now, ever, moves, min(first, at[0]))
-        if quality == 0.0:
-            continue  # a joint between bends, or a bone has no length
+        if quality == 0.0 or any(_are_axes(words, at) for words in words_of):
+            continue  # a joint between bends, a bone has no length, or is between axes of one joint
         quality -= _LED if at[0] < first else 0.0
         quality -= _LED if kind == "leg" and at[0] > first and now[at[0]] > STRAIGHT else 0.0
         quality -= _HANDLESS if fingers >= HAND and at[2] < len(path) - 1 and kind != "leg" else 0.0
@@ -224,11 +226,26 @@ def triple_of(
             found.append((quality + _NAMED * named, at, quality, named))
     if not found:
         return None
-    (best, at, quality, named), *others = sorted(found, reverse=True)
+    # Of axes in one place the start is the last one and the end the first.
+    order = sorted(found, key=lambda one: (round(one[0], 9), *one[1][:2], -one[1][2]), reverse=True)
+    (best, at, quality, named), *others = order
     if max(one[2] for one in found) - quality > _DISPUTED:
         named -= 1.0  # shape says otherwise: names alone make nothing sure
     size = fsum(bones[at[0] + 1 : at[2] + 1])
-    return Triple(at, quality, best - (others[0][0] if others else 0.0), size, named)
+    second = next((one[0] for one in others if not _are_in_one_place(bones, at, one[1], size)), 0.0)
+    return Triple(at, quality, best - second, size, named)
+
+
+def _are_in_one_place(bones: list[float], at: Sequence[int], other: Sequence[int], size: float) -> bool:
+    """Whether three joints stand where three others of a path do: other axes of the same joints."""
+    apart = (fsum(bones[min(a, b) + 1 : max(a, b) + 1]) for a, b in zip(at, other, strict=True))
+    return max(apart) <= SAME_PLACE * size
+
+
+def _are_axes(words: Sequence[LimbWords], at: Sequence[int]) -> bool:
+    """Whether names call two of three joints in turn axes of one: ``hip_roll`` and ``hip_pitch``."""
+    called = [words[k].joint for k in at]
+    return any(one and one == other for one, other in pairwise(called))
 
 
 def begin_as_one(tree: Tree, paths: Sequence[Sequence[int]], together: float = _TOGETHER) -> bool:
@@ -295,8 +312,10 @@ def _quality(
     start, middle, end = at
     if any(ever[k] < STRAIGHT for k in range(start + 1, end) if k != middle):
         return 0.0
-    upper, lower = bones[start + 1 : middle + 1], bones[middle + 1 : end + 1]
-    a, b = fsum(upper), fsum(lower)
+    parts = bones[start + 1 : middle + 1], bones[middle + 1 : end + 1]
+    a, b = map(fsum, parts)
+    # Axes of one joint in one place part no bone.
+    upper, lower = ([bone for bone in each if bone > SAME_PLACE * (a + b)] for each in parts)
     if min(a, b) <= 0.0:
         return 0.0
     balance, cover = min(a, b) / max(a, b), (a + b) / fsum(bones[first + 1 :])

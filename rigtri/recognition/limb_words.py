@@ -32,6 +32,8 @@ _FURNITURE = frozenset(["leg", "legs", "foot", "feet", "arm"])
 _HANDS = frozenset(["lh", "rh"])
 # What a name counts against a limb that says another place of its joint.
 _AGAINST = 1.5
+# What robots call the axes that make one joint.
+AXES = frozenset(["pitch", "roll", "yaw"])
 # What a word counts that says less, and one that the word ``end`` makes a mere end of.
 _VAGUE, _HALF = 0.5, 0.5
 
@@ -44,7 +46,8 @@ class LimbWords:
     place in two letters, ``leg_FL``. plain: of vague words alone, the name without its
     number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb. bends: a knee or
     an elbow. animal: of one. alive: a word that no furniture has, as ``thigh`` is. trunk: it is of the trunk
-    or the head, and so of no limb (`name_readings.limb_names` says so)."""
+    or the head, and so of no limb (`name_readings.limb_names` says so). joint: of a name that says an axis,
+    ``hip_pitch``, the words without it, which all axes of one joint have."""
 
     levels: Mapping[Level, float]
     kind: LimbKind | Literal[""]
@@ -56,6 +59,7 @@ class LimbWords:
     trunk: bool = False
     corner: Side = ""
     alive: bool = False
+    joint: str = ""
 
 
 NO_WORDS = LimbWords({}, "")
@@ -104,7 +108,11 @@ def limb_words(name: str) -> LimbWords:
         plain = plain if weight < 1.0 else ""
         middle = weight < 1.0 and not {"mid", "middle"}.isdisjoint(found)
         levels = dict.fromkeys(sorted(common, key=LEVELS.index), weight)
-        return LimbWords(levels, kind, place, plain, middle, bends, animal, corner=corner, alive=alive)
+        axis = not AXES.isdisjoint(found)
+        joint = " ".join(word for word in found if word not in AXES) if axis else ""
+        return LimbWords(
+            levels, kind, place, plain, middle, bends, animal, corner=corner, alive=alive, joint=joint
+        )
     # ``hand_end`` is what follows a hand, or the hand where nothing else is called so.
     last = {level: _HALF for each in levels_of_words for level in each}
     levels = last | ({"after": 1.0} if "after" in last else {})

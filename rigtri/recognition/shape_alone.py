@@ -10,7 +10,8 @@ from rigtri.maths.triangle import bend_angle
 from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.evidence_against import doubted, unsure
-from rigtri.recognition.limb_triples import TIE
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_triples import SAME_PLACE, TIE
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.shape_analysis import shape_of
 from rigtri.recognition.shape_doubts import has_hock
@@ -65,9 +66,15 @@ def _surely(draft: Draft, bare: Draft, each: Found, alone: Sequence[Found]) -> s
             continue
         if _parts_a_bone(draft, bare, other.joints[1]) or _share_a_hock(draft, each, other):
             continue
-        if other.joints != each.joints or other.kind != each.kind:
+        if other.kind != each.kind or not _stand_in_one_place(draft.tree, other.joints, each.joints):
             return f"{_titles(draft, other.joints)} is {a(other.kind)}"
     return ""
+
+
+def _stand_in_one_place(tree: Tree, one: Sequence[int], other: Sequence[int]) -> bool:
+    """Whether three joints are three others, or other axes of these in the same places."""
+    size = (tree.at[one[0]] - tree.at[one[2]]).length
+    return all((tree.at[a] - tree.at[b]).length <= SAME_PLACE * size for a, b in zip(one, other, strict=True))
 
 
 def _share_a_hock(draft: Draft, each: Found, other: Found) -> bool:

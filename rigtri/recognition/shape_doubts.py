@@ -120,11 +120,16 @@ def goes_on(draft: Draft, each: Found) -> str:
         return ""
     path, (_, middle, end) = mine.pair.paths[0], mine.at
     lower = (tree.at[path[end]] - tree.at[path[middle]]).length
-    further = tree.bone[path[end + 1]] if end + 1 < len(path) else 0.0
+    further = _next_bone(tree, path[end + 1 :], lower)
     longer = further > (lower if mine.named <= 0.0 else lower / _HARDLY_ANY)
     if longer and has_hock(draft, each.joints, path[end + 1]):
         return ""
     return "a longer bone follows its end, so another joint may bend" if longer else ""
+
+
+def _next_bone(tree: Tree, after: Sequence[int], lower: float) -> float:
+    """How long the bone after a limb is, its lower one so long; bones between axles of one joint are none."""
+    return next((tree.bone[k] for k in after if tree.bone[k] > _HARDLY_ANY * lower), 0.0)
 
 
 def has_hock(draft: Draft, joints: Sequence[int], after: int) -> bool:
@@ -219,7 +224,7 @@ def rival(draft: Draft, each: Found) -> str:
     path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
     a, b, c = (tree.at[k] for k in mine.joints(0))
     upper, lower = (b - a).length, (c - b).length
-    further = tree.bone[path[end + 1]] if end + 1 < len(path) else 0.0
+    further = _next_bone(tree, (*path[end + 1 :], *tree.paths[path[-1]][1:]), lower)
     bend = (b - a).unit.dot((c - b).unit)
     at, fingers = branches(tree, path)
     hand = at == end and fingers >= HAND  # no elbow has so many below it

@@ -211,3 +211,66 @@ def test_legs_that_begin_all_but_in_the_middle_may_begin_a_joint_later() -> None
     rest = [joint for joint in legs if not joint[0].startswith(("pelvis", "foot", "toe"))]
     found = sure([*first, *hips, *rest], named=False)
     assert not {"left hind leg", "right hind leg"} & found.keys()
+
+
+def _axles(name: str, place: tuple[float, float, float], *offsets: tuple[float, float, float]) -> list[Joint]:
+    """Joints of a robot that make one: an axle for each of its axes, set off from the one before."""
+    axes = ["pitch", "roll", "yaw"]
+    places = [place]
+    for far in offsets:
+        x, y, z = (a + b for a, b in zip(places[-1], far, strict=True))
+        places.append((x, y, z))
+    return [(f"{name}_{axis}.L", "", at) for axis, at in zip(axes, places, strict=False)]
+
+
+def _chain(over: str, *joints: list[Joint]) -> list[Joint]:
+    """Joints one below the other, the first below ``over``."""
+    flat = [joint for each in joints for joint in each]
+    above = [over, *(name for name, _, _ in flat)]
+    return [(name, at, place) for (name, _, place), at in zip(flat, above, strict=False)]
+
+
+HIP = _axles("hip", (0.09, 1.0, 0.0), (0.0, -0.03, -0.05), (0.0, -0.02, 0.06))
+SHOULDER = _axles("shoulder", (0.12, 1.45, 0.0), (0.06, -0.02, 0.04))
+
+
+def test_roll_is_an_axis_where_joints_have_the_names_of_axes() -> None:
+    """Elsewhere it is a twist joint; before, knees and elbows that roll were passed over, surely."""
+    arm = _chain(
+        "chest", SHOULDER, [("elbow_roll.L", "", (0.45, 1.43, 0.03)), ("hand.L", "", (0.7, 1.43, 0))]
+    )
+    leg = _chain("hips", HIP, [("knee_roll.L", "", (0.09, 0.52, 0.0)), ("ankle_pitch.L", "", (0.09, 0.1, 0))])
+    found = sure([*TRUNK, *both([*arm, *leg])])
+    assert found["right leg"].split()[1:] == ["knee_roll.R", "ankle_pitch.R"]
+    assert found["left arm"] == "shoulder_roll.L elbow_roll.L hand.L"
+
+
+def test_axes_of_one_joint_are_no_two_joints_of_a_limb() -> None:
+    """However long the bones between them are; before, hips, knees and ankles lost to these."""
+    hip = _axles("hip", (0.064, 0.69, 0.0), (0.052, -0.03, 0.0), (0.0, -0.118, 0.046))
+    ankle = _axles("ankle", (0.119, 0.054, 0.0), (0.0, -0.018, 0.0))
+    leg = _chain("hips", hip, [("knee.L", "", (0.119, 0.354, 0.0))], ankle)
+    trunk: list[Joint] = [
+        ("hips", "", (0, 0.75, 0)),
+        ("chest", "hips", (0, 0.9, 0)),
+        ("head", "chest", (0, 1.2, 0)),
+    ]
+    arm = line("shoulder.L elbow.L wrist.L", "chest", (0.1, 1.08, 0), (0.15, 0.9, 0.016), (0.15, 0.75, 0.1))
+    assert sure([*trunk, *both([*leg, *arm])])["left leg"] == "hip_yaw.L knee.L ankle_pitch.L"
+
+
+def test_axles_of_shoulders_and_ankles_turn_no_robot_round() -> None:
+    """An axle behind the ankle is no toe, and one beside the shoulder no elbow; before, both were."""
+    elbow: list[Joint] = [("elbow.L", "", (0.25, 1.15, 0.04))]
+    ankle = _axles("ankle", (0.09, 0.1, 0.0), (-0.06, 0.0, -0.1))
+    leg = _chain("hips", HIP[:1], [("knee.L", "", (0.09, 0.55, 0.0))], ankle)
+    assert sure([*TRUNK, *both([*_chain("chest", SHOULDER, elbow), *leg])], named=False) == {}
+
+
+def test_an_elbow_of_two_axles_ends_no_arm() -> None:
+    """The first of three bones that are as long as each other may be a clavicle, whatever stands between."""
+    places = ((0.1, 1.45, 0), (0.38, 1.45, 0), (0.42, 1.05, -0.03), (0.42, 1.05, -0.031), (0.45, 0.75, 0))
+    two = line("a.L b.L c.L d.L e.L", "chest", *places)
+    found = sure([*TRUNK, *both([*two, *LEG])], named=False)
+    assert "left leg" in found
+    assert "left arm" not in found

@@ -236,8 +236,8 @@ def test_a_foot_parented_to_the_root_ends_its_leg_if_it_moves_points() -> None:
     joints: list[Joint] = [("root", "", (0, 0, 0))]
     loose = {"foot.L": "root", "foot.R": "root"}
     joints += [(name, loose.get(name, above or "root"), place) for name, above, place in MAN]
-    # Without feet bent elbows alone tell where it faces.
-    joints = [(name, above, (x, y, z - 0.05 * name.startswith("fore"))) for name, above, (x, y, z) in joints]
+    # Without feet elbows that are clearly bent alone tell where it faces.
+    joints = [(name, above, (x, y, z - 0.09 * name.startswith("fore"))) for name, above, (x, y, z) in joints]
     rig = rig_with(joints, named=False)
     assert bends(joints, recognise(rig)) == FOUR
     moved = np.array([name[:3] not in ("foo", "toe") for name, _, _ in joints])
