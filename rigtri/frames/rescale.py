@@ -27,12 +27,13 @@ from rigtri.maths.matrices import compose, identity, inverse, multiply
 from rigtri.maths.quaternions import IDENTITY, conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import triple
+from rigtri.maths.vectors import length, triple
 from rigtri.model.animation import Track
 from rigtri.model.constraints import constraint_record, constraints_of
 from rigtri.model.metadata import ConstraintRecord, OffsetRecord, OutputRecord, PoseReaderRecord, Record
 from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 # Sizes of joints that differ by no more are one, with what float32 has left of products along a chain.
 SAME_SIZE = 1e-4
@@ -62,11 +63,11 @@ def rescale(rig: Rig, size: Floats) -> Rig:
         sizes = size[skin.joints]
         if (sizes == 1.0).all():
             continue
-        points = 1.0
+        points = np.ones(3)
         if rig.rules.sized_binding and skin.stored and (np.abs(sizes / sizes[0] - 1.0) <= SAME_SIZE).all():
-            points = 1.0 / float(sizes[0])
-            bound_sizes[number] = bound_sizes.get(number, 1.0) * points
-        bind = multiply(_scaling(np.array([1.0 / points])), skin.inverse_bind)
+            points = (_mirror(rig, skin) if sizes[0] < 0 else points) / abs(float(sizes[0]))
+            bound_sizes[number] = bound_sizes.get(number, np.ones(3)) * points
+        bind = multiply(np.diag([*1.0 / points, 1.0]), skin.inverse_bind)
         skins[number] = replace(skin, inverse_bind=multiply(bind, _scaling(1.0 / sizes)))
     smaller = replace(
         rig,
@@ -88,6 +89,20 @@ def rescale(rig: Rig, size: Floats) -> Rig:
     carriers = np.flatnonzero((size != 1.0) & (rig.attachment >= 0)).tolist()
     still = np.tile(IDENTITY, (len(carriers), 1))
     return hand_over_attachments(smaller, carriers, still, 1.0 / size[carriers])
+
+
+def _mirror(rig: Rig, skin: Skin) -> Floats:
+    """Which axes of the world are mirrored, (3,), from how a skin is bound to how its first joint stands.
+
+    1 or −1 each, one or three of them −1: points that are mirrored so are bound where joints stand.
+    """
+    row = int(np.argmin(skin.joints))
+    bound, stands = skin.bind[row, :3, :3], rig.world[skin.joints[row], :3, :3]
+    alike = np.nan_to_num(bound / length(bound)[:, np.newaxis] * stands).sum(axis=0)
+    signs = np.where(alike < 0, -1.0, 1.0)
+    if signs.prod() > 0:
+        signs[np.argmin(np.abs(alike))] *= -1.0
+    return signs
 
 
 def _rescaled_metadata(rig: Rig, size: Floats, outside: float = 1.0) -> Mapping[int, Mapping[str, Any]]:

@@ -38,7 +38,7 @@ class PendingEdits:
     morph_weights: the weights at rest that nodes get, (t,) each.
     removed: nodes that the written file is without; they have no names any more.
     weight_limit: of all points.
-    bind_sizes: by the number of a skin how many times as large its points are to be bound.
+    bind_sizes: by the number of a skin how many times as large its points are to be bound, (3,).
     conversion: of the whole scene.
     """
 
@@ -48,7 +48,7 @@ class PendingEdits:
     morph_weights: Mapping[int, Floats] = field(default_factory=dict)
     removed: frozenset[int] = frozenset()
     weight_limit: WeightLimit | None = None
-    bind_sizes: Mapping[int, float] = field(default_factory=dict)
+    bind_sizes: Mapping[int, Floats] = field(default_factory=dict)
     conversion: Conversion | None = None
 
     @property

@@ -22,7 +22,7 @@ import rigtri
 from rigtri.errors import UsageError
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.formats import ReadOptions, read
-from rigtri.maths.matrices import determinant
+from rigtri.maths.matrices import determinant, multiply
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -175,7 +175,7 @@ def test_a_root_that_holds_no_turn_is_not_noted_as_blenders_own(
 
 
 @pytest.mark.ci
-@pytest.mark.parametrize("scale", ["(-1, 1, 1)", "(-2, -2, -2)"])
+@pytest.mark.parametrize("scale", ["(-1, 1, 1)", "(1, 1, -1)", "(-2, -2, -2)"])
 def test_a_mirrored_prim_above_a_skeleton_is_frozen(scale: str, tmp_path: Path) -> None:
     path, out = tmp_path / "in.usda", tmp_path / "out.usda"
     order = 'uniform token[] xformOpOrder = ["xformOp:scale"]'
@@ -186,6 +186,12 @@ def test_a_mirrored_prim_above_a_skeleton_is_frozen(scale: str, tmp_path: Path) 
     rig = read(out).rig
     assert np.allclose(rig.world[rig.find("figure"), :3, :3], np.eye(3), atol=1e-6)
     assert np.linalg.det(rig.world[rig.find("hips"), :3, :3]) == pytest.approx(1.0)
+    # Points are bound where joints stand, as before. Before, they were bound upside down below them.
+    (skin,), before = rig.skins, read(path).rig
+    assert np.allclose(
+        skin.bind[:, 3, :3], multiply(before.skins[0].bind, before.world[before.find("figure")])[:, 3, :3]
+    )
+    assert np.allclose(np.linalg.det(skin.bind[:, :3, :3]), 1.0)
 
 
 def test_a_stage_is_converted_to_another_unit_and_up_axis(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from rigtri.evaluation.timelines import PLAYED, played_at_once, timelines
 from rigtri.frames.rig_size import size_of
 from rigtri.maths.matrices import multiply
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
@@ -135,7 +136,7 @@ class PosedView(DocumentView):
                 mesh = replace(mesh, node=node, morph_weights=weights)
             size = self.rig.pending.bind_sizes.get(mesh.skin) if mesh.skin is not None else None
             if size is not None:
-                mesh = replace(mesh, bind=multiply(mesh.bind, np.diag([size, size, size, 1.0])))
+                mesh = replace(mesh, bind=multiply(mesh.bind, np.diag([*size, 1.0])))
             found.append(mesh)
         return found
 
@@ -354,11 +355,11 @@ def _resting(rig: Rig, keys: Sequence[Hashable], made: Rig) -> Rig:
     return replace(rig, clips=tuple(replace(clip, tracks=(*clip.tracks, *held)) for clip in rig.clips))
 
 
-def _bound_in(rig: Rig, sizes: Mapping[int, float]) -> Rig:
+def _bound_in(rig: Rig, sizes: Mapping[int, Floats]) -> Rig:
     """The rig with the points of skins bound in other sizes, by number; nothing moves."""
     skins = list(rig.skins)
     for number, size in sizes.items():
-        smaller = np.diag([1.0 / size] * 3 + [1.0])
+        smaller = np.diag([*1.0 / size, 1.0])
         skins[number] = replace(skins[number], inverse_bind=multiply(smaller, skins[number].inverse_bind))
     return replace(rig, skins=tuple(skins), pending=replace(rig.pending, bind_sizes=sizes))
 

@@ -32,7 +32,7 @@ def write_binding(edit: UsdEdit) -> None:
         if prim.GetAttribute(BIND).GetNumTimeSamples():
             raise FileError(f"<{prim.GetPath()}>.{BIND} has time samples; bind its points without time first")
         bind = np.array(query.GetGeomBindTransform(DEFAULT), dtype=np.float64)
-        scaling = np.diag([sizes[path]] * 3 + [1.0])
+        scaling = np.diag([*sizes[path], 1.0])
         value = Gf.Matrix4d(multiply(bind, scaling).tolist())
         edit.values.append(set_value(prim.GetPath(), BIND, Sdf.ValueTypeNames.Matrix4d, value))
         edit.values += binding_schema(prim)
