@@ -79,6 +79,8 @@ def arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     arms = body.arms if body is not None and body.form == "biped" else None
     if each.kind != "leg" or mine is None or arms is None or arms is mine or arms.fingers >= 2:
         return ""
+    if mine.kind == "leg" and mine.named > _CALLED:
+        return ""
     at, _ = branches(tree, mine.pair.paths[0])
     hand = mine.pair.paths[0][at]
     tips = [k for k in tree.branch(hand) if not tree.below[k] and len(tree.way(hand, k)) > _PHALANGES]

@@ -274,3 +274,17 @@ def test_an_elbow_of_two_axles_ends_no_arm() -> None:
     found = sure([*TRUNK, *both([*two, *LEG])], named=False)
     assert "left leg" in found
     assert "left arm" not in found
+
+
+def test_legs_of_clear_names_are_no_arms_however_vague_the_arms_are() -> None:
+    """The shank is a lower leg, as robots have it; before, such a leg was not sure."""
+    heights = zip(
+        (0.584, 0.564, 0.483, 0.349, 0.069, 0.057), (0.06, 0.06, 0.06, 0.05, 0.05, 0.05), strict=True
+    )
+    names = "Hip_Pitch.L Hip_Roll.L Hip_Yaw.L Shank.L Ankle_Cross.L foot.L"
+    leg = line(names, "Waist", *((0.106, y, z) for y, z in heights))
+    arm = line("AL1.L AL2.L AL3.L hand.L", "Trunk", *((x, 0.919, 0.06) for x in (0.106, 0.153, 0.214, 0.361)))
+    trunk = line("Trunk Waist", "", (0, 0.7, 0), (0, 0.584, 0.06))
+    head = line("H1 H2", "Trunk", (0, 0.943, 0.06), (0, 1.005, 0.06))
+    found = sure([*trunk, *head, *both([*arm, *leg])])
+    assert found["left leg"].split()[1:] == ["Shank.L", "Ankle_Cross.L"]
