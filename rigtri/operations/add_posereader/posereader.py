@@ -34,7 +34,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_posereader import ONLY_OF
 from rigtri.operations.options.add_posereader import AddPosereaderOptions as AddPosereaderOptions
 from rigtri.operations.options.add_posereader import Goal as Goal
-from rigtri.operations.rigtri_nodes import add, find, given_name, group, refuse_taken, with_record
+from rigtri.operations.rigtri_nodes import add, find_all, given_name, group, refuse_taken, with_record
 from rigtri.recognition.limbs import with_recognised
 from rigtri.report import Report
 
@@ -106,11 +106,13 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
     report = report if report is not None else Report()
     options = options_of(record)
     check(options)
-    return _Builder(rig, options, report, record=record, clips=frozenset(clips)).build()
+    return _Builder(rig, options, report, record=record, node=node, clips=frozenset(clips)).build()
 
 
 class _Builder:
-    """One run: the rig as it grows. record: of a reader that is there. clips: the places of those baked."""
+    """One run: the rig as it grows. record, node: of a reader that is there. clips: the places of those
+    baked.
+    """
 
     def __init__(
         self,
@@ -119,9 +121,10 @@ class _Builder:
         report: Report,
         *,
         record: PoseReaderRecord | None = None,
+        node: int | None = None,
         clips: frozenset[int] | None = None,
     ) -> None:
-        self.clips = clips
+        self.clips, self.node = clips, node
         self.rig, self.options, self.report = rig, options, report
         self.goals = named_goals(rig, options)
         _refuse_unknown_targets(self.goals, options)
@@ -153,7 +156,7 @@ class _Builder:
 
     def build(self) -> Rig:
         rig, parent = group(self.rig)
-        node = find(rig, PoseReaderRecord, name=self.name)
+        node = self._known()
         before = None if node is None else rig.records(PoseReaderRecord)[node]
         corrective_joints.refuse_moving(rig, self.record, before)
         if node is None:
@@ -195,6 +198,15 @@ class _Builder:
             self.report.morph_changes.setdefault(self.rig.keys[drive.mesh.node], set()).update(drive.columns)
         self._record(node, counts)
         return self.rig
+
+    def _known(self) -> int | None:
+        """The node of the reader; without a given name not one of another character's joint of that name."""
+        if self.node is not None:
+            return self.node
+        records = self.rig.records(PoseReaderRecord)
+        named = find_all(self.rig, PoseReaderRecord, name=self.name)
+        mine = (n for n in named if self.options.name or self.rig.known(records[n].driver) == self.driver)
+        return next(mine, None)
 
     def _given_back(self, rig: Rig, node: int) -> Rig:
         """The rig with the keys back that this reader has replaced, where it drives others from now on."""
@@ -295,7 +307,8 @@ class _Builder:
                 control, attribute = outputs[name]
                 address = self.rig.address(self._control(control))
                 record = replace(record, control=address, attribute=attribute)
-            node = find(self.rig, PoseWeightRecord, reader=self.name, target=name)
+            known = find_all(self.rig, PoseWeightRecord, reader=self.name, target=name)
+            node = next((each for each in known if self.rig.parents[each] == reader), None)
             if node is None:
                 self.rig, node = add(self.rig, f"{self.name}_{name}", reader, record)
             self.rig = with_record(self.rig, node, record)

@@ -34,7 +34,16 @@ from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_rivet import AddRivetOptions as AddRivetOptions
-from rigtri.operations.rigtri_nodes import add, find, given_name, group, refuse_taken, stand, with_record
+from rigtri.operations.rigtri_nodes import (
+    add,
+    find,
+    find_all,
+    given_name,
+    group,
+    refuse_taken,
+    stand,
+    with_record,
+)
 from rigtri.progress import counted
 from rigtri.report import Report
 
@@ -110,7 +119,8 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
     ground = _Ground(rig, meshes, record.mesh)
     seat = _Seat(meshes[number], number, rows, np.array(record.barycentric), ground.number(number, rows))
     report = report if report is not None else Report()
-    return _Rivet(rig, record.name, seat, ground.size, options_of(record), report, frozenset(clips)).built()
+    options = options_of(record)
+    return _Rivet(rig, record.name, seat, ground.size, options, report, frozenset(clips), node).built()
 
 
 def _names(rig: Rig, options: AddRivetOptions, ground: _Ground) -> list[str]:
@@ -213,7 +223,10 @@ class _Ground:
 
 @dataclass(frozen=True, eq=False)
 class _Rivet:
-    """One rivet on its way into the rig. clips: the places of those it is baked into, None for all."""
+    """One rivet on its way into the rig. clips: the places of those it is baked into, None for all.
+
+    node: that of one that is there.
+    """
 
     rig: Rig
     name: str
@@ -222,6 +235,7 @@ class _Rivet:
     options: AddRivetOptions
     report: Report
     clips: frozenset[int] | None = None
+    node: int | None = None
 
     def built(self) -> Rig:
         a, b, c = map(float, self.seat.weights)
@@ -235,7 +249,7 @@ class _Rivet:
             fps=self.options.fps,
         )
         rig, parent = group(self.rig)
-        node = find(rig, RivetRecord, name=self.name)
+        node = self._known() if self.node is None else self.node
         if node is None:
             rig, node = add(rig, self.name, parent, record)
         else:
@@ -254,6 +268,13 @@ class _Rivet:
             worst = max(worst, self._off(held, timeline, tracks))
         self._record(rig, node, counts, worst)
         return rig
+
+    def _known(self) -> int | None:
+        """The rivet of this name; without a given one not that of another character's mesh."""
+        records, mesh = self.rig.records(RivetRecord), self.seat.mesh.node
+        named = find_all(self.rig, RivetRecord, name=self.name)
+        mine = (n for n in named if self.options.name or self.rig.known(records[n].mesh) == mesh)
+        return next(mine, None)
 
     def _seats(self, points: Floats) -> Floats:
         """Position and rotation xyzw, (f, 7), on corners (f, 3, 3)."""

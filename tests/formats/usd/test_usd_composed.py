@@ -74,6 +74,25 @@ def test_strip_names_the_layers_that_have_what_it_cannot_take_out(tmp_path: Path
     assert "Strip rig.usda" in printed
 
 
+@pytest.mark.parametrize("what", ["rivet", "reader", "weight"])
+def test_rivets_and_readers_of_two_references_are_baked_each_for_its_own(what: str, tmp_path: Path) -> None:
+    hero, rig, two, out = (tmp_path / f"{name}.usda" for name in ("hero", "rig", "two", "out"))
+    hero.write_text(scene(skeleton(), animation(), MESH))
+    reader = ("add-posereader", "--driver", "b", "--target", "bent=Anim@3")
+    given = {
+        "rivet": ("add-rivet", "--mesh", "Skin", "--at", "0,2.5,0"),
+        "reader": (*reader, "--joint", "bent", "c", "tx=1"),
+        "weight": reader,
+    }
+    command, *options = given[what]
+    cli(command, hero, "-o", rig, *options, code=0)
+    one = INSTANCED.replace("hero", "rig").replace("true", "false")
+    two.write_text(one + one.split("\n", 1)[1].replace('"A"', '"B"'))
+    printed = cli("bake", two, "-o", out, "--to", "joints", code=0).output
+    assert "keeps its keys" not in printed
+    assert out.read_bytes() == two.read_bytes()
+
+
 def referenced(name: str, file: str = "hero.usda", more: str = "", body: str = "") -> str:
     return f'def "{name}" (references = @./{file}@ {more}) {{\n{body}\n}}\n'
 
