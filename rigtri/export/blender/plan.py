@@ -42,7 +42,8 @@ _KINDS = {PoleVectorRecord.type: "pole", ControlRecord.type: "fk"}
 @dataclass(eq=False)
 class Plan:
     """The lists, as they grow. limbs: the IK ends by name, in the order of their switches. weights: those of
-    weight nodes at rest. group: the node above all controls; carrier: the one that it is a child of;
+    weight nodes at rest. group: the node above all controls; carrier: the one that it is a child of,
+    where controls are bones of an armature of their own;
     apart: clips move the armature, and not the controls, which so are bones of another.
     """
 
@@ -117,11 +118,12 @@ class Plan:
             self.controls.append(about | look | {"locked": _LOCKED.get(kind, "")})
         group = next((node for node in self.rig.nodes_of("group") if numbers), -1)
         self.group = self.node(group)
-        self.carrier = self.node(int(self.rig.parents[group])) if group >= 0 else ""
         keyed = {t.node for clip in self.rig.clips for t in clip.tracks if _leaves_rest(self.rig, t)}
         still = set(self.rig.path_to_root(group)) if group >= 0 else set[int]()
         tops = {armature_of(self.rig, joint) for joint in np.flatnonzero(self.rig.is_joint).tolist()} - {-1}
         self.apart = any(keyed.intersection(self.rig.path_to_root(top)) - still for top in tops)
+        if group >= 0 and (self.apart or not tops):
+            self.carrier = self.node(int(self.rig.parents[group]))
 
     def socket(
         self, name: str, on: str, stand: Floats, *, bone: bool, leads: bool = False, child: int = -1
