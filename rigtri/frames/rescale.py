@@ -27,7 +27,7 @@ from rigtri.maths.matrices import compose, identity, inverse, multiply
 from rigtri.maths.quaternions import IDENTITY, conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length, triple
+from rigtri.maths.vectors import dot, length, triple
 from rigtri.model.animation import Track
 from rigtri.model.constraints import constraint_record, constraints_of
 from rigtri.model.metadata import ConstraintRecord, OffsetRecord, OutputRecord, PoseReaderRecord, Record
@@ -98,7 +98,7 @@ def _mirror(rig: Rig, skin: Skin) -> Floats:
     """
     row = int(np.argmin(skin.joints))
     bound, stands = skin.bind[row, :3, :3], rig.world[skin.joints[row], :3, :3]
-    alike = np.nan_to_num(bound / length(bound)[:, np.newaxis] * stands).sum(axis=0)
+    alike = dot(np.nan_to_num(bound / length(bound)[:, np.newaxis]).T, stands.T)
     signs = np.where(alike < 0, -1.0, 1.0)
     if signs.prod() > 0:
         signs[np.argmin(np.abs(alike))] *= -1.0
