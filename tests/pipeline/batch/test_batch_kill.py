@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from batch_tasks import WAITED_FOR
 from places import BUILDERS, slow
 from polling import wait_for
 
@@ -188,10 +189,17 @@ def workers(process: int) -> list[int]:
 def test_an_interrupt_ends_what_is_begun_and_keeps_what_is_done(
     number: signal.Signals, code: int, tmp_path: Path, start: Start
 ) -> None:
+    folder = tmp_path / "in"
+    # The first four are tried; what is begun of the others ends when the interrupt has been heard.
+    for path in folder.glob("slow0[2-9].*"):
+        path.rename(path.with_name(path.name.replace("slow", "wait")))
     process = start("--json")
-    assert process.stdout is not None
+    assert process.stdout is not None and process.stderr is not None
     first = process.stdout.readline()
     process.send_signal(number)
+    heard = iter(process.stderr.readline, "")
+    assert any("started files are finished" in line for line in heard)
+    (folder / WAITED_FOR).touch()
     rest, told = process.communicate(timeout=60)
     lines = [json.loads(line) for line in (first + rest).splitlines()]
     assert process.returncode == code
