@@ -194,7 +194,8 @@ def test_an_interrupt_ends_what_is_begun_and_keeps_what_is_done(
     for path in folder.glob("slow0[2-9].*"):
         path.rename(path.with_name(path.name.replace("slow", "wait")))
     process = start("--json")
-    assert process.stdout is not None and process.stderr is not None
+    assert process.stdout is not None
+    assert process.stderr is not None
     first = process.stdout.readline()
     process.send_signal(number)
     heard = iter(process.stderr.readline, "")
