@@ -113,4 +113,6 @@ def go_wrong(source: Path, report: Report) -> None:
 
 
 if __name__ == "__main__":
+    # Also where tests run in the background, which lets what is started there ignore interrupts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     run_program(sys.argv[1:])
