@@ -157,6 +157,8 @@ def files_of_all_kinds(*suffixes: str) -> list[Any]:
     return [*samples_of_all_kinds(*suffixes), *asset_files(*suffixes)]
 
 
-def real_files() -> list[Any]:
-    """The real files, for tests that no sample can stand in for: one skip where the folder is not here."""
-    return asset_files() or [pytest.param(None, id="none", marks=pytest.mark.skip(NO_ASSETS))]
+def real_files(*names: str) -> list[Any]:
+    """The real files, or those of these names, where no sample can stand in: one skip without any."""
+    return [path for path in asset_files() if path.name in names or not names] or [
+        pytest.param(None, id="none", marks=pytest.mark.skip(NO_ASSETS))
+    ]

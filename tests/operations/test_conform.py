@@ -48,7 +48,7 @@ def test_a_second_time_changes_no_byte(target: str, suffix: str, tmp_path: Path)
 
 
 @pytest.mark.parametrize("target", TARGETS)
-@pytest.mark.parametrize("path", [path for path in real_files() if getattr(path, "name", "") in REAL])
+@pytest.mark.parametrize("path", real_files(*REAL))
 def test_real_characters_look_as_before_and_stay(path: Path, target: str, tmp_path: Path) -> None:
     out, again = tmp_path / f"out{path.suffix}", tmp_path / f"again{path.suffix}"
     cli("conform", path, "-o", out, "--to", target, code=0)

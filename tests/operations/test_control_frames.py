@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from avatars import avatar_0
 from carried import EDITS, SAME_MOTION, carried
-from places import SAMPLES, asset_files, every_other, slow
+from places import SAMPLES, every_other, real_files, slow
 
 import rigtri
 from rigtri.errors import RigtriError, UsageError
@@ -119,7 +119,7 @@ def test_the_axes_of_joints_do_not_go_with_others() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", asset_files(), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", real_files(), ids=lambda path: path.name)
 def test_controls_of_real_limbs_are_aimed(path: Path) -> None:
     try:
         rig = rigtri.add_controls(rigtri.read(path), whole_character=True)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_parts
-from places import SAMPLES, asset_files, one_in, slow
+from places import SAMPLES, one_in, real_files, slow
 from program import cli
 
 import rigtri
@@ -193,7 +193,7 @@ def test_a_control_of_a_joint_that_a_constraint_moves_is_not_tried() -> None:
     assert not any(checked.values())
 
 
-@pytest.mark.parametrize("path", asset_files(), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", real_files(), ids=lambda path: path.name)
 def test_what_auto_builds_of_a_real_character_does_what_it_is_for(path: Path, tmp_path: Path) -> None:
     result = cli("auto", path, "-o", tmp_path / f"out{path.suffix}", "--no-spec", "--json")
     assert result.exit_code == 0 or "no character was recognised" in result.stderr
