@@ -25,7 +25,7 @@ from rigtri.maths.matrices import (
     transform_directions,
     transform_points,
 )
-from rigtri.maths.quaternions import average, between, conjugate, from_axes, rotate, to_axes, unit
+from rigtri.maths.quaternions import average, between, conjugate, from_axes, half_turn, rotate, to_axes, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise
@@ -60,8 +60,7 @@ def mirrored_as(parts: Parts, scale: Floats) -> Parts:
     if not half.any():
         return parts
     signs = np.where(half[..., np.newaxis], signs, 1.0)
-    turn = np.concatenate([np.where(half[..., np.newaxis], signs > 0, 0.0), ~half[..., np.newaxis]], axis=-1)
-    return parts._replace(rotation=product(parts.rotation, turn), scale=parts.scale * signs)
+    return parts._replace(rotation=product(parts.rotation, half_turn(signs)), scale=parts.scale * signs)
 
 
 def nearest_rotation_of(m: Floats) -> Floats:

@@ -18,7 +18,7 @@ from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.zero_pose import ControlsAtZero, FkControl
 from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions
-from rigtri.maths.quaternions import IDENTITY, conjugate, rotate, to_axes, unit
+from rigtri.maths.quaternions import IDENTITY, conjugate, half_turn, rotate, to_axes, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -206,13 +206,10 @@ def _scaled_along(turn: Floats, scale: Floats, shares: Floats) -> tuple[Floats, 
         return turn, scale
     reversed_ = scale < 0
     mirrors = reversed_[:, :1] ^ reversed_[:, 1:2] ^ reversed_[:, 2:]
-    two = reversed_ ^ mirrors
-    half_turn = np.where(
-        two.any(axis=1, keepdims=True), np.append(~two, [[False]] * len(two), axis=1), IDENTITY
-    )
+    two = np.where(reversed_ ^ mirrors, -1.0, 1.0)
     sizes = np.abs(scale)
     shared = sum(sizes[:, k, np.newaxis] * shares[k] for k in range(3))
-    return product(turn, half_turn), np.where(mirrors, -1.0, 1.0) * shared
+    return product(turn, half_turn(two)), np.where(mirrors, -1.0, 1.0) * shared
 
 
 def _still(matrices: Floats) -> Floats:

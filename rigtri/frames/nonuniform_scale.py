@@ -18,7 +18,7 @@ import numpy as np
 from rigtri.frames.error_bounds import LeverArm, bearable
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import determinant
-from rigtri.maths.quaternions import IDENTITY, norm, rotates, to_axes
+from rigtri.maths.quaternions import IDENTITY, half_turn, norm, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Column
@@ -164,7 +164,7 @@ class ScaleTable:
         if len(nodes):
             nodes = nodes[~_permutes(to_axes(delta[nodes]))]
             sign = self.sign[nodes]
-            half[nodes, :3], half[nodes, 3] = sign * sign.prod(axis=1, keepdims=True) > 0, 0.0
+            half[nodes] = half_turn(sign * sign.prod(axis=1, keepdims=True))
         return half
 
 

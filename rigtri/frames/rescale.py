@@ -24,7 +24,7 @@ import numpy as np
 from rigtri.frames.reframe import hand_over_attachments
 from rigtri.frames.reoriented_constraints import reoriented_metadata
 from rigtri.maths.matrices import compose, identity, inverse, multiply
-from rigtri.maths.quaternions import IDENTITY, conjugate, rotate
+from rigtri.maths.quaternions import IDENTITY, conjugate, half_turn, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, triple
@@ -152,8 +152,7 @@ def _half_turned(rig: Rig, nodes: list[int]) -> Rig:
     for node in nodes:
         signs = np.sign(scale[node])
         if np.count_nonzero(signs < 0) == 2:
-            # diag(1, -1, -1) is half a turn about x.
-            half[node], sign[node] = np.array([*(signs > 0), 0.0]), signs
+            half[node], sign[node] = half_turn(signs), signs
             rotation[node], scale[node] = product(rotation[node], half[node]), np.abs(scale[node])
 
     def turned(track: Track) -> Track:

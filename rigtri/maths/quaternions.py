@@ -100,6 +100,19 @@ def conjugate(q: ArrayLike) -> Floats:
     return np.asarray(as_quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 
+def half_turn(signs: ArrayLike) -> Floats:
+    """The rotations, (..., 4), that reverse the axes whose signs, (..., 3), are −1: of each two, or none.
+
+    Two are half a turn about the third, exactly.
+
+    >>> half_turn([-1, 1, -1]).tolist()
+    [0.0, 1.0, 0.0, 0.0]
+    """
+    signs = np.asarray(signs)
+    turned = (signs < 0).any(axis=-1, keepdims=True)
+    return np.concatenate([(signs > 0) & turned, ~turned], axis=-1).astype(np.float64)
+
+
 def dot(a: ArrayLike, b: ArrayLike) -> Floats:
     """Dot products of quaternions, (..., 4) · (..., 4) → (...).
 

@@ -79,6 +79,15 @@ def find_all(rig: Rig, of: type[Record], /, **values: Any) -> Iterator[int]:
             yield node
 
 
+def find_named(rig: Rig, of: type[Record], name: str, **about: int) -> int | None:
+    """The first node with a record of a name, whose fields ``about`` mean these nodes; None for none."""
+    records = rig.records(of)
+    for node in find_all(rig, of, name=name):
+        if all(rig.known(getattr(records[node], field)) == meant for field, meant in about.items()):
+            return node
+    return None
+
+
 def renamed(rig: Rig, node: int, name: str) -> Rig:
     """The rig with another name for a node of ours, made free of others'."""
     names = list(rig.names)

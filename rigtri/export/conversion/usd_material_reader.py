@@ -45,7 +45,7 @@ class MaterialReader:
         """read: the bytes of the texture that an asset path names; FileError where they are not to be had."""
         self._scene, self._content = scene, read
         self._known: dict[tuple[str, bool, str], int] = {}
-        self._used: set[str] = set()
+        self._used: dict[str, str] = {}  # where the opinions of a material are, by its path
         # Textures that are black beside their edges, and whether along u and v, by material and by path.
         self._black: dict[int, dict[str, tuple[Texture, list[bool]]]] = {}
         self._images: dict[str, Image | None] = {}
@@ -58,8 +58,10 @@ class MaterialReader:
 
         coordinates: the number of each set. values: what corners have, by glTF's names, (c, ...).
         """
-        self._used.add(str(material.GetPath()))
-        key = _specs(material.GetPrim()), double_sided, str(sorted(coordinates.items()))
+        path = str(material.GetPath())
+        if path not in self._used:
+            self._used[path] = _specs(material.GetPrim())
+        key = self._used[path], double_sided, str(sorted(coordinates.items()))
         if key not in self._known:
             self._known[key] = len(self._scene.materials)
             self._scene.materials.append(self._read(material, coordinates, double_sided))

@@ -34,7 +34,15 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_posereader import ONLY_OF
 from rigtri.operations.options.add_posereader import AddPosereaderOptions as AddPosereaderOptions
 from rigtri.operations.options.add_posereader import Goal as Goal
-from rigtri.operations.rigtri_nodes import add, find_all, given_name, group, refuse_taken, with_record
+from rigtri.operations.rigtri_nodes import (
+    add,
+    find_all,
+    find_named,
+    given_name,
+    group,
+    refuse_taken,
+    with_record,
+)
 from rigtri.recognition.limbs import with_recognised
 from rigtri.report import Report
 
@@ -156,7 +164,10 @@ class _Builder:
 
     def build(self) -> Rig:
         rig, parent = group(self.rig)
-        node = self._known()
+        node = self.node
+        if node is None:  # without a given name not the reader of another character's joint
+            about = {} if self.options.name else {"driver": self.driver}
+            node = find_named(self.rig, PoseReaderRecord, self.name, **about)
         before = None if node is None else rig.records(PoseReaderRecord)[node]
         corrective_joints.refuse_moving(rig, self.record, before)
         if node is None:
@@ -198,15 +209,6 @@ class _Builder:
             self.report.morph_changes.setdefault(self.rig.keys[drive.mesh.node], set()).update(drive.columns)
         self._record(node, counts)
         return self.rig
-
-    def _known(self) -> int | None:
-        """The node of the reader; without a given name not one of another character's joint of that name."""
-        if self.node is not None:
-            return self.node
-        records = self.rig.records(PoseReaderRecord)
-        named = find_all(self.rig, PoseReaderRecord, name=self.name)
-        mine = (n for n in named if self.options.name or self.rig.known(records[n].driver) == self.driver)
-        return next(mine, None)
 
     def _given_back(self, rig: Rig, node: int) -> Rig:
         """The rig with the keys back that this reader has replaced, where it drives others from now on."""

@@ -36,8 +36,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_rivet import AddRivetOptions as AddRivetOptions
 from rigtri.operations.rigtri_nodes import (
     add,
-    find,
-    find_all,
+    find_named,
     given_name,
     group,
     refuse_taken,
@@ -87,7 +86,7 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
         given_name(rig, name, report)
     names = _names(rig, options, ground)
     for name in names if options.name else ():
-        refuse_taken(rig, name, find(rig, RivetRecord, name=name))
+        refuse_taken(rig, name, find_named(rig, RivetRecord, name))
     for name, seat in counted([*zip(names, ground.seats(options), strict=True)], "rivets"):
         if seat.aside > FAR * ground.size:
             text = f"The point of rivet '{name}' is {seat.aside:.4g} away from mesh '{ground.name}'"
@@ -249,7 +248,10 @@ class _Rivet:
             fps=self.options.fps,
         )
         rig, parent = group(self.rig)
-        node = self._known() if self.node is None else self.node
+        node = self.node
+        if node is None:  # without a given name not the rivet of another character's mesh
+            about = {} if self.options.name else {"mesh": self.seat.mesh.node}
+            node = find_named(self.rig, RivetRecord, self.name, **about)
         if node is None:
             rig, node = add(rig, self.name, parent, record)
         else:
@@ -268,13 +270,6 @@ class _Rivet:
             worst = max(worst, self._off(held, timeline, tracks))
         self._record(rig, node, counts, worst)
         return rig
-
-    def _known(self) -> int | None:
-        """The rivet of this name; without a given one not that of another character's mesh."""
-        records, mesh = self.rig.records(RivetRecord), self.seat.mesh.node
-        named = find_all(self.rig, RivetRecord, name=self.name)
-        mine = (n for n in named if self.options.name or self.rig.known(records[n].mesh) == mesh)
-        return next(mine, None)
 
     def _seats(self, points: Floats) -> Floats:
         """Position and rotation xyzw, (f, 7), on corners (f, 3, 3)."""

@@ -40,10 +40,11 @@ def unbaked(rig: Rig) -> str:
     found = _difference(Solver(rig, posed), {}, PoseCache(rig, {}), "at rest", size) if posed else ""
     shown: list[str] = []
     for timeline in timelines(rig) if not found else ():
-        driven, where = controls_at_work(rig, timeline), f"in clip '{timeline.name}'"
-        sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip)) if driven else {}
-        solver = Solver(rig, driven) if driven else None
-        lost = _difference(solver, sampled, PoseCache(rig, sampled), where, size) if solver else ""
+        lost = ""
+        if driven := controls_at_work(rig, timeline):
+            sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
+            where = f"in clip '{timeline.name}'"
+            lost = _difference(Solver(rig, driven), sampled, PoseCache(rig, sampled), where, size)
         if lost and not isinstance(rig.clips[timeline.members[0]].key, tuple):
             return lost
         shown.append(lost)

@@ -169,9 +169,11 @@ def stored_switching(
 
 def warn_outdated(before: Rig, after: Rig, place: int | None, report: Report) -> None:
     """Warn of constraints, but that at a node, whose drivers are elsewhere now where a matched one counts."""
+    weights = before.records(ConstraintWeightRecord)
+    if not weights:
+        return
     size, every = skeleton_size(before), {one.name: one for one in timelines(before)}
     for node, rule in constraints_of(before).items():
-        weights = before.records(ConstraintWeightRecord)
         clips = {weights[each].clip for each in rule.weight_nodes if each in weights and node != place}
         names = []
         for timeline in (every[name] for name in sorted(clips) if name in every):

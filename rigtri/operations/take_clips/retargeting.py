@@ -25,7 +25,7 @@ from rigtri.maths.matrices import (
     transform_directions,
     transform_points,
 )
-from rigtri.maths.quaternions import from_axes, make_continuous, unit
+from rigtri.maths.quaternions import from_axes, half_turn, make_continuous, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.similarity_fit import SAME_SIZE, SAME_TURN
 from rigtri.maths.trigonometry import Floats
@@ -307,7 +307,7 @@ def _signed(track: Track, signs: Floats) -> Track:
         return track
     if track.path == "scale":
         return replace(track, values=track.values * signs)
-    return replace(track, values=product(track.values, from_axes(np.diag(signs))))
+    return replace(track, values=product(track.values, half_turn(signs)))
 
 
 def _axes(matrix: Floats) -> Floats:
