@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -82,12 +82,12 @@ def axes_compared(rig: Rig) -> tuple[NodeConstraint, ...]:
     for reader in rig.records(PoseReaderRecord).values():
         # Its scale is along its own axes.
         grown = (rig.known(output.joint) for output in reader.outputs if output.scale is not None)
-        found += [_kept(node) for node in grown if node is not None]
+        found += [_kept(node, "grown") for node in grown if node is not None]
     return tuple(found)
 
 
-def _kept(node: int) -> NodeConstraint:
-    return NodeConstraint("channels", node, -1, _NONE)
+def _kept(node: int, kind: Literal["channels", "grown"] = "channels") -> NodeConstraint:
+    return NodeConstraint(kind, node, -1, _NONE)
 
 
 def broken(rig: Rig, delta: Floats) -> list[NodeConstraint]:

@@ -28,10 +28,11 @@ class NodeConstraint:
     ``tail``, the end of a swinging chain, which hangs as its parent, the source, stands.
     ``length``, node's rotations are not unit, and the source is its parent: no constraint of a file.
     ``channels``, a constraint reads or sets single channels of node; the source is the world, −1.
+    ``grown``, a pose reader scales node along its axes; so is the source.
     axis: (3,), one of the six axes of node; zero where the kind has none.
     """
 
-    kind: Literal["rotation", "roll", "aim", "tail", "length", "channels"]
+    kind: Literal["rotation", "roll", "aim", "tail", "length", "channels", "grown"]
     node: int
     source: int
     axis: Floats

@@ -198,7 +198,7 @@ class _Builder:
             found = [k for k in chosen(self.tree, options.selection) if self.rig.type_of(k) != "twist"]
             if not options.selection.named:
                 idle = self.above_controls.union(np.flatnonzero(~self.tree.carries).tolist())
-                idle |= driven_joints(self.rig)
+                idle.update(driven_joints(self.rig))
                 found = [joint for joint in found if joint not in idle]
         held = {*(node for limb in self.limbs for node in limb.triple), *(foot.toe for foot in self.feet)}
         missing = held.difference(found)

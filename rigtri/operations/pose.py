@@ -120,7 +120,7 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     pose that is no numbers.
     """
     posed = pose_of(rig, options, report)
-    kept = driven_joints(rig).union(rig.nodes_of(*_KEPT))
+    kept = {*driven_joints(rig), *rig.nodes_of(*_KEPT)}
     parts = {node: posed.part(node) for node in sorted(set(posed.parts) - kept)}
     for node, now in parts.items():
         if not all(np.isfinite(each).all() for each in now):

@@ -88,7 +88,7 @@ def _least(rig: Rig) -> Floats:
 
 def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Parts]:
     """The parts of joints in the pose, one row each."""
-    held = driven_joints(rig).union(rig.own)
+    held = rig.own.union(driven_joints(rig))
     joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in held]
     if options.like is not None:
         return _of_names(rig, options.like, joints)

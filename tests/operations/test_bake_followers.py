@@ -10,6 +10,7 @@ import pytest
 from morphs import arm, arm_usd
 from numpy.testing import assert_allclose
 from places import slow
+from rigs import chain
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling, skinning
@@ -180,3 +181,23 @@ def test_the_seat_is_that_of_the_rivet_not_of_its_number(tmp_path: Path) -> None
     assert dict(baked.metadata[node]) == note
     seat = SkinnedPoints(baked, baked.meshes[0], np.array(note["vertices"])).at_rest().mean(axis=0)
     assert_allclose(baked.world[node, 3, :3], seat, atol=1e-6)
+
+
+def test_keys_of_a_corrective_joint_s_own_say_when_what_follows_it_jumps() -> None:
+    """A reader scales it; that it turns at once in a clip is its own, and moves what is constrained to it."""
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
+    rig.parents[2] = 0
+    times, turn = np.array([0.0, 0.5, 1.0]), np.radians([0.0, 90.0, 90.0])
+    jump = Track(1, "rotation", "STEP", times, from_axis_angle([0, 0, 1], turn))
+    swing = Track(0, "rotation", "LINEAR", times, from_axis_angle([0, 1, 0], turn))
+    rig = replace(rig, clips=(Clip("clip", (jump, swing)),))
+    grown = AddPosereaderOptions(
+        driver="a", target=(Goal("bent", pose="clip@1"),), joint=(("bent", "b", "sx=2"),)
+    )
+    rig = add_posereader(rig, options=grown)
+    rig = constrain(rig, options=ConstrainOptions(type="parent", child="c", driver=("b",)))
+    report = Report()
+    tracks = bake(rig, options=BakeOptions(), report=report).clips[0].tracks
+    (found,) = (track for track in tracks if (track.node, track.path) == (2, "rotation"))
+    assert 0.5 in found.times
+    assert [warning.code for warning in report.warnings] == []

@@ -12,14 +12,19 @@ from rigs import chain
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import skeleton_size
+from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.frames.nonuniform_scale import ScaleTable
-from rigtri.maths.matrices import compose, inverse
+from rigtri.maths.matrices import compose, inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
 from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.orient_joints.controls_check import _deviation
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.operations.orient_joints.scaled_controls import scales_by_controls
@@ -104,6 +109,35 @@ def test_the_error_of_axes_that_such_a_scale_refuses_says_whose_it_is(own: float
     with pytest.raises(GeometryError) as error:
         orient_joints(rig, options=OrientJointsOptions(on_nonuniform_scale="error"))
     assert told in str(error.value)
+
+
+@pytest.mark.parametrize("by", ["keys", "reader", "control"])
+def test_what_follows_a_joint_that_is_scaled_along_one_axis_gets_the_nearest_axes(by: str) -> None:
+    """A parent constraint gives its child the lengths of the child's axes, which are others in other axes."""
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 1, 0), (3, 2, 0))
+    rig.parents[C] = 0
+    rig.rotation[B] = from_axis_angle([0, 0, 1], 0.5)
+    track = Track(B, "scale", "LINEAR", np.arange(2.0), np.array([[1.0, 1.0, 1.0], [2.0, 1.0, 1.0]]))
+    if by == "control":
+        rig = add_controls(rig, options=AddControlsOptions(joints=("b",), frame="joint"))
+        track = replace(track, node=rig.find("b_ctl"))
+    elif by == "reader":
+        track = Track(0, "rotation", "LINEAR", np.arange(2.0), from_axis_angle([0, 0, 1], np.arange(2.0)))
+    rig = replace(rig, clips=(Clip("clip", (track,)),))
+    if by == "reader":
+        bent = {"target": (Goal("bent", pose="clip@1"),), "joint": (("bent", "b", "sx=2"),)}
+        rig = add_posereader(rig, options=AddPosereaderOptions(driver="a", **bent))
+    rig = constrain(rig, options=ConstrainOptions(type="parent", child="c", driver=("b",)))
+    turned = orient_joints(rig, options=OrientJointsOptions(joints=("c",), aim="z", up="x"))
+    new = multiply(turned.world[C], inverse(rig.world[C]))
+    was, now = (at_end(bake(each, options=BakeOptions())) for each in (rig, turned))
+    assert_allclose(now, multiply(new, was), atol=1e-6)
+    assert np.ptp(length(was[:3, :3])) > 0.1
+    assert not np.allclose(new, np.eye(4))
+
+
+def at_end(rig: Rig) -> Floats:
+    return worlds(rig, locals_at(rig, rig.clips[0], [1.0]))[0, C]
 
 
 def test_joints_that_controls_move_elsewhere_are_told_with_the_moment() -> None:

@@ -83,9 +83,13 @@ def driven_paths(record: PoseReaderRecord, rig: Rig) -> dict[int, set[Path]]:
     return found
 
 
-def driven_joints(rig: Rig) -> set[int]:
-    """The joints that pose readers drive: what they do counts from where these rest."""
-    return {node for record in rig.records(PoseReaderRecord).values() for node in driven_paths(record, rig)}
+def driven_joints(rig: Rig) -> dict[int, set[Path]]:
+    """The joints that pose readers drive, and what of each: what they do counts from where these rest."""
+    found: dict[int, set[Path]] = {}
+    for record in rig.records(PoseReaderRecord).values():
+        for node, paths in driven_paths(record, rig).items():
+            found.setdefault(node, set()).update(paths)
+    return found
 
 
 def _paths(output: OutputRecord) -> list[Path]:

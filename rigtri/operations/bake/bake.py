@@ -229,11 +229,14 @@ class _Baker:
         So a second run, which reads keys that were thinned, looks at the same times.
         """
         held = rivets_of_constraints(self.rig)
-        follow = driven_joints(self.rig).union(set(self.rig.nodes_of(*_FOLLOW)) - held)
+        follow = set(self.rig.nodes_of(*_FOLLOW)) - held
+        driven = driven_joints(self.rig)
         kept = tuple(
             t
             for t in timeline.clip.tracks
-            if t.path != "weights" and t.node not in follow and (t.node, t.path) not in replaced
+            if t.path != "weights" and t.node not in follow
+            # Corrective joints may have keys of their own beside those of a pose reader.
+            if t.path not in driven.get(t.node, ()) and (t.node, t.path) not in replaced
         )
         return replace(timeline, clip=replace(timeline.clip, tracks=kept))
 

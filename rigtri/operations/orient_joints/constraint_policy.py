@@ -150,6 +150,7 @@ def _names_of_constraints(rig: Rig, bond: Bond) -> str:
         "tail": "'{}' is the end of a swinging chain",
         "length": "rotations of '{}' are not unit, which this format shows",
         "channels": "a constraint is by single channels of '{}'",
+        "grown": "a pose reader scales '{}' along its axes",
     }
     names = [
         texts.get(c.kind, f"{c.kind} constraint of '{{}}'").format(rig.title(c.node))

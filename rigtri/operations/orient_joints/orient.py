@@ -120,13 +120,13 @@ def plan_frames(rig: Rig, options: OrientJointsOptions, uniform: Sequence[int] =
     tied = ties(rig, lever_arm, options.tolerance)
     rotated = {k for c in axes_compared(rig) for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
     unsplittable = frozenset(rotated | {tie.node for tie in tied})
-    scales, controls = replace(scales, same=same), dict[int, int]()
-    if rig.nodes_of("control"):
+    scales, givers = replace(scales, same=same), dict[int, int]()
+    if rig.nodes_of("control", "constraint"):
         # With what poses controls, which a character without them does not import.
-        from rigtri.operations.orient_joints.scaled_controls import scales_by_controls
+        from rigtri.operations.orient_joints.scaled_controls import scales_given
 
-        scales, controls = scales_by_controls(rig, scales)
-    policy = ScalePolicy(options.on_nonuniform_scale, rig, scales, unsplittable, controls)
+        scales, givers = scales_given(rig, scales)
+    policy = ScalePolicy(options.on_nonuniform_scale, rig, scales, unsplittable, givers)
     return FramePlan(targets, policy, tied, requested_frames(targets, options, policy, notes), notes)
 
 

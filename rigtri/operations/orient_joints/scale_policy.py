@@ -64,14 +64,14 @@ class ScalePolicy:
     """What is to become of joints whose scale is not uniform.
 
     unsplittable: nodes whose own rotation a constraint reads or writes, or is not unit: it must stay
-    with them. controls: those that give joints a scale that is not uniform, by joint.
+    with them. givers: controls, and nodes that constraints follow, that give a scale that is not uniform.
     """
 
     policy: NonuniformScale
     rig: Rig
     scales: ScaleTable
     unsplittable: frozenset[int]
-    controls: Mapping[int, int]
+    givers: Mapping[int, int]
 
     @property
     def in_place(self) -> NonuniformScale:
@@ -146,10 +146,10 @@ class ScalePolicy:
         }
 
     def uneven_at(self, node: int) -> Uneven:
-        """Where the scale of a joint, or of the control that gives it one, is first not uniform."""
-        control = self.controls.get(node)
-        found = first_uneven(self.rig, node if control is None else control, self.scales)
-        return found if control is None else replace(found, control=self.rig.title(control))
+        """Where the scale of a joint, or of what gives it one, is first not uniform."""
+        giver = self.givers.get(node)
+        found = first_uneven(self.rig, node if giver is None else giver, self.scales)
+        return found if giver is None else replace(found, giver=self.rig.title(giver))
 
     @staticmethod
     def refused(delta: Floats, nearest: Mapping[int, Floats]) -> list[int]:
@@ -246,12 +246,12 @@ class Uneven:
     clip: str | None = None
     time: float | None = None
     tangent: bool = False
-    control: str | None = None
+    giver: str | None = None
 
     def __str__(self) -> str:
         words = " ".join(f"{x:.6g}" for x in self.value)
         words = f"tangent {words}" if self.tangent else words
-        words = f"'{self.control}' {words}" if self.control is not None else words
+        words = f"'{self.giver}' {words}" if self.giver is not None else words
         return words if self.clip is None else f"{words} in {self.clip} at {self.time:.6g}"
 
     def as_json(self) -> dict[str, Any]:

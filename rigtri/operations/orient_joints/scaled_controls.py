@@ -1,12 +1,13 @@
-"""Scales that controls give their joints, which new axes of the joints have to keep, as they keep their own.
+"""Scales that controls and constraints give joints, which new axes of the joints have to keep, as their own.
 
 A joint takes its control's scale along its own axes. So a scale that is not uniform allows only axes onto
-axes, or a turn about the odd one where the control has the joint's axes.
+axes, or a turn about the odd one where the control has the joint's axes. A parent constraint gives its child
+the lengths of the child's axes, whatever is scaled between the two: axes onto axes again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 
 import numpy as np
 
@@ -14,10 +15,43 @@ from rigtri.evaluation.zero_pose import ControlsAtZero, FkControl
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.maths.quaternions import conjugate, multiply, to_axes
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.constraints import Constraint, constraints_of
+from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 
 # Cosines whose squares are this near to 0 and 1 are of axes along axes: offsets are float32.
 _ALONG = 1e-6
+# A scale that only axes onto axes keep.
+_ANY = np.array([[1.0, 2.0, 3.0]])
+
+
+def scales_given(rig: Rig, scales: ScaleTable) -> tuple[ScaleTable, dict[int, int]]:
+    """The scales, with those that controls and constraints give; and what gives one, by node."""
+    rules = [rule for rule in constraints_of(rig).values() if rule.kind == "parent"]
+    outputs = (output for reader in rig.records(PoseReaderRecord).values() for output in reader.outputs)
+    grown = {rig.known(output.joint) for output in outputs if output.scale is not None}
+    controlled, found = bool(rig.nodes_of("control")), dict[int, int]()
+    while True:
+        if controlled:
+            scales, controls = scales_by_controls(rig, scales)
+            found = {**controls, **found}
+        uneven = grown.union(np.flatnonzero(scales.uneven).tolist())
+        drivers = {rule.child: _odd_between(rig, rule, uneven) for rule in rules if rule.child not in found}
+        drivers = {child: node for child, node in drivers.items() if node >= 0}
+        if not drivers:
+            return scales, found
+        scales, found = scales.with_rows(dict.fromkeys(drivers, _ANY)), {**drivers, **found}
+
+
+def _odd_between(rig: Rig, rule: Constraint, uneven: Container[int | None]) -> int:
+    """A node between a child's parent and its drivers whose scale is not uniform, else −1."""
+    above = rig.path_to_root(int(rig.parents[rule.child]))
+    for driver in rule.drivers:
+        path = rig.path_to_root(driver)
+        for node in (*path, *above):
+            if node in uneven and (node in path) != (node in above):
+                return node
+    return -1
 
 
 def scales_by_controls(rig: Rig, scales: ScaleTable) -> tuple[ScaleTable, dict[int, int]]:
@@ -48,5 +82,5 @@ def _along_joint(reference: ControlsAtZero, joint: int, control: int, scales: Fl
     seen = multiply(conjugate(reference.world_rotation(joint)), reference.world_rotation(control))
     shares = to_axes(seen) ** 2
     if np.abs(shares - np.rint(shares)).max() > _ALONG:
-        return np.array([[1.0, 2.0, 3.0]])
+        return _ANY
     return np.asarray(np.abs(scales)[:, shares.argmax(axis=0)])
