@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -85,6 +85,17 @@ class Rig(NodeNames):
         counts = {"node": len(self), "joint": joints, "skin": len(self.skins), "clip": len(self.clips)}
         words = (f"{count} {word}" + "s" * (count != 1) for word, count in counts.items())
         return f"<Rig: {', '.join(words)}>"
+
+    def __copy__(self) -> Rig:
+        return self
+
+    def __deepcopy__(self, known: dict[int, Any]) -> Rig:
+        """This rig: nothing can change it."""
+        return self
+
+    def __reduce__(self) -> NoReturn:
+        """TypeError: what is bound to a rig is read from its file when needed."""
+        raise TypeError("a Rig cannot be pickled: write it to a file, and read that in the other process")
 
     @property
     def meshes(self) -> Sequence[Mesh]:

@@ -76,7 +76,9 @@ def _rotation(rig: Rig, joint: int, options: AddSocketOptions) -> Floats:
     if options.aim is None:
         return IDENTITY
     x = normalise(np.array(options.aim))
-    up = np.array(options.up if options.up is not None else rig.rules.up)
+    up = np.array(rig.rules.up if options.up is None else options.up, dtype=np.float64)
+    if options.up is None and length(cross(x, up)) < _SAME:
+        up = np.roll(up, 1)  # from y to z, from z to x
     if length(cross(x, up)) < _SAME:
         raise UsageError("--aim and --up are parallel: give another --up")
     y = normalise(perpendicular(up, x))

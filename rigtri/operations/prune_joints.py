@@ -7,6 +7,7 @@ import numpy as np
 from rigtri.maths.arrays import Booleans
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge
+from rigtri.operations.ik_bones import IK_BONES
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.prune_joints import PruneJointsOptions as PruneJointsOptions
@@ -83,10 +84,16 @@ def _is_end(rig: Rig, node: int) -> bool:
 
 
 def sockets(rig: Rig) -> set[int]:
-    """The joints that are there to hold something, by their names and by what is known of the body."""
+    """The joints that are there to hold something, by their names and by what is known of the body.
+
+    And those that engines look for by name, to solve IK for hands and feet.
+    """
     layout = recognise(rig)
     found = {p.joint for c in layout.characters for p in c.parts if p.role == "attachment"}
-    return found | {node for node, name in enumerate(rig.names) if "attachment" in roles_in_name(name)}
+    named = {name for bones in IK_BONES.values() for name in bones}
+    return found | {
+        k for k, name in enumerate(rig.names) if name in named or "attachment" in roles_in_name(name)
+    }
 
 
 def idle_folds(rig: Rig, gone: list[int]) -> list[JointMerge]:

@@ -133,6 +133,11 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
         chain = _beyond(draft, limbs)
         if not chain:
             return
+        if chain[-1] == neck and not _is_numbered(draft, neck):
+            # What stands at the end and is called a neck is one: a head that moves nothing was left out.
+            draft.add_chain("neck", "neck", "", chain, sure, (why,))
+            draft.call("neck", chain[0])
+            return
         neck, head = (chain[0] if len(chain) > 1 else -1), chain[-1]
         sure, why = 0.8 * min((k.confidence for k in limbs), default=0.5) + 0.1, "is beyond the arms"
         if (draft.tree.below[head] and len(chain) == _UP_TO_HEAD) or _is_small(draft, chain):

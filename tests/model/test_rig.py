@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from dataclasses import replace
 from typing import Any
 
@@ -28,6 +30,14 @@ def hero() -> Rig:
     rig = rig_of(["root", "arm", "elbow", "arm", "", "b[1]*"], [-1, 0, 1, 0, 0, 0], np.eye(6, 3) + 1.0)
     skin = Skin("skin", np.array([0, 1, 2]), np.broadcast_to(np.eye(4), (3, 4, 4)))
     return replace(rig, skins=(skin,), humanoid={"hips": 0})
+
+
+def test_a_copy_of_a_rig_is_that_rig_and_no_other_process_gets_one() -> None:
+    """Before, both failed with "cannot pickle memoryview objects"."""
+    rig = hero()
+    assert copy.copy(rig) is copy.deepcopy(rig) is rig
+    with pytest.raises(TypeError, match="write it to a file"):
+        pickle.dumps(rig)
 
 
 def test_what_is_below_a_control_is_ours_by_its_name_and_what_it_shows_alone() -> None:

@@ -214,6 +214,16 @@ def test_sockets_that_nobody_names_are_not_merged() -> None:
     assert not rigtri.merge_joints(rig, joints=("weapon",), max_joints=60).has("weapon")
 
 
+def test_the_ik_bones_of_unreal_stay() -> None:
+    """Before, --still took one of them, and prune-joints all but those that are called a gun."""
+    rig = rigtri.add_root(rigtri.read(SAMPLES / "biped.glb"), profile="unreal")
+    bones = [name for name in rig.names if name.startswith("ik_")]
+    assert len(bones) == 7
+    for less in (rigtri.prune_joints(rig), rigtri.merge_joints(rig, still=True)):
+        assert [name for name in less.names if name.startswith("ik_")] == bones
+    assert not rigtri.prune_joints(rig, sockets=True).has("ik_hand_gun")
+
+
 def test_still_joints_that_hold_something_are_named() -> None:
     rig, report = rigtri.read(SAMPLES / "biped.glb"), Report()
     arm, fingers, attachment = rig.find("upper_arm_R"), rig.find("fingers_R"), rig.attachment.copy()

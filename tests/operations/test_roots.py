@@ -430,6 +430,12 @@ def test_a_socket_aims_where_it_is_to_below_a_mirrored_node_too() -> None:
     assert np.allclose(made.world[made.find("gun"), :2, :3], [(0, 1, 0), (0, 0, 1)], atol=1e-6)
 
 
+def test_a_socket_that_aims_along_up_takes_the_next_axis_for_its_up() -> None:
+    """Before, --aim +y alone was refused."""
+    made = rigtri.add_socket(rigtri.read(SAMPLES / "biped.glb"), name="gun", on="hand_L", aim=(0, 1, 0))
+    assert np.allclose(made.world[made.find("gun"), :2, :3], [(0, 1, 0), (0, 0, 1)], atol=1e-6)
+
+
 @pytest.mark.parametrize("lift", [-3.0, -0.9, 2.0])
 def test_a_root_of_a_body_that_stands_elsewhere_is_as_low_as_its_feet(lift: float) -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")

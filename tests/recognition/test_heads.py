@@ -61,6 +61,12 @@ def test_a_jaw_that_is_all_a_head_has_is_not_the_head(names: dict[str, str]) -> 
     assert found(called, BODY) == {"neck": ["neck"], "head": ["head"]}
 
 
+def test_a_neck_that_nothing_is_above_is_no_head() -> None:
+    """Before, rename-joints called it a head."""
+    joints = [(name, above, at) for name, above, at in BODY if name not in ("head", "jaw")]
+    assert found(rig_with(joints), joints) == {"neck": ["neck"]}
+
+
 def test_the_eyes_of_smpl_x_are_eyes() -> None:
     """Before, they were helpers, and conformed characters had none."""
     eyes: list[Joint] = [

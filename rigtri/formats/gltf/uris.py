@@ -26,7 +26,8 @@ from rigtri.report import Notice
 
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
 _SURROGATE = re.compile("[\ud800-\udfff]")
-_DRIVE = re.compile(r"[A-Za-z]:")
+# Elsewhere than on Windows a:b.bin is a file like any other.
+_DRIVE = re.compile(r"[A-Za-z]:" if os.name == "nt" else r"[A-Za-z]:[/\\]")
 # The name of a buffer file that rigtri has put beside a .gltf; the digits are a hash of its content.
 _OWN = re.compile(r"\.rigtri-[0-9a-f]{8}\.bin$")
 

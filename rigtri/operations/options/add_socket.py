@@ -19,4 +19,7 @@ class AddSocketOptions(OneCharacter):
     aim: Direction | None = option(
         None, help="Direction of its x axis, in the world. [it has the axes of the joint]"
     )
-    up: Direction | None = option(None, help="Direction of its y axis, as far as x allows. [the file's up]")
+    up: Direction | None = option(
+        None,
+        help="Direction of its y axis, as far as x allows. [the file's up; the next axis if x is along it]",
+    )

@@ -13,7 +13,7 @@ class PruneJointsOptions:
 
     sockets: bool = option(
         False,
-        help="Also remove empty sockets, such as weapon slots.",
+        help="Also remove empty sockets, such as weapon slots, and IK bones of an engine.",
         group="what",
     )
     ends: bool = option(
