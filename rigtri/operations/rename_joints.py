@@ -18,7 +18,7 @@ from rigtri.operations.options.rename_joints import RenameJointsOptions as Renam
 from rigtri.operations.rigtri_nodes import given_name, readdressed
 from rigtri.recognition.layout import CONFIDENT, Part
 from rigtri.recognition.recognise import recognise
-from rigtri.recognition.written_names import written_names
+from rigtri.recognition.written_names import written_chains, written_names
 from rigtri.report import Report
 from rigtri.text import and_more
 
@@ -68,10 +68,13 @@ def set_aside(rig: Rig, to: str) -> dict[str, str]:
     for node in np.flatnonzero(rig.is_joint).tolist():
         name = rig.names[node]
         if node not in bones and name in bones.values():
-            new = next(each for k in count(2) if (each := f"{name}_{k}") not in taken)
-            taken.add(new)
-            found[rig.address(node)] = new
+            found[rig.address(node)] = _free(name, taken)
+            taken.add(found[rig.address(node)])
     return found
+
+
+def _free(name: str, taken: Collection[str]) -> str:
+    return next(each for k in count(2) if (each := f"{name}_{k}") not in taken)
 
 
 def names_json(report: Report) -> dict[str, Any]:
@@ -149,12 +152,21 @@ def _of_scheme(rig: Rig, options: RenameJointsOptions) -> Iterable[tuple[int, st
             f"It is not sure what these joints are: {and_more(unsure, 6)}. Name each with --name JOINT=NAME, "
             "or leave it out with --exclude; see why with: rigtri recognise FILE --joints"
         )
-    for part in bones:
-        if part.bone in written:
-            name = written[part.bone]
-            if options.prefix is not None:
-                name = options.prefix + name.rpartition(":")[2]
-            yield part.joint, name
+    names = {part.joint: written[part.bone] for part in bones if part.bone in written}
+    for node, name in (names | _long_chains(rig, options.to, names.keys(), inside)).items():
+        yield node, name if options.prefix is None else options.prefix + name.rpartition(":")[2]
+
+
+def _long_chains(rig: Rig, to: str, named: Collection[int], inside: Collection[int]) -> dict[int, str]:
+    """The names of spines and necks that have more joints than bones, where the scheme has so many."""
+    found, written = dict[int, str](), written_chains(to)
+    for character in recognise(rig).characters:
+        for chain in character.chains:
+            names, joints = written.get(chain.kind, ()), chain.joints
+            more = any(node not in named for node in joints) and any(node in named for node in joints)
+            if more and chain.is_sure and len(joints) <= len(names) and {*joints} <= {*inside}:
+                found |= dict(zip(joints, names, strict=False))
+    return found
 
 
 def _warn_unnamed_trunk(rig: Rig, names: Collection[int], report: Report) -> None:
@@ -163,7 +175,7 @@ def _warn_unnamed_trunk(rig: Rig, names: Collection[int], report: Report) -> Non
         spine = [joint for chain in character.chains if chain.kind == "spine" for joint in chain.joints]
         left = [rig.title(joint) for joint in spine if joint not in names]
         if 0 < len(left) < len(spine):
-            text = f"{and_more(left, 6)} of the spine: no new name, for schemes have three joints there. "
+            text = f"{and_more(left, 6)} of the spine: no new name, for the scheme has fewer joints there. "
             report.warn("spine-unnamed", text + "Name each with --name JOINT=NAME, or merge them before")
 
 
@@ -187,8 +199,10 @@ def _refuse_clashes(rig: Rig, names: Mapping[int, str], back: Collection[int]) -
             pair = f"'{rig.title(taken[name])}' and '{rig.title(node)}'"
             if rig.names[node] == rig.names[taken[name]] or node in back or taken[name] in back:
                 continue  # they shared one before
+            other = min((node, taken[name]), key=names.__contains__)
             raise UsageError(
-                f"{pair} would both be called '{name}'. Name one of them with --name JOINT=NAME, or leave "
+                f"{pair} would both be called '{name}'. Name one of them with --name, e.g. --name "
+                f"{rig.address(other)}={_free(name, {*rig.names, *names.values()})}, or leave "
                 "one out with --exclude; of two characters rename one at a time with --below NAME"
             )
         taken.setdefault(name, node)

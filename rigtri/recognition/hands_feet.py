@@ -234,7 +234,10 @@ def _metacarpals(draft: Draft, chain: Sequence[int], proximal: str) -> int:
     knuckle = draft.known_bones.get(proximal, -1)
     if knuckle in chain and len(chain) - chain.index(knuckle) >= len(PHALANGES):
         return chain.index(knuckle)
-    if any(word.endswith("carpal") for word in parse_name(tree.rig.names[chain[0]]).words):
+    names = [tree.rig.names[node] for node in chain]
+    called = [bool(finger_in_name(name)) for name in names]
+    # ``FingerBase`` before ``HandIndex1``.
+    if any(word.endswith("carpal") for word in parse_name(names[0]).words) or called[:2] == [False, True]:
         return 1
     return int(knuckle < 0 and len(chain) > len(PHALANGES) and tree.bone[chain[1]] > tree.bone[chain[0]])
 

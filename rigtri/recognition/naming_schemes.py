@@ -51,6 +51,8 @@ _PARTS = ("part", "segment", "seg")
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
+# Chains that may have more joints than bones, by the bones that these are.
+LONG: Mapping[str, tuple[str, ...]] = {"Spine": ("spine", "chest", "upperChest"), "Neck": ("neck",)}
 # What conform asks of a skeleton besides names.
 _SKELETON = ("pose", "axes", "root")
 _TEXTS = ("title", "marks", "like", "left", "right")
@@ -365,12 +367,13 @@ def _of_written(value: object) -> Iterator[str]:
         yield f"'write' is {_kind(value)}: make it a table, [write] with a line for each bone"
         return
     for bone, text in value.items():
-        if bone in FINGERS:
-            fits = isinstance(text, list) and len(text) <= 3 and all(isinstance(one, str) for one in text)
-            if not fits:
-                yield f"[write] {bone} is {_kind(text)}: give a list of up to three names, root to tip"
+        if bone in (*FINGERS, *LONG):
+            texts = isinstance(text, list) and all(isinstance(one, str) for one in text)
+            if not texts or (bone in FINGERS and len(text) > 3):
+                most = "up to three " if bone in FINGERS else ""
+                yield f"[write] {bone} is {_kind(text)}: give a list of {most}names, root to tip"
         elif bone not in ("sided", *MIDDLE, *SIDED):
-            known = ("sided", *MIDDLE, *SIDED, *FINGERS)
+            known = ("sided", *MIDDLE, *SIDED, *FINGERS, *LONG)
             yield f"[write] {bone}: there is no such bone.{_near(bone, known)}"
         elif not isinstance(text, str) or not text:
             yield f"[write] {bone} is {_kind(text)}: give a name in quotes"

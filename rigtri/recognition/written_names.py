@@ -2,8 +2,9 @@
 
 ``sided`` is how a name of one side is made of the bone's ``{name}`` and the side: ``{Side}`` is Left,
 ``{side}`` left, ``{S}`` L, ``{s}`` l, ``{左}`` the same in Japanese. Then a line for each bone of VRM 1.0's
-humanoid, without ``left`` and ``right``, and three names for each finger. A scheme without the table is
-written as it is read: the first word of each bone, with ``_l`` and ``_r`` behind.
+humanoid, without ``left`` and ``right``, and three names for each finger. ``Spine`` and ``Neck`` are names
+of longer chains than the humanoid has bones for, from the hips on. A scheme without the table is written as
+it is read: the first word of each bone, with ``_l`` and ``_r`` behind.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 from rigtri.errors import UsageError, did_you_mean
 from rigtri.model.joint_names import Side, SideStyle
 from rigtri.recognition.layout import FINGERS, MIDDLE, SIDED
-from rigtri.recognition.naming_schemes import own_table, scheme_tables
+from rigtri.recognition.naming_schemes import LONG, own_table, scheme_tables
 
 _MARKS = {"left": "{side}", "Left": "{Side}", "l": "{s}", "L": "{S}"}
 _SIDES: tuple[Side, ...] = ("left", "right")
@@ -33,20 +34,31 @@ def written_names(scheme: str, *, sided: SideStyle | None = None) -> dict[str, s
     scheme: one of `scheme_names`, or the path of a TOML file. sided: another way to write sides.
     Raises UsageError for a scheme that there is not, FileError for a file that is none.
     """
-    if scheme.lower() in scheme_tables():
-        table = scheme_tables()[scheme.lower()]
-    elif scheme.endswith(".toml"):
-        table = own_table(Path(scheme))
-    else:
-        known = scheme_names()
-        hint = did_you_mean(scheme, known) or f" There are {', '.join(known)}."
-        raise UsageError(f"--to {scheme}: there is no such naming scheme.{hint} Or give a FILE.toml")
-    words = _words(table)
+    words = _words(_table(scheme))
     pattern = _pattern(sided) if sided else str(words.get("sided", _pattern("_l")))
     found = {bone: str(words[bone]) for bone in MIDDLE if bone in words}
     for side in _SIDES:
         found |= {side + bone: with_side(pattern, str(words[bone]), side) for bone in SIDED if bone in words}
     return found
+
+
+def written_chains(scheme: str) -> dict[str, list[str]]:
+    """The names of a scheme for long chains of the trunk, by their kind (``spine``, ``neck``), from below.
+
+    Raises as `written_names` does.
+    """
+    words = _words(_table(scheme))
+    return {key.lower(): list(words[key]) for key in LONG if key in words}
+
+
+def _table(scheme: str) -> Mapping[str, Any]:
+    if scheme.lower() in scheme_tables():
+        return scheme_tables()[scheme.lower()]
+    if scheme.endswith(".toml"):
+        return own_table(Path(scheme))
+    known = scheme_names()
+    hint = did_you_mean(scheme, known) or f" There are {', '.join(known)}."
+    raise UsageError(f"--to {scheme}: there is no such naming scheme.{hint} Or give a FILE.toml")
 
 
 def _pattern(style: SideStyle) -> str:
@@ -79,4 +91,7 @@ def _words(table: Mapping[str, Any]) -> dict[str, Any]:
     for finger in FINGERS:
         parts = [bone for bone in SIDED if bone.startswith(finger)]
         own |= dict(zip(parts, own.pop(finger, ()), strict=False))
+    # Other words for a bone than the scheme that it is like are not those of its long chains.
+    for key in [key for key, bones in LONG.items() if not own.keys().isdisjoint(bones)]:
+        base.pop(key, None)
     return base | own

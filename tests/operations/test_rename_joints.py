@@ -13,6 +13,7 @@ import pytest
 from gltf_files import glb_json, small
 from places import SAMPLES, every_other, real_files, slow
 from program import cli
+from recognition_bodies.skeletons import LEG, both, line, rig_with
 
 import rigtri
 from rigtri.errors import GeometryError, UsageError
@@ -206,6 +207,30 @@ def test_renamed_joints_go_in_the_same_edit(suffix: str, tmp_path: Path) -> None
             rigtri.write(merged, tmp_path / "merged.usda")
 
 
+@pytest.mark.parametrize(
+    ("to", "spine", "neck"),
+    [
+        ("unreal", ["spine_01", "spine_02", "spine_03", "spine_04"], ["neck_01", "neck_02"]),
+        ("mixamo", [f"mixamorig:Spine{k}" for k in ("", 1, 2, 3)], ["mixamorig:Neck", "mixamorig:Neck1"]),
+        ("unity", ["Spine", "Chest", "d2", "UpperChest"], ["Neck", "neck2"]),
+    ],
+)
+def test_a_spine_of_many_joints_has_the_names_that_a_scheme_has_for_them(
+    to: str, spine: list[str], neck: list[str]
+) -> None:
+    """Before, all had three names for a spine and one for a neck, and Unreal's own were warned of."""
+    trunk = line(
+        "hips d0 d1 d2 d3 neck1 neck2 head", "", *((0, y, 0) for y in (1, 1.1, 1.2, 1.3, 1.4, 1.5, 1.55, 1.6))
+    )
+    arm = line("upper_arm.L forearm.L hand.L", "d3", (0.16, 1.45, 0), (0.44, 1.45, -0.005), (0.7, 1.45, 0))
+    joints, report = [*trunk, *both(arm), *both(LEG)], Report()
+    names = rigtri.rename_joints(rig_with(joints), to=to, report=report).names
+    found = {was: now for (was, _, _), now in zip(joints, names, strict=True)}
+    assert [found[f"d{k}"] for k in range(4)] == spine
+    assert [found["neck1"], found["neck2"]] == neck
+    assert bool(report.warnings) == (to == "unity")
+
+
 def test_maps_of_characters_follow_in_gltf(tmp_path: Path) -> None:
     source, out = tmp_path / "in.gltf", tmp_path / "out.gltf"
     gltf = json.loads((SAMPLES / "biped.gltf").read_text())
@@ -224,6 +249,7 @@ def test_a_clash_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     names = ("--to", "unreal", "--name", "head=hand_l")
     ran = cli("rename-joints", SAMPLES / "biped.glb", "-o", out, *names, code=2)
     assert "would both be called 'hand_l'" in ran.stderr
+    assert "hand_l_2" in ran.stderr
     assert not out.exists()
 
 

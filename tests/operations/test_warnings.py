@@ -93,7 +93,7 @@ CASES: dict[str, tuple[Callable[[Report], object], str]] = {
     ),
     "spine-unnamed": (
         lambda report: _warn_unnamed_trunk(_biped(), {_biped().find("spine")}, report),
-        "chest of the spine: no new name, for schemes have three joints there. Name each with --name "
+        "chest of the spine: no new name, for the scheme has fewer joints there. Name each with --name "
         "JOINT=NAME, or merge them before",
     ),
     "clip-lost": (

@@ -1,4 +1,4 @@
-"""Which joint is the head, of those beyond the arms."""
+"""Which joint is the head, of those beyond the arms; and which the first of a finger."""
 
 from __future__ import annotations
 
@@ -65,6 +65,15 @@ def test_a_neck_that_nothing_is_above_is_no_head() -> None:
     """Before, rename-joints called it a head."""
     joints = [(name, above, at) for name, above, at in BODY if name not in ("head", "jaw")]
     assert found(rig_with(joints), joints) == {"neck": ["neck"]}
+
+
+def test_the_base_of_all_fingers_is_no_phalanx() -> None:
+    """As CMU's motion capture has it. Before, it was the first of the index finger."""
+    fingers = line("FingerBase.L HandIndex1.L", "hand.L", (0.74, 1.45, 0), (0.8, 1.45, 0))
+    thumb = line("Thumb.L", "hand.L", (0.72, 1.44, 0.05))
+    joints = [*BODY, *both([*fingers, *thumb])]
+    (body,) = recognise(rig_with(joints)).characters
+    assert joints[body.bones["leftIndexProximal"]][0] == "HandIndex1.L"
 
 
 def test_the_eyes_of_smpl_x_are_eyes() -> None:

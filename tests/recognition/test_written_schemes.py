@@ -19,6 +19,8 @@ FINGER = FINGERS[0]
         ({FINGER: ["a", "b", "c", "d"]}, f"[write] {FINGER} is a list: give a list of up to three names"),
         ({FINGER: ["a", 1]}, f"[write] {FINGER} is a list: give a list of up to three names"),
         ({FINGER: "abc"}, f"[write] {FINGER} is a text: give a list of up to three names"),
+        ({"Spine": ["a", "b", "c", "d"]}, ""),
+        ({"Spine": "abc"}, "[write] Spine is a text: give a list of names, root to tip"),
         ({"hips": "Pelvis"}, ""),
         ({"hips": ""}, "[write] hips is a text: give a name in quotes"),
         ({"hips": 3}, "[write] hips is a number: give a name in quotes"),
