@@ -286,10 +286,12 @@ def _with_old_rest(clip: Clip, rig: Rig, taken: Rig, moved: list[int]) -> Clip:
     other = isinstance(clip.key, tuple) and clip.key[0] != "samples"
     if times is None and home is None and not isinstance(clip.key, tuple):
         times = np.zeros(1)  # a glTF animation of other things, such as a colour: its joints rest
-    if times is None or clip.idle or other:
-        return clip
     # An animation of a stage is none of joints of skeletons that others are bound to.
     mine = {node for node, _ in driven}
+    # One that lacks an array would not play if it were bound, either.
+    whole = not clip.idle or any(all((node, path) in driven for path in PATHS) for node in mine)
+    if times is None or not whole or other:
+        return clip
     joints = [set(skin.joints.tolist()) for skin in rig.skins]
     strange = set().union(*(each for each in joints if home is not None and mine.isdisjoint(each)))
     for node in (node for node in moved if node not in strange):

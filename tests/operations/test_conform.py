@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -67,6 +68,18 @@ def test_a_scaled_skeleton_takes_another_rest_pose_in_the_same_edit(tmp_path: Pa
     assert deviation(path, out, at_rest=False) < 1e-5
     rig = rigtri.read(out)
     assert abs(length(rig.world[rig.is_joint, :3, :3]) - 1.0).max() < 1e-6
+
+
+def test_a_character_without_an_animation_conforms_beside_a_prop_that_moves(tmp_path: Path) -> None:
+    path, out = tmp_path / "in.usda", tmp_path / "out.usda"
+    still = 'over "figure"\n{\nover "skeleton"\n{\nrel skel:animationSource = None\n}\n}\n'
+    ops = "double xformOp:rotateX.timeSamples = {0: 0, 24: 90}\n"
+    ops += 'uniform token[] xformOpOrder = ["xformOp:rotateX"]\n'
+    shutil.copy(SAMPLES / "biped.usda", tmp_path / "hero.usda")
+    hero = f'def "A" (references = @./hero.usda@)\n{{\n{still}}}\n'
+    path.write_text(f'#usda 1.0\n{hero}def Cube "Prop"\n{{\n{ops}}}\n', "utf-8")
+    cli("conform", path, "-o", out, "--to", "vrm", code=0)
+    assert "hips" in rigtri.read(out).names
 
 
 @pytest.mark.ci

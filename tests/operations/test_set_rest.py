@@ -107,6 +107,22 @@ def test_a_character_that_plays_nothing_rests_otherwise_while_others_play(tmp_pa
         assert not np.allclose(before.local[arm], after.local[arm], atol=1e-3)
 
 
+def test_an_animation_of_some_joints_that_nobody_plays_gets_keys_of_the_old_rest_pose(tmp_path: Path) -> None:
+    some = {
+        "joints": 'uniform token[] joints = ["a"]',
+        "translations": "float3[] translations = [(0, 0, 0)]",
+        "rotations": "quatf[] rotations.timeSamples = { 1: [(1, 0, 0, 0)], 5: [(0.6, 0.8, 0, 0)] }",
+        "scales": "half3[] scales = [(1, 1, 1)]",
+    }
+    source = save(tmp_path, scene(skeleton(), animation(), animation("Some", **some), MESH))
+    out = tmp_path / "out.usda"
+    cli("set-rest", source, "-o", out, "--pose", "Anim@5", code=0)
+    for path in (source, out):
+        text = path.read_text("utf-8")
+        path.write_text(text.replace("Source = </Root/Anim>", "Source = </Root/Some>"), "utf-8")
+    assert deviation(source, out, at_rest=False) < 1e-6
+
+
 @pytest.mark.ci
 def test_a_moment_and_another_file_give_the_rest_pose(tmp_path: Path) -> None:
     out, alike = tmp_path / "out.glb", tmp_path / "alike.glb"

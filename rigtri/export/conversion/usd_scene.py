@@ -21,7 +21,7 @@ from rigtri.export.conversion.usd_values import json_value, rest_value
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.document import UsdDocument
-from rigtri.formats.usd.reading.loose_animations import tracks_of
+from rigtri.formats.usd.reading.loose_animations import nearest, tracks_of
 from rigtri.formats.usd.reading.mesh_reader import at_start, drives_shapes
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.frames.rig_size import sizes_of
@@ -316,7 +316,7 @@ class _Reader:
 
         One of blend shapes alone goes with a Skeleton whose meshes have some of them.
         """
-        bound = set(self.source.animations)
+        bound = {path for each in self.source.skeletons.values() for path in each.animations}
         used: set[tuple[str, str]] = set()  # clips of one name are one, of several skeletons
         found, other = [], []
         for prim in self.source.instances.prims():
@@ -332,8 +332,9 @@ class _Reader:
                 and (name, skeleton) not in used
             ]
             if fits:
-                used.add((name, fits[0]))
-                found.append((str(prim.GetPath()), fits[0]))
+                path, (fit, *_) = str(prim.GetPath()), nearest(str(prim.GetPath()), fits)
+                used.add((name, fit))
+                found.append((path, fit))
             else:
                 other.append(f"<{prim.GetPath()}>")
         if other:

@@ -17,7 +17,7 @@ from rigtri.evaluation.timelines import PLAYED, played_at_once, timelines
 from rigtri.frames.rig_size import size_of
 from rigtri.maths.matrices import multiply
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import PATHS, Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.pending_edits import Conversion
@@ -34,6 +34,7 @@ from rigtri.verification.compare.compare import (
 from rigtri.verification.compare.converted_lenses import resized_lens
 from rigtri.verification.compare.correspondence import same_track, timeline
 from rigtri.verification.compare.deviation import denormalisation, lost_unit_rotations
+from rigtri.verification.compare.resting_skeletons import with_new_rest
 from rigtri.verification.compare.scene_facts import SceneFacts
 from rigtri.verification.compare.verdict import Comparison, Motion
 
@@ -318,7 +319,7 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
         if all(clip.key != PLAYED for clip in rig.clips):  # nothing played
             rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
     if expected.keeps_clips and all(isinstance(clip.key, tuple) for clip in source.rig.clips):
-        rig = _resting(rig, keys, made.rig)
+        rig = with_new_rest(rig, keys, made.rig)
     # What the result knows as rigtri's is not compared where the source, exported, lacks the metadata.
     known = {made.rig.keys[node]: made.rig.metadata[node] for node in made.rig.own & made.rig.metadata.keys()}
     metadata = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
@@ -334,25 +335,6 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
 
     movement = morph_movement(was, made, others)
     return replace(found, morphs={name: far / size for name, far in movement.items() if far > 0})
-
-
-def _resting(rig: Rig, keys: Sequence[Hashable], made: Rig) -> Rig:
-    """A stage with the rest pose of ``made`` in its clips for skeletons without an animation.
-
-    These show how they rest, whatever else plays, and have no clip that could have keys of the old rest pose.
-    """
-    there = {key: node for node, key in enumerate(made.keys)}
-    driven = {made.keys[track.node] for clip in made.clips for track in clip.tracks}
-    driven |= {keys[track.node] for clip in rig.clips for track in clip.tracks}
-    held = [
-        Track(node, path, "STEP", np.zeros(1), getattr(made, path)[[there[keys[node]]]])
-        for skin in rig.skins
-        if driven.isdisjoint(keys[node] for node in skin.joints)
-        for node in skin.joints.tolist()
-        if keys[node] in there
-        for path in PATHS
-    ]
-    return replace(rig, clips=tuple(replace(clip, tracks=(*clip.tracks, *held)) for clip in rig.clips))
 
 
 def _bound_in(rig: Rig, sizes: Mapping[int, Floats]) -> Rig:

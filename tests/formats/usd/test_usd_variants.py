@@ -14,6 +14,7 @@ from program import cli
 from pxr import Usd, UsdSkel
 from usd_files import MESH, animation, at, moments, read, save, scene, skeleton, skinned, turned, write
 
+import rigtri
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.variants import SkeletonVariants
@@ -372,3 +373,56 @@ def test_joints_are_renamed_in_animations_that_other_variants_bind(tmp_path: Pat
     source = save(tmp_path, choosing(text, clip="a"), "inside.usda")
     printed = cli("rename-joints", source, "-o", tmp_path / "no.usda", "--name", "b=knee", code=3).output
     assert "</Root/Anim.joints> is not the same in all variants of 'clip' on </Root>" in printed
+
+
+def test_a_root_is_added_above_joints_of_animations_that_other_variants_bind(tmp_path: Path) -> None:
+    source, out = save(tmp_path, choosing(SCENES["binding"], clip="a")), tmp_path / "out.usda"
+    cli("add-root", source, "-o", out, "--above", "a", code=0)
+    for variant in "ab":
+        assert apart(source, out, {"clip": variant}) < 1e-9
+    assert "root/a/b/c" in Usd.Stage.Open(str(out)).GetAttributeAtPath("/Root/Run.joints").Get()
+
+
+def test_joints_that_go_leave_animations_of_variants_as_they_are(tmp_path: Path) -> None:
+    light = MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, 1, 1, 0, 1, 0]")
+    clips = variant_set("clip", a=animation(), b=animation(rotations=RUN), none="")
+    source = save(tmp_path, choosing(scene(skeleton(), light, clips), clip="a"))
+    out = tmp_path / "out.usda"
+    cli("prune-joints", source, "-o", out, code=0)
+    assert list(Usd.Stage.Open(str(out)).GetAttributeAtPath("/Root/Skel.joints").Get()) == ["a", "a/b"]
+    for variant in "ab":
+        assert apart(source, out, {"clip": variant}) < 1e-6
+
+
+def test_joints_that_another_variant_moves_are_not_merged(tmp_path: Path) -> None:
+    still = animation(rotations="quatf[] rotations = [(1, 0, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0)]")
+    blocks = (skeleton(source=""), still, animation("Run"), MESH, variant_set("clip", **BINDINGS))
+    source = save(tmp_path, choosing(scene(*blocks), clip="a"))
+    words = ["merge-joints", source, "-o", tmp_path / "out.usda", "--joints"]
+    printed = cli(*words, "c", "--tolerance", 9, code=3).output
+    assert "in variant 'b' of the variant set 'clip' on </Root>, 'c' does not stay as it is bound" in printed
+    save(tmp_path, choosing(scene(*blocks).replace('Animation "Run"', 'Animation "Walk"'), clip="a"))
+    cli(*words, "c", "--tolerance", 9, code=0)
+
+
+def test_another_rest_pose_with_new_axes_fits_the_animations_of_all_variants(tmp_path: Path) -> None:
+    source = save(tmp_path, choosing(SCENES["binding"], clip="a"))
+    document = read(source)
+    out = write(document, rigtri.set_rest(turned(document.rig), pose="Anim@5"), tmp_path / "out.usda")
+    assert not np.allclose(rigtri.read(source).local, rigtri.read(out).local, atol=0.1)
+    for variant, time in product("ab", (1.0, 3.0, 5.0)):
+        one, other = (skinned(selecting(p, "/Root", {"clip": variant}), time) for p in (source, out))
+        assert all(np.abs(one[path] - other[path]).max() < 1e-6 for path in one)
+
+
+def test_a_rest_pose_is_refused_that_would_show_in_the_animation_of_another_variant(tmp_path: Path) -> None:
+    some = {
+        "joints": 'uniform token[] joints = ["a"]',
+        "translations": "float3[] translations = [(0, 0, 0)]",
+        "rotations": "quatf[] rotations = [(0.6, 0.8, 0, 0)]",
+        "scales": "half3[] scales = [(1, 1, 1)]",
+    }
+    clips = (animation(), animation("Run", **some), variant_set("clip", **BINDINGS))
+    source = save(tmp_path, choosing(scene(skeleton(source=""), MESH, *clips), clip="a"))
+    printed = cli("set-rest", source, "-o", tmp_path / "no.usda", "--pose", "Anim@5", code=3).output
+    assert "In variant 'b' of the variant set 'clip' on </Root>, </Root/Run> does not move 'a/b'" in printed

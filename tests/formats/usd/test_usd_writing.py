@@ -274,15 +274,41 @@ def test_a_stage_override_looks_like_the_source_and_is_edited_in_place(tmp_path:
     assert deviation(source, second) < 1e-6
 
 
-def test_an_animation_library_that_nobody_uses_is_left_alone_with_a_notice(tmp_path: Path) -> None:
+def test_animations_that_nobody_plays_get_the_new_axes_too(tmp_path: Path) -> None:
     source = save(tmp_path, scene(skeleton(), animation(), animation("Run"), MESH))
+    document = read(source)
+    assert [notice.code for notice in document.warnings] == ["unbound-animation"]
+    assert [clip.name for clip in document.rig.shown_clips] == ["Anim", "Anim@default"]
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    for path in (source, out):
+        stage = Usd.Stage.Open(str(path))
+        UsdSkel.BindingAPI(stage.GetPrimAtPath("/Root/Skel")).GetAnimationSourceRel().SetTargets(
+            ["/Root/Run"]
+        )
+        stage.Save()
+    assert deviation(source, out) < 1e-6
+
+
+def test_an_animation_of_other_joints_that_nobody_uses_is_left_alone_with_a_notice(tmp_path: Path) -> None:
+    other = animation("Run", joints='uniform token[] joints = ["a", "a/x", "a/y"]')
+    source = save(tmp_path, scene(skeleton(), animation(), other, MESH))
     document = read(source)
     assert [notice.code for notice in document.warnings] == ["unbound-animation"]
     assert "What joints or controls get they do not" in document.warnings[0].text
     out = write(document, turned(document.rig), tmp_path / "out.usda")
-    one, other = (Sdf.Layer.FindOrOpen(str(path)) for path in (source, out))
+    one, other_layer = (Sdf.Layer.FindOrOpen(str(path)) for path in (source, out))
     place = "/Root/Run.rotations"
-    assert one.QueryTimeSample(place, 1) == other.QueryTimeSample(place, 1)
+    assert one.QueryTimeSample(place, 1) == other_layer.QueryTimeSample(place, 1)
+
+
+def test_an_animation_that_nobody_plays_goes_with_the_nearest_skeletons(tmp_path: Path) -> None:
+    other = skeleton("Other", source="rel skel:animationSource = </Root/Walk>")
+    blocks = (skeleton(), other, animation(), animation("Walk"), animation("Run"), MESH)
+    source = save(tmp_path, scene(*blocks))
+    document = read(source)
+    joints = [node for node, label in enumerate(document.rig.labels) if label.startswith("/Root/Other:")]
+    with pytest.raises(FileError, match="which no skeleton plays, has joints of </Root/Other> and of others"):
+        write(document, turned(document.rig, only=joints), tmp_path / "out.usda")
 
 
 def test_what_an_animation_stores_of_joints_nobody_has_is_kept(tmp_path: Path) -> None:

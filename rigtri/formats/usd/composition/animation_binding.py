@@ -19,10 +19,11 @@ from rigtri.report import Notice
 SOURCE = "skel:animationSource"
 
 
-def bound_animation(prim: Any, warnings: list[Notice]) -> Any:
+def bound_animation(prim: Any, warnings: list[Notice], *, demanded: bool = True) -> Any:
     """The SkelAnimation prim that is bound to a Skeleton prim, active or not; None, with a notice, for none.
 
-    FileError where the file names one that is not there, as where its layer is missing.
+    FileError where the file names one that is not there, as where its layer is missing; not demanded: only
+    where a prim of its path needs such a layer.
     """
     found = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
     if found and found.GetTypeName() == "SkelAnimation":
@@ -31,6 +32,8 @@ def bound_animation(prim: Any, warnings: list[Notice]) -> Any:
     if holder is None:
         return None
     why = why_unplayed(holder, target)
+    if not why and not demanded and not holder.GetStage().GetPrimAtPath(target):
+        return None
     if not why:
         raise FileError(
             f"Skeleton <{prim.GetPath()}> is bound to the animation <{target}>, which is not there. "

@@ -127,9 +127,8 @@ def stale_names(source: Source, renaming: Renaming, edits: Sequence[Edit]) -> li
         if renamed(token) != token
     }
     # Other skeletons and what they play have joints of their own, whatever these are called.
-    others = (
-        path for path, each in source.skeletons.items() if path not in renaming for path in each.animations
-    )
+    strange = (each for path, each in source.skeletons.items() if path not in renaming)
+    others = (path for each in strange for path in each.every_animation)
     known = {*source.skeletons, *others}
     edited = {(path, name) for path in known for name in ("joints", "jointNames")}
     edited |= {(str(edit.prim), edit.name) for edit in edits if isinstance(edit, Setting)}

@@ -10,9 +10,10 @@ from pxr import Sdf, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.evaluation.timelines import without_steps
-from rigtri.formats.usd.composition.variants import variants_of
+from rigtri.formats.usd.composition.animation_binding import SOURCE
+from rigtri.formats.usd.composition.variants import SkeletonVariants, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, Setting, set_matrices, set_tokens, set_value
-from rigtri.formats.usd.reading.animation_reader import Property
+from rigtri.formats.usd.reading.animation_reader import PROPERTIES, Property
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
@@ -61,6 +62,23 @@ def check_joints_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
     own = [Sdf.Path(skeleton.path).AppendProperty(name) for name in _LISTS]
     for variants in variants_of(stage, skeleton.path, skeleton.animations):
         variants.refuse_dependent(own, f"A joint cannot be {change}")
+
+
+def bound_in(variants: SkeletonVariants) -> set[str]:
+    """The animations that variants bind to their Skeleton, where they are on the stage as it is."""
+    bound = Sdf.Path(variants.skeleton).AppendProperty(SOURCE)
+    targets = {target for state in variants.states for target in state.shown.get(bound, ())}
+    return {target for target in targets if variants.source.GetPrimAtPath(target)}
+
+
+def is_decided(stage: Any, skeletons: Iterable[str], animation: str) -> bool:
+    """Whether variants decide what an animation of some Skeletons lists or holds."""
+    arrays = {Sdf.Path(animation).AppendProperty(name) for name in ("joints", *PROPERTIES)}
+    return any(
+        arrays & variants.depends.keys()
+        for path in skeletons
+        for variants in variants_of(stage, path, [animation])
+    )
 
 
 def set_array(path: Any, name: str, item: Property, *, only: bool = False) -> Setting:

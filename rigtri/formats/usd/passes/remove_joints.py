@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from itertools import islice
 
 import numpy as np
 
+from rigtri.errors import FileError
+from rigtri.evaluation.sampling import key_times, locals_at
+from rigtri.evaluation.timelines import timelines
+from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.stage import refuse, why_instanced
+from rigtri.formats.usd.composition.variants import variants_of
 from rigtri.formats.usd.opinions.edits import Edit, remove_prim, remove_properties, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import check_moves_nothing
 from rigtri.formats.usd.opinions.skeleton_edits import (
     REST_ADDED,
     check_joints_editable,
+    is_decided,
     joint_names,
     joint_primvars,
     set_array,
@@ -22,11 +28,17 @@ from rigtri.formats.usd.opinions.skeleton_edits import (
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, changed_besides
 from rigtri.formats.usd.reading.animation_reader import PROPERTIES, Animation
 from rigtri.formats.usd.reading.node_keys import kind, parts
+from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Booleans
+from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+
+# Joints are as they are bound that differ by less in their axes, or in their place as a share of the
+# skeleton's size: numbers of animations are float32.
+_STILL = 1e-4
 
 
 def remove_joints(edit: UsdEdit) -> None:
@@ -61,6 +73,8 @@ def _remove_rows(edit: UsdEdit) -> None:
         check_joints_editable(source.stage, skeleton, "removed")
         gone = [token for token, stays in zip(skeleton.tokens, keep.tolist(), strict=True) if not stays]
         check_moves_nothing(source.stage, skeleton.path, skeleton.tokens, gone)
+        if any(merge.skin == number and not merge.idle for merge in rig.pending.joint_merges):
+            _check_still(source, skeleton, gone)
         if keep.any():
             edits += _without_rows(source, skeleton, keep)
             continue
@@ -69,6 +83,31 @@ def _remove_rows(edit: UsdEdit) -> None:
     if edits:
         edit.rig = replace(rig, skins=tuple(skins))
         edit.removals += edits
+
+
+def _check_still(source: Source, skeleton: Skeleton, gone: Collection[str]) -> None:
+    """FileError where another variant moves joints whose weights others inherit from where they are bound."""
+    rows = [row for row, token in enumerate(skeleton.tokens) if token in gone and skeleton.parents[row] >= 0]
+    bound = multiply(skeleton.bind[rows], inverse(skeleton.bind[skeleton.parents[rows]]))
+    size = float(np.ptp(skeleton.bind[:, 3, :3], axis=0).max()) or 1.0
+    for variants in variants_of(source.stage, skeleton.path, skeleton.animations):
+        for state in (state for state in variants.states[1:] if state.shown):
+            variants.choose(state.chosen)
+            there = read_source(source.path, ReadOptions(), variants.stage, played=True)
+            node_of = {token: node for node, (path, token) in there.joints.items() if path == skeleton.path}
+            nodes = [node_of[skeleton.tokens[row]] for row in rows]
+            poses = [locals_at(there.rig, t.clip, key_times(t.clip, nodes)) for t in timelines(there.rig)]
+            for pose in (each[:, nodes] for each in (*poses, there.rig.local[np.newaxis])[: len(poses) or 1]):
+                off = np.abs(pose - bound)
+                off[..., 3, :] /= size
+                moving = np.flatnonzero((off > _STILL).any(axis=(0, 2, 3)))
+                if len(moving):
+                    name = skeleton.tokens[rows[moving[0]]].rpartition("/")[2]
+                    raise FileError(
+                        f"A joint of <{skeleton.path}> cannot be merged: in {state.title}, '{name}' does "
+                        "not stay as it is bound. Leave it out (--exclude), or give each variant a file of "
+                        "its own."
+                    )
 
 
 def _without_rows(source: Source, skeleton: Skeleton, keep: Booleans) -> Iterator[Edit]:
@@ -91,6 +130,9 @@ def _drop_columns(edit: UsdEdit) -> None:
         if skeleton not in source.animations:
             (gone if node in rig.pending.removed else stay).add(token)
     for animation in source.animations.values():
+        users = [path for path, s in source.skeletons.items() if animation.path in s.every_animation]
+        if animation.path not in source.skeletons and is_decided(source.stage, users, animation.path):
+            continue  # each variant has its own, and what no joint is called does nothing
         keep = np.array([token in stay or token not in gone for token in animation.tokens], dtype=bool)
         if keep.all():
             continue

@@ -10,15 +10,13 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from pxr import Sdf
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.composition.stage import refuse, tokens_of
 from rigtri.formats.usd.composition.variants import split_by, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
-from rigtri.formats.usd.opinions.skeleton_edits import joint_names
+from rigtri.formats.usd.opinions.skeleton_edits import bound_in, joint_names
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.joint_tokens import renamed_token
 from rigtri.formats.usd.reading.node_keys import kind
@@ -90,14 +88,12 @@ def _played(source: Source, path: str, *, demanded: bool) -> set[str]:
     demanded: FileError where variants list joints, each its own, also in animations that only some have.
     """
     skeleton = source.skeletons[path]
-    found = set(skeleton.animations)
+    found = set(skeleton.every_animation)
     if path in source.animations:
         return found
-    bound = Sdf.Path(path).AppendProperty(SOURCE)
     for variants in variants_of(source.stage, path, skeleton.animations):
         refuse(split_by(variants, ["joints"]) if demanded else "")
-        targets = {target for state in variants.states for target in state.shown.get(bound, ())}
-        found |= {target for target in targets if source.stage.GetPrimAtPath(target)}
+        found |= bound_in(variants)
     return found
 
 
@@ -119,7 +115,7 @@ def _skeleton_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
 
 def _animation_edits(source: Source, renaming: Renaming, played: Mapping[str, set[str]]) -> Iterator[Edit]:
     listed = {path: animation.tokens for path, animation in source.animations.items()}
-    read = {path for skeleton in source.skeletons.values() for path in skeleton.animations}
+    read = {path for skeleton in source.skeletons.values() for path in skeleton.every_animation}
     for path in sorted(set[str]().union(*played.values()) - read):
         listed[path] = tokens_of(source.stage.GetPrimAtPath(path), "joints")
     for path, before in listed.items():

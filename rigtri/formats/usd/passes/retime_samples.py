@@ -81,7 +81,7 @@ def _retimed(source: Source, rig: Rig) -> list[str]:
             skeleton = source.skeletons[places[track.node][0]]
             before = known.get((track.node, track.path, track.key))
             if before is None or (track is not before and _other_keys(defaults, before, track)):
-                played = [path for path in skeleton.animations if path in parts(clip.key)]
+                played = [path for path in skeleton.every_animation if path in parts(clip.key)]
                 found[(played or skeleton.animations or (skeleton.path,))[0]] = None
         there = {(t.node, t.path, t.key) for t in mine}
         gone = [t for t in known.values() if t.node in places and (t.node, t.path, t.key) not in there]
@@ -129,7 +129,7 @@ class _Plan:
         if not self.skeleton and path not in source.animations:
             raise FileError(f"Animation <{path}> cannot be read, so it can get no keys. Export it again.")
         self.animation = _blank(source, path) if self.skeleton else source.animations[path]
-        users = [s.path for s in source.skeletons.values() if path in (*s.animations, s.path)]
+        users = [s.path for s in source.skeletons.values() if path in (*s.every_animation, s.path)]
         self.users = [source.skeletons[user] for user in users]
         self.defaults = _defaults(rig, path)
         self.tracks = self._tracks({node for node, (s, _) in places.items() if s in users})
@@ -152,7 +152,7 @@ class _Plan:
         home = ("samples", self.animation.path)
         stored = [t for c in self.rig.clips if c.key == home for t in c.tracks if t.key is not None]
         # Another animation that the same skeleton has in other instances keeps its own.
-        others = {path for user in self.users for path in user.animations} - {self.animation.path}
+        others = {path for user in self.users for path in user.every_animation} - {self.animation.path}
         clips = [c for c in self.rig.clips if not others.intersection(parts(c.key))]
         fresh = [t for c in clips for t in c.tracks if t.key is None]
         resting = {id(t) for t in self.defaults.values() if self._has_default(t.path)}

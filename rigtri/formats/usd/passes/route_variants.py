@@ -30,15 +30,22 @@ from rigtri.formats.usd.opinions.composition_check import Expected, agree
 from rigtri.formats.usd.opinions.edits import Binding, Edit, Setting
 from rigtri.formats.usd.opinions.variant_paths import inside_variants
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
-from rigtri.formats.usd.reading.node_keys import kind, parts
+from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
+from rigtri.formats.usd.reading.source import Source
 from rigtri.frames.nonuniform_scale import ScaleTable, against_parent
 from rigtri.frames.reframe import reframe
 from rigtri.frames.rescale import SAME_SIZE
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
 
+# A rest pose that is farther from the one in new axes, as a share of its largest number, is another one.
+SAME_REST = 1e-6
+_REST = ("translation", "rotation", "scale", "matrix", "has_matrix")
+_APART = "Give that variant a file of its own."
 _UNSIZED = "The unit, the up axis and scales cannot be changed"
 
 
@@ -95,21 +102,55 @@ class _Reorientation:
         delta = from_axes(orthonormal_axes(inverse(back)))
         delta[(old == new).all(axis=(1, 2))] = IDENTITY
         self.skeleton, self.delta = skeleton, dict(zip(skeleton.tokens, delta, strict=True))
+        nodes = before.skins[number].joints
+        plain = reframe(before, self._deltas(edit.source)).local[nodes]
+        off = np.abs(plain - edit.rig.local[nodes]).max(axis=(1, 2))
+        far = off > SAME_REST * max(1.0, float(np.abs(plain).max()))
+        self.node_of = dict(zip(skeleton.tokens, nodes.tolist(), strict=True))
+        self.reposed = [token for token, moved in zip(skeleton.tokens, far, strict=True) if moved]
+
+    def _deltas(self, source: Source) -> Floats:
+        """How each node of a state of the stage is re-oriented, (n, 4)."""
+        delta = np.broadcast_to(IDENTITY, (len(source.rig), 4)).copy()
+        for node, (path, token) in source.joints.items():
+            if path == self.skeleton.path:
+                delta[node] = self.delta.get(token, IDENTITY)
+        return delta
+
+    def _resting(self, source: Source, state: VariantState, rig: Rig) -> Rig:
+        """The rig of a state with the edit's rest pose for joints that rested as in the selected state.
+
+        FileError where that would show in the state's own animation.
+        """
+        rest = {name: getattr(rig, name).copy() for name in _REST}
+        for node, (path, token) in source.joints.items():
+            mine = self.node_of.get(token) if path == self.skeleton.path else None
+            if mine is None or not np.array_equal(source.rig.local[node], self.edit.source.rig.local[mine]):
+                if mine is not None and token in self.reposed:
+                    raise FileError(f"In {state.title}, '{token}' has a rest pose of its own. {_APART}")
+                continue
+            for name, values in rest.items():
+                values[node] = getattr(self.edit.rig, name)[mine]
+        for path in source.skeletons[self.skeleton.path].animations if self.reposed else ():
+            listed = source.animations[path].tokens if path in source.animations else ()
+            if held := [token for token in self.reposed if token not in listed]:
+                raise FileError(
+                    f"In {state.title}, <{path}> does not move '{held[0]}', which would show its new rest "
+                    f"pose there. Give it keys, or {_APART[0].lower()}{_APART[1:]}"
+                )
+        return replace(rig, **rest)
 
     def settings(self, variants: SkeletonVariants, state: VariantState) -> list[Setting]:
         """What must be set so that a state is reoriented, too."""
         variants.choose(state.chosen)
-        source = read_source(self.edit.source.path, ReadOptions(), variants.stage)
+        source = read_source(self.edit.source.path, ReadOptions(), variants.stage, played=True)
         before = source.rig
-        delta = np.broadcast_to(IDENTITY, (len(before), 4)).copy()
-        for node, key in enumerate(before.keys):
-            if kind(key) == "joint" and parts(key)[1] == self.skeleton.path:
-                delta[node] = self.delta.get(parts(key)[2], IDENTITY)
+        delta = self._deltas(source)
         odd = np.flatnonzero((delta != IDENTITY).any(axis=1) & ~ScaleTable.of(before).allows(delta))
         if len(odd):
             raise FileError(
                 f"In {state.title}, the scale of joint '{before.names[odd[0]]}' of "
-                f"<{self.skeleton.path}> forbids its new axes. Give that variant a file of its own."
+                f"<{self.skeleton.path}> forbids its new axes. {_APART}"
             )
         if len(odd := against_parent(before, delta)):
             raise FileError(
@@ -117,7 +158,7 @@ class _Reorientation:
                 f"<{self.skeleton.path}> are not unit, so it needs the new axes of its parent. Make them "
                 "unit, or give that variant a file of its own."
             )
-        there = self.edit.values_in(source, reframe(before, delta))
+        there = self.edit.values_in(source, self._resting(source, state, reframe(before, delta)))
         settings = [value for value in there.values if isinstance(value, Setting)]
         if there.notices or len(settings) < len(there.values):
             raise FileError(

@@ -12,16 +12,17 @@ from functools import partial
 from itertools import product
 
 import numpy as np
-from pxr import Sdf
 
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats.usd.composition.animation_binding import SOURCE
-from rigtri.formats.usd.composition.stage import refuse
+from rigtri.formats.usd.composition.stage import refuse, tokens_of
 from rigtri.formats.usd.composition.variants import VALUES, split_by, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
 from rigtri.formats.usd.opinions.skeleton_edits import (
+    bound_in,
+    is_decided,
     joint_names,
     joint_primvars,
     set_array,
@@ -45,8 +46,8 @@ from rigtri.text import and_more
 
 # What else there is where joints are split for their scale.
 _INSTEAD = ", or choose --on-nonuniform-scale snap or skip"
-# What of a skeleton lists its joints, and which animation does; the other values are arrays of that.
-_LISTED: tuple[str, ...] = ("joints", "bindTransforms", "restTransforms", SOURCE)
+# What of a skeleton lists its joints; the other values are arrays of its animations.
+_LISTED: tuple[str, ...] = ("joints", "bindTransforms", "restTransforms")
 _DECISIVE: tuple[str, ...] = (*VALUES, SOURCE)
 
 
@@ -98,13 +99,14 @@ def split_joints(edit: UsdEdit) -> None:
     turned = edit.rig.local[list(new_above(edit.rig).values())] - np.eye(4)
     rests = all(split.skeleton.has_rest for split in splits.values())
     decisive = _LISTED if rests and not frames and not turned[:, :3].any() else _DECISIVE
-    decisive += ("translations",) if turned.any() else ()
+    decisive += ("translations", SOURCE) if turned.any() else ()
     for path in splits:
         _check(source, splits, path, decisive, _INSTEAD if frames else "")
     holders = {path: split.holders for path, split in splits.items()}
     renaming = {path: partial(split_token, holders=each) for path, each in holders.items()}
     influences = influence_edits(source, renaming)
     edits = [*_skeleton_edits(source, splits), *_animation_edits(source, splits), *influences]
+    edits += _edits_in_variants(source, splits)
     edit.notices += stale_names(source, renaming, edits)
     edit.prepare(edits)
     edit.rig = _aligned(edit.source, edit.rig)
@@ -171,9 +173,9 @@ def _check(
             if why := split_by(variants, decisive):
                 raise FileError(f"{why}{instead}.")
         refuse(why_bound_otherwise(source.stage, path))
-    played = [source.animations[path] for path in skeleton.animations if path in source.animations]
+    played = [source.animations[path] for path in skeleton.every_animation if path in source.animations]
     for theirs, other in product(played, source.skeletons.values()):
-        if theirs.path in other.animations:
+        if theirs.path in other.every_animation:
             again = splits[other.path].holders if other.path in splits else {}
             _check_shared(source, theirs, holders, other, again, instead)
 
@@ -227,11 +229,11 @@ def _named(split: Split, names: list[str]) -> list[str]:
 
 def _animation_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Edit]:
     for path, animation in source.animations.items():
-        users = [splits[s] for s in splits if path in source.skeletons[s].animations]
-        holders = {token: name for split in users for token, name in split.holders.items()}
+        users = [user for user in splits if path in source.skeletons[user].every_animation]
+        holders = {token: name for user in users for token, name in splits[user].holders.items()}
         if not holders:
             continue
-        if _decided(source, path, splits):
+        if is_decided(source.stage, users, path):
             # Their arrays cannot get a column in one of them alone: the new joint stays at rest.
             yield set_tokens(path, "joints", [split_token(token, holders) for token in animation.tokens])
             continue
@@ -242,15 +244,27 @@ def _animation_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Ed
             yield set_array(path, name, _with_columns(name, item, at))
 
 
-def _decided(source: Source, animation: str, splits: Mapping[str, Split]) -> bool:
-    """Whether variants decide an array of an animation."""
-    users = [path for path in splits if animation in source.skeletons[path].animations]
-    arrays = {Sdf.Path(animation).AppendProperty(name) for name in NOTHING}
-    return any(
-        arrays & variants.depends.keys()
-        for path in users
-        for variants in variants_of(source.stage, path, [animation])
-    )
+def _edits_in_variants(source: Source, splits: Mapping[str, Split]) -> Iterator[Edit]:
+    """The joint lists of animations that only other variants play; the new joints stay at rest there.
+
+    FileError where a skeleton that keeps its joints has one of them, too.
+    """
+    holders: dict[str, Mapping[str, str]] = {}
+    for path, skeleton in source.skeletons.items():
+        if path in source.animations:
+            continue
+        names = splits[path].holders if path in splits else {}
+        for variants in variants_of(source.stage, path, skeleton.animations):
+            for animation in sorted(bound_in(variants) - source.animations.keys()):
+                if holders.setdefault(animation, names) != names:
+                    raise FileError(
+                        f"Animation <{animation}>, which variants play, drives <{path}> and another "
+                        "skeleton, whose joints get different names. Give each an animation of its own."
+                    )
+    for animation, names in holders.items():
+        tokens = tokens_of(source.stage.GetPrimAtPath(animation), "joints")
+        if names:
+            yield set_tokens(animation, "joints", [split_token(token, names) for token in tokens])
 
 
 def _with_holders(tokens: tuple[str, ...], holders: Mapping[str, str]) -> list[str]:

@@ -73,6 +73,12 @@ def _write_animation(
         if number == 0:
             found += _array_edits(animation, animation.path, columns)
             continue
+        if animation.path in source.skeletons[skeletons[0]].unbound:
+            raise FileError(
+                f"Animation <{animation.path}>, which no skeleton plays, has joints of <{skeletons[0]}> and "
+                "of others that were re-oriented differently. Re-orient them alike, or bind it to the one "
+                "that it is for (skel:animationSource)."
+            )
         copy, made = _copy_of(source, animation, number + 1)
         found += [*made, *_array_edits(animation, copy, columns)]
         for skeleton in skeletons:
@@ -96,7 +102,7 @@ def _groups(
     source: Source, animation: Animation, by_skeleton: Mapping[str, Columns]
 ) -> list[tuple[list[str], Columns]]:
     """Skeletons that can share one set of values, with that set; those that cannot be edited first."""
-    users = [s for s in source.skeletons.values() if animation.path in s.animations]
+    users = [s for s in source.skeletons.values() if animation.path in s.every_animation]
     groups: list[tuple[list[str], Columns, Columns]] = []
     for skeleton in sorted(users, key=lambda s: not s.locked):
         own = by_skeleton.get(skeleton.path, {})

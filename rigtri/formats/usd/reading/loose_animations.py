@@ -2,10 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pxr import Sdf
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.composition.animation_binding import SOURCE
+from rigtri.formats.usd.composition.variants import SkeletonVariants, deciding_sets
 from rigtri.formats.usd.reading.animation_reader import clips, interpolation_of, read_animation
 from rigtri.formats.usd.reading.mesh_reader import blend_tracks
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.animation import Track
+
+
+def owners(stage: Any, animation: str, tokens: Iterable[str], skeletons: Mapping[str, Skeleton]) -> list[str]:
+    """The Skeletons whose joints an animation lists that nothing plays: all that are equally near to it.
+
+    None where variants have a say in it: then it is edited with the Skeleton of the variant.
+    """
+    listed = set(tokens)
+    fits = [p for p, s in skeletons.items() if listed <= set(s.tokens) or listed >= set(s.tokens)]
+    found = nearest(animation, fits) if listed else []
+    return [] if any(_decided(stage, path, animation) for path in found) else found
+
+
+def nearest(animation: str, skeletons: Iterable[str]) -> list[str]:
+    """Those of some Skeletons that share the most of their paths with an animation."""
+    near = {path: Sdf.Path(path).GetCommonPrefix(animation).pathElementCount for path in skeletons}
+    return [path for path, shared in near.items() if shared == max(near.values())]
+
+
+def _decided(stage: Any, skeleton: str, animation: str) -> bool:
+    """Whether another variant binds an animation, or gives it other values."""
+    if any(path.GetPrimPath() == animation for path in deciding_sets(stage, skeleton, [animation])):
+        return True
+    try:
+        states = SkeletonVariants(stage, skeleton, animation).states
+    except FileError:  # too many to look through: an edit says so
+        return True
+    bound = Sdf.Path(skeleton).AppendProperty(SOURCE)
+    return any(animation in state.shown.get(bound, ()) for state in states)
 
 
 def tracks_of(source: Source, animation: str, skeleton: str) -> tuple[Track, ...]:

@@ -26,6 +26,7 @@ from rigtri.formats.usd.reading.animation_reader import (
     interpolation_of,
     read_animation,
 )
+from rigtri.formats.usd.reading.loose_animations import owners
 from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, read_skeleton
@@ -49,20 +50,26 @@ from rigtri.report import Notice
 from rigtri.text import and_more
 
 
-def read_source(path: Path, options: ReadOptions, stage: Any, warnings: Sequence[Notice] = ()) -> Source:
+def read_source(
+    path: Path, options: ReadOptions, stage: Any, warnings: Sequence[Notice] = (), *, played: bool = False
+) -> Source:
     """Read the rig of a file. FileError where UsdSkel's rules are broken or there is no skeleton.
 
-    warnings: what was noticed when the stage was opened.
+    warnings: what was noticed when the stage was opened. played: read only the animations that are bound, as
+    another variant than the selected one may have none.
     """
     with quiet(f"{path}: USD cannot read it"):
-        return _Reader(path, stage, options, list(warnings)).read()
+        return _Reader(path, stage, options, list(warnings), played=played).read()
 
 
 class _Reader:
     """One pass over a stage."""
 
-    def __init__(self, path: Path, stage: Any, options: ReadOptions, warnings: list[Notice]) -> None:
+    def __init__(
+        self, path: Path, stage: Any, options: ReadOptions, warnings: list[Notice], *, played: bool
+    ) -> None:
         self.path, self.stage, self.options, self.warnings = path, stage, options, warnings
+        self.played = played
         self.instances = SharedInstances(stage)
         self.nodes = Nodes(stage, self.instances, self.warnings)
         self.skeletons: dict[str, Skeleton] = {}
@@ -195,7 +202,8 @@ class _Reader:
 
     def _animations_of(self, skeleton: str) -> list[Any]:
         """The SkelAnimation prims that drive a skeleton in any instance that it stands for."""
-        bound = (bound_animation(prim, self.warnings) for prim in self.instances.skeletons[skeleton])
+        prims, demanded = self.instances.skeletons[skeleton], not self.played
+        bound = (bound_animation(prim, self.warnings, demanded=demanded) for prim in prims)
         paths = {self.instances.stands_for(prim.GetPath()): None for prim in bound if prim is not None}
         return [self.stage.GetPrimAtPath(path) for path in paths]
 
@@ -226,19 +234,42 @@ class _Reader:
             animation = read_animation(self.stage.GetPrimAtPath(path), self.warnings)
             if animation is not None:
                 self.animations[path] = animation
-        paths = [str(prim.GetPath()) for prim in others if prim.GetTypeName() == "SkelAnimation"]
-        loose = [path for path in paths if path not in bound]
-        if loose and self.skeletons:
-            shown = and_more([f"<{path}>" for path in loose], 3)
-            self.warnings.append(
-                Notice(
-                    "unbound-animation",
-                    f"No skeleton uses {shown} in the selected variants: left as they were, unless a "
-                    "skeleton of another variant uses them. What joints or controls get they do not, axes or "
-                    "motion. To edit one along, bind a skeleton to it (skel:animationSource) and run again "
-                    "from the source.",
-                )
+        loose = [p for p in others if p.GetTypeName() == "SkelAnimation" and str(p.GetPath()) not in bound]
+        if self.skeletons and not self.played:
+            self._unbound(loose)
+
+    def _unbound(self, prims: Sequence[Any]) -> None:
+        """Read the animations that no skeleton plays with those whose joints they list."""
+        joined: list[str] = []
+        left: list[str] = []
+        for prim in prims:
+            path = str(prim.GetPath())
+            try:
+                animation = read_animation(prim, [])
+            except FileError:  # nobody plays it
+                animation = None
+            tokens = animation.tokens if animation is not None else ()
+            users = owners(self.stage, path, tokens, self.skeletons)
+            (joined if users else left).append(f"<{path}>")
+            if users and animation is not None:
+                self.animations[path] = replace(animation, idle=True)
+            for user in users:
+                skeleton = self.skeletons[user]
+                self.skeletons[user] = replace(skeleton, unbound=(*skeleton.unbound, path))
+        if joined:
+            text = (
+                f"No skeleton plays {and_more(joined, 3)} in the selected variants. Names, axes, rest and "
+                "size of joints change in them, too; new motion, such as that of controls, they do not get."
             )
+            self.warnings.append(Notice("unbound-animation", text))
+        if left:
+            text = (
+                f"No skeleton uses {and_more(left, 3)} in the selected variants: left as they were, unless a "
+                "skeleton of another variant uses them. What joints or controls get they do not, axes or "
+                "motion. To edit one along, bind a skeleton to it (skel:animationSource) and run again "
+                "from the source."
+            )
+            self.warnings.append(Notice("unbound-animation", text))
 
     def _resting(self, clips: Sequence[Clip]) -> dict[int, Resting]:
         """What animations have no value for at times, when UsdSkel shows rest poses and no blend shapes."""
@@ -267,10 +298,11 @@ class _Reader:
             users = [s.path for s in self.skeletons.values() if path in s.animations]
             name = animation.name if names.count(animation.name) == 1 else path
             prim, weights = self.stage.GetPrimAtPath(path), []
-            if prim.IsActive() and prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
+            if users and prim.IsActive() and prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
                 queries = self.bindings.of(users)
                 weights = mesh_reader.blend_tracks(prim, queries, self.nodes.node_of, self.interpolation)
-            driven = [self.nodes.joint_nodes[user] for user in users]
+            listed = [s.path for s in self.skeletons.values() if path in s.every_animation]
+            driven = [self.nodes.joint_nodes[user] for user in listed]
             found += clips(animation, name, driven, weights, self.interpolation)
         return found
 

@@ -37,6 +37,7 @@ class Skeleton:
 
     locked: why it cannot be edited, "" where it can; a clip library may lack what that needs.
     animations: the paths of the SkelAnimations that are bound to it, several where instances share it.
+    unbound: of those that move its joints as well, though nothing plays them (`loose_animations`).
     scattered: no pose of the joints shows all its meshes as they are without skinning. unskinned: and UsdSkel
     shows them so, for it has no pose.
     """
@@ -51,6 +52,12 @@ class Skeleton:
     animations: tuple[str, ...]
     scattered: bool = False
     unskinned: bool = False
+    unbound: tuple[str, ...] = ()
+
+    @property
+    def every_animation(self) -> tuple[str, ...]:
+        """All that list its joints, and are edited with them."""
+        return (*self.animations, *self.unbound)
 
 
 def read_skeleton(
