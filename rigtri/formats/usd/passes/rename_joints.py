@@ -62,8 +62,9 @@ def _names(source: Source, rig: Rig) -> dict[str, dict[str, str]]:
             name = rig.names[place[key]]
             if name != source.rig.names[node] and name:
                 raise FileError(
-                    f"<{source.rig.labels[node]}> is a prim, and another name would give it and all below "
-                    "it other paths; only joints of skeletons can be renamed"
+                    f"<{source.rig.labels[node]}> is a prim, and another name ('{name}') would give it and "
+                    "all below it other paths; only joints of skeletons can be renamed. Rename prims in the "
+                    "program that made the file; orient-joints and set-rest keep their names"
                 )
     return found
 

@@ -50,7 +50,7 @@ _SIZES = (PARENT_INVERSE_SIZE, FRAME_SIZE)
 _ORDER = (PARENT_INVERSE, *OPS.values(), FRAME)
 # Between keys a track may be off its prim by so much, in radians and as a share of where it goes: an interval
 # is halved until it is nearer, and at most so often.
-_ON_WAY, _HALVINGS = 1e-5, 9
+_ON_WAY, _HALVINGS = 1e-6, 10
 # Scale components that differ by less are one number that was rounded to float32.
 _UNIFORM = 1e-6
 
