@@ -76,8 +76,8 @@ WRITES = (
     "warn",
     "note",
 )
-# How pytest ends where tests pass, ids name none, or none is found.
-NO_TESTS = (0, 4, 5)
+# How pytest ends where tests pass, ids name none, or none is found; and where the package cannot be imported.
+NO_TESTS, BROKEN = (0, 4, 5), "while loading conftest"
 # Of thirty faults, those that may change nothing.
 UNSEEN = 2 / 30
 
@@ -247,7 +247,8 @@ def seen_by(fault: Fault, folder: Path, contexts: Path | None) -> str | None:
         # Tests that fail for another reason fail again. pytest passes over files without a failure, and
         # would not find their tests by id.
         files = dict.fromkeys(word.partition("::")[0] for word in words)
-        if code not in NO_TESTS and _tested(folder, ["--last-failed", *files])[0] == 0:
+        failing = code not in NO_TESTS or any(BROKEN in line for line in told)
+        if failing and _tested(folder, ["--last-failed", *files])[0] == 0:
             failed = (line for line in told if line.startswith(("FAILED", "ERROR")))
             return next(failed, f"pytest ends: {code}")
     return None
@@ -261,7 +262,8 @@ def _tested(folder: Path, words: Sequence[str]) -> tuple[int | str, list[str]]:
             [sys.executable, "-m", "pytest", "-q", "-x", *plugins, *words],
             cwd=ROOT,
             env={**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"},
-            capture_output=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
             text=True,
             timeout=1800,
             check=False,

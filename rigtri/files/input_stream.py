@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
-from rigtri.errors import FileError, RigtriError, UsageError
-from rigtri.files.text_files import check_plain
+from rigtri.errors import RigtriError, UsageError
+from rigtri.files.text_files import check_plain, stdin_bytes
 
 # The first bytes of a stream show its format, and with it the suffix that `read` goes by.
 SUFFIX_OF = {b"glTF": ".glb", b"#usda": ".usda", b"PXR-USDC": ".usdc", b"PK": ".usdz"}
@@ -50,15 +49,14 @@ def _on_disk(source: Path | str) -> Iterator[Path]:
 
     from rigtri.files import temp_dirs
 
-    if sys.stdin is None:
-        raise FileError("standard input is closed: give a file, or one that - stands for")
-    start = sys.stdin.buffer.read(16)
+    stream = stdin_bytes()
+    start = stream.read(16)
     suffix = next((s for magic, s in SUFFIX_OF.items() if start.startswith(magic)), ".gltf")
     with temp_dirs.folder() as folder:
         path = Path(folder, f"stdin{suffix}")
         with path.open("wb") as file:
             file.write(start)
-            shutil.copyfileobj(sys.stdin.buffer, file)
+            shutil.copyfileobj(stream, file)
         with called({str(path): "standard input", path.name: "standard input"}):
             yield path
 

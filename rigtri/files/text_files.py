@@ -7,7 +7,7 @@ import os
 import stat
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from rigtri.errors import FileError, UsageError
 from rigtri.text import and_more
@@ -92,11 +92,16 @@ def text_of(path: Path | str, what: str = "", most: int = MOST_BYTES) -> str:
         raise FileError(f"{name} is not UTF-8 text: byte {error.start}") from error
 
 
+def stdin_bytes() -> BinaryIO:
+    """Standard input; FileError where it is closed."""
+    if sys.stdin is None:
+        raise FileError("standard input is closed: give a file, or one that - stands for")
+    return sys.stdin.buffer
+
+
 def stdin_text(most: int = MOST_BYTES) -> str:
     """The text of standard input: UTF-8, or bytes that names of files may have; FileError for none."""
-    if sys.stdin is None:
-        raise FileError("standard input is closed")
-    content = sys.stdin.buffer.read(most + 1)
+    content = stdin_bytes().read(most + 1)
     if len(content) > most:
         raise FileError(f"standard input has more than {most} bytes")
     return content.decode("utf-8-sig", errors="surrogateescape")

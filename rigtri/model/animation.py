@@ -23,6 +23,8 @@ Path = Literal["translation", "rotation", "scale", "weights"]
 # What places a node.
 PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 Interpolation = Literal["LINEAR", "STEP", "CUBICSPLINE"]
+# Of a tangent times its time to the next key, so much at most is between the two.
+_TANGENT = 4.0 / 27.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,6 +207,29 @@ def _column(tracks: Sequence[Track], places: Sequence[int]) -> Column:
 def key_values(track: Track) -> Floats:
     """The values of a track at its keys, (k, c), without the tangents of splines."""
     return track.values[:, 1] if track.interpolation == "CUBICSPLINE" else track.values
+
+
+def values_minus(track: Track, origin: Floats) -> Floats:
+    """The values of a track less ``origin``, (3,) or (4,); tangents have no place."""
+    moved = np.array(track.values)
+    (moved if track.interpolation != "CUBICSPLINE" else moved[:, 1])[:] -= origin
+    return moved
+
+
+def reached(track: Track, numbers: Floats) -> Floats:
+    """What numbers as a track's values move at most: a tangent does so by its time to the next key."""
+    if track.interpolation != "CUBICSPLINE":
+        return numbers
+    span = np.diff(track.times, prepend=track.times[:1], append=track.times[-1:]) * _TANGENT
+    shares = np.stack([span[:-1], np.ones(len(track.times)), span[1:]], axis=1)
+    return np.asarray(numbers * shares[:, :, np.newaxis])
+
+
+def off_rest(track: Track, rest: Floats) -> float:
+    """How far a track comes from the value of a node at rest, (3,) or (4,), in one of its numbers."""
+    either = (rest, -rest) if track.path == "rotation" else (rest,)  # both signs are one rotation
+    off = [np.abs(reached(track, values_minus(track, one))).max(axis=-1) for one in either]
+    return float(np.min(off, axis=0).max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,15 +27,13 @@ from rigtri.maths.quaternions import (
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
-from rigtri.model.animation import Clip, Interpolation, Path, Track
+from rigtri.model.animation import Clip, Interpolation, Path, Track, off_rest, reached
 from rigtri.model.rig import Rig
 from rigtri.operations.options.root_motion import RootMotionOptions
 from rigtri.report import Report
 
 # Motion over the ground by no more of its keys is what float32 leaves of one that was taken out.
 NONE = 1e-7
-# Of a tangent times its time to the next key, so much at most is between the two.
-_TANGENT = 4.0 / 27.0
 # A yaw of no more, in radians, is what float32 leaves of one that was taken out.
 _NO_YAW = 1e-6
 # How far joints may be off between keys, of the size: keys of root and hips are as near as that needs.
@@ -45,37 +43,18 @@ WITHIN = 5e-7
 def rests(track: Track, rig: Rig) -> bool:
     """Whether a track holds its node where it rests, as exporters write for every joint."""
     rest = np.asarray(getattr(rig, track.path)[track.node])
-    either = (rest, -rest) if track.path == "rotation" else (rest,)
-    off = [np.abs(_moves(track, values_minus(track, one))).max(axis=-1) for one in either]
-    most = float(np.min(off, axis=0).max(initial=0.0))
     if track.path == "rotation":
-        return most <= 0.5 * _NO_YAW  # a quaternion has half of an angle
-    return most <= NONE * max(1.0, float(np.abs(rest).max()))
-
-
-def values_minus(track: Track, origin: Floats) -> Floats:
-    """The values of a track less ``origin``, (3,) or (4,); tangents have no place."""
-    moved = np.array(track.values)
-    (moved if track.interpolation != "CUBICSPLINE" else moved[:, 1])[:] -= origin
-    return moved
+        return off_rest(track, rest) <= 0.5 * _NO_YAW  # a quaternion has half of an angle
+    return off_rest(track, rest) <= NONE * max(1.0, float(np.abs(rest).max()))
 
 
 def is_none(track: Track, along: Floats) -> bool:
     """Whether what a track has over the ground, numbers as its values, is no motion."""
-    return _is_small(_moves(track, along), _moves(track, track.values))
+    return _is_small(reached(track, along), reached(track, track.values))
 
 
 def _is_small(along: Floats, whole: Floats) -> bool:
     return bool(length(along).max(initial=0.0) <= NONE * max(1.0, float(length(whole).max(initial=0.0))))
-
-
-def _moves(track: Track, numbers: Floats) -> Floats:
-    """What numbers as a track's values move at most: a tangent does so by its time to the next key."""
-    if track.interpolation != "CUBICSPLINE":
-        return numbers
-    span = np.diff(track.times, prepend=track.times[:1], append=track.times[-1:]) * _TANGENT
-    shares = np.stack([span[:-1], np.ones(len(track.times)), span[1:]], axis=1)
-    return np.asarray(numbers * shares[:, :, np.newaxis])
 
 
 def up_of(rig: Rig, root: int) -> Floats:

@@ -13,10 +13,10 @@ from rigtri.evaluation.timelines import Timeline, chosen_timelines
 from rigtri.maths.quaternions import conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.vectors import perpendicular
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Clip, Track, values_minus
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.unbaked import UNBAKED, away_from_keys
-from rigtri.operations.ground_motion import is_none, over_ground, rests, turned, twist, up_of, values_minus
+from rigtri.operations.ground_motion import is_none, over_ground, rests, turned, twist, up_of
 from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
 from rigtri.operations.root_children import besides, keeping_children

@@ -1,8 +1,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from rigtri.model.animation import Clip, Track, Tracks, columns
+from rigtri.model.animation import Clip, Interpolation, Track, Tracks, columns, off_rest
 
 TIMES = np.array([0.0, 1.0])
 TURN = Track(0, "rotation", "LINEAR", TIMES, np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)))
@@ -38,3 +39,23 @@ def test_a_changed_column_keeps_the_tracks_that_did_not_change() -> None:
     kept, new = Tracks([column.having(-column.values, np.array([False, True]))])
     assert kept is TURN
     assert new.values.tolist() == (-other.values).tolist()
+
+
+@pytest.mark.parametrize(
+    ("interpolation", "values", "off"),
+    [
+        ("LINEAR", [[1.0, 2.0, 3.0], [1.0, 2.5, 3.0]], 0.5),
+        ("STEP", [[1.0, 2.0, 3.0], [1.0, 2.0, 3.0]], 0.0),
+        # Both keys rest: the tangent of 27 leads away over 2 seconds, and those outside nowhere.
+        ("CUBICSPLINE", [[[0, 0, 3], [1, 2, 3], [0, 27, 0]], [[0, 0, 0], [1, 2, 3], [0, 0, 9]]], 8.0),
+    ],
+)
+def test_how_far_a_track_comes_from_rest(
+    interpolation: Interpolation, values: list[object], off: float
+) -> None:
+    track = Track(0, "translation", interpolation, 2 * TIMES, np.array(values, dtype=float))
+    assert off_rest(track, np.array([1.0, 2.0, 3.0])) == pytest.approx(off)
+
+
+def test_a_rotation_of_the_other_sign_rests() -> None:
+    assert off_rest(Track(0, "rotation", "LINEAR", TIMES, TURN.values * [[1], [-1]]), TURN.values[0]) == 0.0

@@ -20,7 +20,7 @@ from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.matrices import from_frame, orthonormal_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
-from rigtri.model.animation import Track, key_values
+from rigtri.model.animation import Track, off_rest
 from rigtri.model.constraints import Constraint
 from rigtri.model.metadata import PIVOTS, ControlRecord, OffsetRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
@@ -213,14 +213,10 @@ def armature_of(rig: Rig, joint: int) -> int:
 
 def _leaves_rest(rig: Rig, track: Track) -> bool:
     """Whether a track moves a node from where it rests; exporters write keys of all nodes."""
-    rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}.get(track.path)
-    if rest is None:
+    if track.path == "weights":
         return False
-    keys, own = key_values(track), rest[track.node]
-    apart = np.abs(keys - own).max(axis=1)
-    if track.path == "rotation":  # either sign is the same rotation
-        apart = np.minimum(apart, np.abs(keys + own).max(axis=1))
-    return bool(apart.max(initial=0.0) > _RESTS * max(1.0, float(np.abs(own).max())))
+    rest = getattr(rig, track.path)[track.node]
+    return off_rest(track, rest) > _RESTS * max(1.0, float(np.abs(rest).max()))
 
 
 def _above(rig: Rig, node: int) -> list[str]:

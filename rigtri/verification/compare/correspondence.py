@@ -14,8 +14,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from rigtri.maths.arrays import Integers
-from rigtri.maths.quaternions import dot
-from rigtri.model.animation import Clip, Column, Track, Tracks, key_values
+from rigtri.model.animation import Clip, Column, Track, Tracks, off_rest
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
@@ -373,12 +372,8 @@ def _is_rest(track: Track, after: Rig, node: int) -> bool:
     """
     if track.path == "weights":
         return False
-    rest = {"translation": after.translation, "rotation": after.rotation, "scale": after.scale}[track.path]
-    values, still = key_values(track), rest[node]
-    if track.path == "rotation":  # q and −q are one rotation
-        values = np.where(dot(values, still)[:, np.newaxis] < 0, -values, values)
     size = float(np.abs(after.translation).max(initial=0.0)) if track.path == "translation" else 1.0
-    return bool((np.abs(values - still) <= _ROUNDING * size).all())
+    return off_rest(track, getattr(after, track.path)[node]) <= _ROUNDING * size
 
 
 def _named(title: str, track: Track, rig: Rig) -> str:
