@@ -9,7 +9,7 @@ from dataclasses import replace
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
-from rigtri.recognition.body_shape import Body, stands_too, within
+from rigtri.recognition.body_shape import Body, lies, stands_too, within
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.front_or_hind import is_further
@@ -37,8 +37,8 @@ _IN_LINE = 0.9
 _DOUBT = 0.25
 # What goes from left to right by this (a cosine) is not up.
 _LATERAL = 0.7
-# Legs that go down by less than this (a cosine) as the file has it do not stand on its ground.
-_LYING = 0.3
+# Twins are apart where they are by this part of what they are at most.
+_FIRST_APART = 0.1
 # Of a body of many legs it has to be so sure before any side is given.
 _SEEN = 0.5
 # Another way to see the body that is as good as this counts against both.
@@ -233,18 +233,15 @@ def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]
     for one in sided:
         for other in sided:
             if one.side == "left" and other.side == "right" and _are_twins(one, other):
-                apart = at[one.joints[0]] - at[other.joints[0]]
-                across = across + (apart if any(apart) else at[one.joints[-1]] - at[other.joints[-1]])
+                apart = [at[a] - at[b] for a, b in zip(one.joints, other.joints, strict=False)]
+                widest = max(way.length for way in apart)
+                across = across + next(way for way in apart if way.length >= _FIRST_APART * widest)
     up = Vector(*draft.tree.rig.rules.up)
-    if body is not None and (_is_clear(body) or abs(across.unit.dot(up)) > _LATERAL or _lies(body, up)):
+    if body is not None and (
+        _is_clear(body) or abs(across.unit.dot(up)) > _LATERAL or lies(draft.tree, body, up)
+    ):
         up = body.up
     draft.stand(up, across.cross(up))
-
-
-def _lies(body: Body, up: Vector) -> bool:
-    """Whether legs alone, as of a bird, go nowhere near to down, as the file has it."""
-    legs = body.legs
-    return legs is not None and body.arms is None and (legs.starts - legs.ends).unit.dot(up) < _LYING
 
 
 def _are_twins(one: Found, other: Found) -> bool:
@@ -255,6 +252,12 @@ def _are_twins(one: Found, other: Found) -> bool:
 def _side_in_names(draft: Draft, joints: Sequence[int]) -> Side:
     sides = {parse_name(draft.tree.rig.names[joint]).side for joint in joints} - {""}
     return sides.pop() if len(sides) == 1 else ""
+
+
+def named_side(draft: Draft, joints: Sequence[int], others: Sequence[int]) -> Side:
+    """The side that names of joints say, or those of their twins: the other one."""
+    own, twin = _side_in_names(draft, joints), _side_in_names(draft, others)
+    return own or ("right" if twin == "left" else "left" if twin else "")
 
 
 def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
@@ -282,7 +285,7 @@ def _faces(draft: Draft, body: Body, by_names: bool) -> tuple[float, tuple[str, 
     """How sure it is by its shape where a body faces, and why; sets that, where names do not tell it."""
     plane = draft.shape.plane
     assert plane is not None
-    named = draft.facing if by_names else None
+    named, body = (draft.facing, replace(body, up=draft.up)) if by_names else (None, body)
     ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses, named=named, legs=draft.shape.legs)
     if not by_names:
         draft.stand(body.up, ahead)
@@ -300,18 +303,15 @@ def _side(draft: Draft, each: Found) -> Side:
     assert each.pair is not None
     one, two = each.pair.pair.paths
     mine, other = (one, two) if set(each.joints).intersection(one) else (two, one)
-    own = _side_in_names(draft, each.joints)
-    if own:
-        return own
-    twin = _side_in_names(draft, [other[k] for k in each.pair.at])
-    if twin:
-        return "right" if twin == "left" else "left"
+    named = named_side(draft, each.joints, [other[k] for k in each.pair.at])
+    if named:
+        return named
     at = draft.tree.at
     apart = [(at[a] - at[b]).dot(draft.left) for a, b in zip(mine, other, strict=True)]
     apart = apart[each.pair.at[0] :] + apart[: each.pair.at[0]]
     # Feet and blades may cross; hips and shoulders do not. If these are in the middle, the next joints tell.
     widest = max(map(abs, apart), default=0.0)
-    offset = next((far for far in apart if abs(far) > 0.1 * widest), 0.0)
+    offset = next((far for far in apart if abs(far) > _FIRST_APART * widest), 0.0)
     return "left" if offset > 0 else "right" if offset < 0 else ""
 
 

@@ -15,6 +15,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import TRIED, Limbs
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.ranking import SAME_SCORE, ranked
 from rigtri.recognition.symmetry import Plane, between
 
@@ -42,6 +43,9 @@ _ALONG_AXIS = 0.966
 # Legs that are stretched ahead are square to the trunk up to this (a sine), and bend by less than 25°.
 # Arms smaller than this part of legs are those of a dinosaur.
 _LEVEL, _STRETCHED, _SMALL = 0.35, 0.906, 0.3
+# Legs that go down by less than this (a cosine) as the file has it do not stand on its ground; those that go
+# along a tail by this trail behind who flies.
+_LYING, _TRAILING = 0.3, 0.8
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
 # What legs lose that go the way of the spine.
@@ -278,6 +282,16 @@ def stands_too(tree: Tree, body: Body, limbs: Sequence[Limbs]) -> bool:
         and lowest(tree, k, body.up) < ground + LEVEL * legs.size
         for k in limbs
     )
+
+
+def lies(tree: Tree, body: Body, up: Vector) -> bool:
+    """Whether legs alone, as a bird's, go nowhere near to down, as the file has it, nor back along a tail."""
+    legs = body.legs
+    if legs is None or body.arms is not None:
+        return False
+    down = (legs.ends - legs.starts).unit
+    tail = (tree.at[k] - legs.starts for k in tree.nodes if "tail" in roles_in_name(tree.rig.names[k]))
+    return -down.dot(up) < _LYING and not any(way.unit.dot(down) > _TRAILING for way in tail)
 
 
 def _most_beside(legs: Limbs, others: Sequence[Limbs]) -> float:

@@ -189,10 +189,11 @@ def feet_ahead(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> float:
     """How far feet point ahead, by their toes or else by what they move: −1 to 1."""
     assert body.legs is not None
     toes = _toes(tree, body.legs, ahead)
-    if abs(toes) > 0.5 or body.form != "biped":
+    if 2.0 * abs(toes) > _TOES or body.form != "biped":
         return toes
     soles = _soles(tree, body.legs, ahead, poses)
-    return soles if abs(soles) > abs(toes) else toes
+    denied = abs(toes) > 0.5 and soles * toes < 0
+    return soles if abs(soles) > abs(toes) and not denied else toes
 
 
 def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:

@@ -9,7 +9,7 @@ from itertools import combinations
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
-from rigtri.recognition.arms_legs import Found
+from rigtri.recognition.arms_legs import Found, named_side
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES, Kind
@@ -292,14 +292,21 @@ def lay_others(draft: Draft, found: Sequence[Found]) -> None:
         if not any(draft.poses.moves_points(k) for k in nodes):
             continue  # controls
         taken |= nodes
-        for which in (0, 1):
-            joints = limbs.joints(which)
-            side = parse_name(draft.tree.rig.names[joints[0]]).side or draft.side_of(limbs.pair.paths[which])
+        for which, path in enumerate(limbs.pair.paths):
+            joints = _of_wing(draft, limbs, path) if wing else limbs.joints(which)
+            side = named_side(draft, path, limbs.pair.paths[1 - which]) or draft.side_of(path)
             bend = joints if len(joints) == 3 else ()
             kind: Kind = "wing" if wing else _kind(draft, body, limbs, size)
             words = (NAMES,) if wing else ("one more pair that bends in the middle",)
             sure = 0.9 if wing else 0.6
-            draft.add_chain(kind, kind, side, limbs.pair.paths[which], sure, words, bend)
+            draft.add_chain(kind, kind, side, path, sure, words, bend)
+
+
+def _of_wing(draft: Draft, limbs: Limbs, path: Sequence[int]) -> tuple[int, ...]:
+    """Where a wing bends: by its shape, but in no feather; before one, in the first three joints."""
+    bones = [node for node in path if "feather" not in roles_in_name(draft.tree.rig.names[node])]
+    joints = tuple(path[k] for k in limbs.at)
+    return joints if set(joints) <= set(bones) or len(bones) < 3 else tuple(bones[:3])
 
 
 def _is_worn(names: Sequence[str]) -> bool:

@@ -155,20 +155,21 @@ def _in_order(names: Sequence[LimbWords]) -> Iterator[Mapping[Level, float]]:
     """What each name of a chain says, with the others in mind.
 
     Of joints that are only numbered, two are the upper and the lower bone, three end the limb, and more
-    say nothing. After a ``leg_middle`` the ``leg_lower`` ends it, and so does the knee of a front leg after
-    its elbow: the wrist. A shoulder or hip before an ``arm`` or ``thigh`` is no upper bone.
+    say nothing, nor do three of an arm before its hand: the first may be a clavicle. After a
+    ``leg_middle`` the ``leg_lower`` ends it, and so does the knee of a front leg after its elbow: the
+    wrist. A shoulder or hip before an ``arm`` or ``thigh`` is no upper bone.
     """
     same = Counter(name.plain for name in names if name.plain)
     count, seen, middle, lower = max(same.values(), default=0), Counter[str](), False, False
+    hand = any(name.kind == "arm" and name.levels.keys() == {"end"} for name in names)
+    most = 2 if count == 3 and hand else 3
     upper = max((k for k, name in enumerate(names) if _is_upper(name) and same[name.plain] < 2), default=-1)
     for k, name in enumerate(names):
         levels, row = name.levels, seen[name.plain]
         seen[name.plain] += 1
-        if same[name.plain] in (2, 3):
-            levels = {LEVELS[row + 1]: _VAGUE}
-        elif same[name.plain] > 3:
-            levels = {}
-        elif (middle and levels.keys() == {"lower"}) or (count == 3 and levels.keys() == {"end"}):
+        if same[name.plain] > 1:
+            levels = {LEVELS[row + 1]: _VAGUE} if same[name.plain] <= most else {}
+        elif (middle and levels.keys() == {"lower"}) or (count == most == 3 and levels.keys() == {"end"}):
             levels = {"end": 1.0} if middle else {"after": 1.0}
         elif lower and name.bends:
             levels = {"end": 1.0}

@@ -117,7 +117,8 @@ def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Rea
     for kind, parts in BENDS.items():
         for which in _SIDES:
             triple = _triple(tree, *(by_bone.get((part, which), []) for part in parts))
-            triple = triple or _numbered(tree, words, scheme, kind, which)
+            ends = [node for _, node in by_bone.get((parts[2], which), [])]
+            triple = triple or _numbered(tree, words, scheme, kind, which, ends)
             if triple is not None:
                 reading.limbs[kind, which] = triple
                 for part, node in zip(parts, triple, strict=True):
@@ -212,9 +213,17 @@ def _only_below(tree: Tree, node: int) -> list[int]:
 
 
 def _numbered(
-    tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme, kind: str, which: Side
+    tree: Tree,
+    words: Mapping[int, ParsedName],
+    scheme: Scheme,
+    kind: LimbKind,
+    which: Side,
+    ends: Sequence[int],
 ) -> tuple[int, int, int] | None:
-    """A limb of joints that are only numbered (``leg_joint_L_1`` …): the first three of its chain."""
+    """A limb of joints that are only numbered (``leg_joint_L_1`` …): the first three of its chain.
+
+    Where an arm of three goes on in a hand, the first is a clavicle.
+    """
     if not which or not scheme.chains:
         return None
     mine = [node for node, each in words.items() if scheme.chains.get(each.plain) == kind]
@@ -226,4 +235,6 @@ def _numbered(
         if not tree.is_below(node, chain[-1]):
             break
         chain.append(node)
+    hands = [node for node in ends if kind == "arm" and len(chain) == 3 and tree.above[node] == chain[-1]]
+    chain = [*chain[1:], *hands] if hands else chain
     return (chain[0], chain[1], chain[2]) if len(chain) >= 3 else None

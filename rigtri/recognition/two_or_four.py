@@ -25,6 +25,9 @@ _WRIST = 2.0 * LEVEL
 # What falls has the middle of trunk, neck, head and tail so far ahead of its toes, as a part of that height.
 # Of dinosaurs it is 0.16 at most: they balance on their hips.
 _FALLS = 0.2
+# A trunk that goes up in the file by this (a cosine), while limbs show another up, is that of a driver whose
+# arms and legs go ahead, or of an animal in a file with another up; nothing but names of arms tells which.
+_RISES = 0.7
 
 
 def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]) -> Body:
@@ -32,6 +35,11 @@ def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]
     legs, arms = body.legs, body.arms
     if not body.doubt or legs is None or arms is None:
         return body
+    animal = _is_animal(tree, arms, names)
+    standing = Vector(*tree.rig.rules.up)
+    if body.up.dot(standing) < _RISES and (arms.starts - legs.starts).unit.dot(standing) > _RISES:
+        sits = arms.kind == "arm" and not animal
+        return replace(body, form="biped", up=standing, doubt=False) if sits else body
     up, tall = body.up, height(tree, legs, body.up)
     ground = lowest(tree, legs, up)
     high = (lowest(tree, arms, up) - ground) / tall
@@ -41,10 +49,14 @@ def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]
     if not arms.thumb and high >= _WRIST:
         return replace(body, doubt=False)
     four = body.form == "quadruped" or (arms.fingers < 2 and _ahead(tree, body, legs, arms) > _FALLS * tall)
-    animal = any(names[node].animal for node in tree.nodes if node in names)
-    ends = [path[arms.at[-1]] for path in arms.pair.paths]
-    animal = animal or any(names[k].kind == "leg" for end in ends for k in tree.branch(end) if k in names)
     return replace(body, form="quadruped" if four else "biped", doubt=not (four and animal))
+
+
+def _is_animal(tree: Tree, arms: Limbs, names: Mapping[int, LimbWords]) -> bool:
+    """Whether names have words of animals, or say leg, foot or toe at the end of what may be arms."""
+    ends = [path[arms.at[-1]] for path in arms.pair.paths]
+    below = (names[k] for end in ends for k in tree.branch(end) if k in names)
+    return any(names[k].animal for k in tree.nodes if k in names) or any(k.kind == "leg" for k in below)
 
 
 def may_be_front_legs(body: Body | None, limbs: Limbs) -> bool:

@@ -179,6 +179,12 @@ def test_a_mesh_whose_weights_cannot_be_split_gets_a_rig_without_twist_joints(tm
     assert "is drawn with several skins" in out.with_suffix(".rig.yaml").read_text("utf-8")
 
 
+def test_a_toe_without_weight_holds_what_its_foot_rolls() -> None:
+    """Before, nothing was built of characters whose shoes follow the ankles alone."""
+    rig = rigtri.add_controls(read(SAMPLES / "biped.glb").rig, whole_character=True, foot_roll=True)
+    assert faults(without_weights(rig, "toe_L", "toe_R")) == {}
+
+
 def test_a_control_that_follows_a_constraint_is_not_tried() -> None:
     rig = rigtri.constrain(rigged(), type="parent", child="hand_L_ik_ctl_offset", driver=["head_ctl"])
     assert faults(rig) == {}

@@ -190,3 +190,45 @@ def test_a_man_on_another_axis_than_his_file_is_seen_and_held_as_he_stands() -> 
         (control,) = (node for node, record in out.records(ControlRecord).items() if record.kind == "root")
         along = rig.world[:, 3, :3] @ np.array(up)
         assert out.world[control, 3, :3] @ np.array(up) == pytest.approx(along.min())
+
+
+# Arms and straight legs go ahead, to wheel and pedals: the shape of an animal in a file with another up.
+DRIVER = [
+    *line("hips spine neck head", "", (0, 0.3, 0), (0, 0.5, 0), (0, 0.75, 0), (0, 0.85, 0)),
+    *both(line("upper_arm.L forearm.L hand.L", "spine", (0.15, 0.7, 0), (0.17, 0.62, 0.2), (0.1, 0.66, 0.4))),
+    *both(line("thigh.L shin.L foot.L", "hips", (0.08, 0.28, 0.05), (0.1, 0.33, 0.35), (0.1, 0.26, 0.65))),
+]
+
+
+def test_a_driver_with_arms_and_legs_ahead_sits() -> None:
+    """Before, with these names, he surely had four legs and faced up."""
+    (man,) = recognise(rig_with(DRIVER)).characters
+    assert (man.form, man.up, man.facing) == ("biped", (0, 1, 0), (0, 0, 1))
+    limbs = {(chain.kind, chain.side) for chain in man.chains if chain.bend and chain.is_sure}
+    assert limbs == {(kind, side) for kind in ("arm", "leg") for side in ("left", "right")}
+
+
+def test_a_driver_without_names_may_be_an_animal() -> None:
+    """Before, his arms were surely front legs."""
+    (man,) = recognise(rig_with(DRIVER, named=False)).characters
+    assert not any(chain.is_sure for chain in man.limbs)
+
+
+def test_a_bird_that_flies_with_legs_along_its_tail_keeps_the_up_of_the_file() -> None:
+    """Before, up was where its head is; and hips that differ by noise alone told left from right."""
+    leg = line("leg1.L leg2.L leg3.L", "trunk", (-1e-9, 1, -0.9), (0.25, 0.75, -0.7), (0.2, 0.85, -1.3))
+    wing = line(
+        "wing.L wing.L.001 wing.L.002 wing_feathers3.L",
+        "trunk",
+        (0, 1, 0.5),
+        (2, 0.6, 0.5),
+        (3.4, -0.4, 0.4),
+        (5.7, -2, -1),
+    )
+    body = line("trunk neck head", "", (0, 1, -0.9), (0, 1, 0.5), (0, 0.9, 1))
+    body.append(("tail", "trunk", (0, 1, -1.7)))
+    (bird,) = recognise(rig_with([*body, *both(leg), *both(wing)])).characters
+    assert bird.up == (0, 1, 0)
+    assert bird.facing == pytest.approx((0, 0, 1), abs=0.05)
+    wings = [list(chain.bend) for chain in bird.chains if chain.kind == "wing"]
+    assert wings == [[k, k + 1, k + 2] for k in (10, 14)]

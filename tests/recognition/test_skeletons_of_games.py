@@ -384,3 +384,45 @@ def test_the_shoulder_of_mmd_is_not_the_joint_that_undoes_it() -> None:
         joints.append((japanese(name), undoing if arm else japanese(above), at))
     (found,) = recognise(rig_with(joints)).characters
     assert joints[found.bones["leftShoulder"]][0] == "左肩"
+
+
+def test_an_arm_of_three_numbered_joints_and_a_hand_begins_with_a_clavicle() -> None:
+    """As 3ds Max writes it. Before, the first three were taken, and no arm was sure."""
+    arm = line(
+        "arm.L arm1.L arm2.L hand.L",
+        "chest",
+        (0.03, 1.42, 0),
+        (0.18, 1.42, 0),
+        (0.45, 1.4, -0.03),
+        (0.7, 1.4, 0),
+    )
+    rest = [
+        joint for joint in MAN if joint[0].split(".")[0] not in ("clavicle", "upper_arm", "forearm", "hand")
+    ]
+    _, limbs = sure_limbs([*rest, *both(arm)], named=True)
+    assert limbs["left arm"] == "arm1.L arm2.L hand.L"
+    assert limbs["right arm"] == "arm1.R arm2.R hand.R"
+
+
+def test_wings_of_which_the_last_joint_alone_says_the_side_are_on_it() -> None:
+    """Before, where the body was taken to face the other way, LeftWing was surely a right wing."""
+    wing = [
+        ("a1", "chest", (0.1, 1.4, 0)),
+        ("a2", "a1", (0.4, 1.5, -0.1)),
+        ("LeftWing", "a2", (0.8, 1.3, -0.1)),
+    ]
+    other = [
+        ("b1", "chest", (-0.1, 1.4, 0)),
+        ("b2", "b1", (-0.4, 1.5, -0.1)),
+        ("RightWing", "b2", (-0.8, 1.3, -0.1)),
+    ]
+    turned = [(name, above, (-x, y, z)) for name, above, (x, y, z) in [*wing, *other]]
+    rest = [
+        joint
+        for joint in MAN
+        if not joint[0].endswith((".L", ".R")) or joint[0].split(".")[0] in ("thigh", "shin", "foot", "toe")
+    ]
+    (found,) = recognise(rig_with([*rest, *turned])).characters
+    sides = {chain.side: chain.joints[-1] for chain in found.chains if chain.kind == "wing"}
+    names = [name for name, _, _ in [*rest, *turned]]
+    assert {side: names[k] for side, k in sides.items()} == {"left": "LeftWing", "right": "RightWing"}

@@ -227,9 +227,9 @@ class _Run:
         return ""
 
     def _unmoved(self, trial: _Trial, moved: list[int]) -> str:
-        """Whether the mesh stands still. FK controls of a limb hold what its IK cannot, weight or not."""
-        limbs = [limb.chain for limb in self.solver.reference.limbs if trial.joint in limb.chain]
-        with_mesh = any(self.carries[node] for node in (*moved, *(chain[0] for chain in limbs)))
+        """Whether the mesh stands still. FK controls of limb and toe hold what IK cannot, weight or not."""
+        limbs = [k for k in self.solver.reference.limbs if trial.joint in (*k.chain, k.toe)]
+        with_mesh = any(self.carries[node] for node in (*moved, *(limb.chain[0] for limb in limbs)))
         return "" if with_mesh else "the mesh does not move with it"
 
     def _others(self, trial: _Trial, moved: list[int]) -> str:
