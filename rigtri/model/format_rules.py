@@ -43,6 +43,8 @@ class FormatRules:
     instances: nodes that show what another shows, which is read there alone: by each of them, that one.
     played: what moves each of several instances of a character: the key of a clip, None for none, by the
     instance's node and the skeleton's path below that.
+    elsewhere: nodes of rigtri, or with its metadata, that no edit of this file can take out, and which other
+    file has them.
     others: nodes of other characters while one is edited: a name that several nodes share does not mean them.
     per_second: units of clips' time in a second. valid_name: a name as this format can have it; `str`: any.
     """
@@ -67,6 +69,7 @@ class FormatRules:
     unlisted: Mapping[int, str] = field(default_factory=dict)
     instances: Mapping[int, int] = field(default_factory=dict)
     played: Mapping[int, Mapping[str, Hashable]] = field(default_factory=dict)
+    elsewhere: Mapping[int, str] = field(default_factory=dict)
     others: frozenset[int] = frozenset()
     valid_name: Callable[[str], str] = str
 
@@ -81,6 +84,7 @@ class FormatRules:
             world_aligned=frozenset(new[k] for k in self.world_aligned),
             data_nodes=frozenset(new[k] for k in self.data_nodes),
             named=frozenset(new[k] for k in self.named),
+            elsewhere={new[k]: name for k, name in self.elsewhere.items()},
             others=frozenset(new[k] for k in self.others),
             instances={new[k]: new[first] for k, first in self.instances.items()},
             played={new[k]: played for k, played in self.played.items()},

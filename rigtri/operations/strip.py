@@ -27,6 +27,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.strip import StripOptions as StripOptions
 from rigtri.operations.without_nodes import staying, without_nodes
 from rigtri.report import Report
+from rigtri.text import and_more
 
 
 @operation(StripOptions)
@@ -37,19 +38,21 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     Raises GeometryError where a node of someone else is a child of one of ours, and where controls have
     motion that the joints do not have.
     """
-    gone = _gone(rig)
+    kept = _kept(rig, report)
+    gone = _gone(rig, kept)
     if not options.discard_motion:
         refuse_unbaked(rig)
     readers = [node for node in gone if rig.type_of(node) == "poseReader"]
     rig, driven = restore_replaced_keys(rig, readers, report)
-    for record in rig.records(PoseReaderRecord).values():
+    for record in (r for node, r in rig.records(PoseReaderRecord).items() if node not in kept):
         joints = driven_paths(record, rig)
         rig = without_driven(rig, joints)
         report.reposed |= bool(joints)
     for node, columns in driven.items():
         report.morph_changes.setdefault(rig.keys[node], set()).update(columns)
     holders = frozenset[int]() if options.splits else rig.holders
-    metadata = {node: stored for node, stored in rig.metadata.items() if node in holders - gone}
+    stay = (holders - gone) | kept
+    metadata = {node: stored for node, stored in rig.metadata.items() if node in stay}
     for node in (node for node in rig.metadata if node not in gone and node not in metadata):
         report.removed.append({"node": rig.address(node), "type": rig.type_of(node), "kept": True})
     for node in sorted(gone):
@@ -132,9 +135,20 @@ def _others(rig: Rig) -> tuple[NodeConstraint, ...]:
     return tuple(c for c in rig.node_constraints if ours.get(c.node) != c.kind)
 
 
-def _gone(rig: Rig) -> frozenset[int]:
+def _kept(rig: Rig, report: Report) -> frozenset[int]:
+    """What stays as another file has it, where there is more than that."""
+    kept = rig.rules.elsewhere
+    if not kept or rig.own | rig.metadata.keys() <= kept.keys():
+        return frozenset()  # and the format says where to strip
+    files = and_more(sorted(set(kept.values())), 3)
+    text = f"The rig of {files} stays, with all that is about it here. To remove it, strip {files}"
+    report.warn("rig-elsewhere", text)
+    return frozenset(kept)
+
+
+def _gone(rig: Rig, kept: frozenset[int]) -> frozenset[int]:
     """The nodes that go. GeometryError where one that stays would lose its parent."""
-    gone = rig.own
+    gone = rig.own - kept
     for node in sorted(gone):
         for child in rig.children[node]:
             if child not in gone:

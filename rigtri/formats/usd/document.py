@@ -19,6 +19,7 @@ from rigtri.formats.usd.embed import embedded
 from rigtri.formats.usd.layer_writer import Output
 from rigtri.formats.usd.opinions.instance_edits import instance_of
 from rigtri.formats.usd.reading.control_shape_reader import read_lines
+from rigtri.formats.usd.reading.metadata_attributes import elsewhere
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.scene_facts import read_scene_facts
 from rigtri.formats.usd.reading.source import (
@@ -45,6 +46,9 @@ class UsdDocument:
         self._drawn = cache(partial(read_meshes, source, self._notices))
         lines = partial(read_lines, source.stage)
         rig = replace(source.rig, content=Content(lines, self._drawn, self._drawn))
+        if rig.metadata and not options.is_override:
+            others = elsewhere(source.stage, rig, layer)
+            rig = replace(rig, rules=replace(rig.rules, elsewhere=others))
         self._source, self._options = replace(source, rig=rig), options
         self._output = Output(self._source, layer, options)
         self._hidden: dict[str, list[str]] = {}

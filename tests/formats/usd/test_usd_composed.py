@@ -59,9 +59,9 @@ def built(samples: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_strip_names_the_layers_that_have_what_it_cannot_take_out(tmp_path: Path) -> None:
-    hero, rig, shot, more, bare = (
-        tmp_path / f"{name}.usda" for name in ("hero", "rig", "shot", "more", "bare")
+def test_strip_leaves_the_rig_of_an_asset_and_names_its_layer(tmp_path: Path) -> None:
+    hero, rig, shot, more, again, bare = (
+        tmp_path / f"{name}.usda" for name in ("hero", "rig", "shot", "more", "again", "bare")
     )
     hero.write_text(scene(skeleton(), animation(), MESH))
     shot.write_text(INSTANCED.replace("hero", "rig").replace("true", "false") + 'def Xform "Sword"\n{\n}\n')
@@ -69,28 +69,13 @@ def test_strip_names_the_layers_that_have_what_it_cannot_take_out(tmp_path: Path
     printed = cli("strip", shot, "-o", bare, code=3).output
     assert "is written in rig.usda, so it cannot be taken out here: strip that layer" in printed
     cli("constrain", shot, "-o", more, "--child", "Sword", "--driver", "a", code=0)
-    printed = cli("strip", more, "-o", bare, code=3).output
-    assert "is written in more.usda and in rig.usda" in printed
+    printed = cli("strip", more, "-o", bare, code=0).output
+    assert "The rig of rig.usda stays" in printed
+    assert bare.read_text() == shot.read_text()
+    cli("constrain", shot, "-o", again, "--child", "Skin", "--driver", "a/b", code=0)
+    printed = cli("strip", again, "-o", tmp_path / "no.usda", code=3).output
+    assert "is written in again.usda and in rig.usda" in printed
     assert "Strip rig.usda" in printed
-
-
-@pytest.mark.parametrize("what", ["rivet", "reader", "weight"])
-def test_rivets_and_readers_of_two_references_are_baked_each_for_its_own(what: str, tmp_path: Path) -> None:
-    hero, rig, two, out = (tmp_path / f"{name}.usda" for name in ("hero", "rig", "two", "out"))
-    hero.write_text(scene(skeleton(), animation(), MESH))
-    reader = ("add-posereader", "--driver", "b", "--target", "bent=Anim@3")
-    given = {
-        "rivet": ("add-rivet", "--mesh", "Skin", "--at", "0,2.5,0"),
-        "reader": (*reader, "--joint", "bent", "c", "tx=1"),
-        "weight": reader,
-    }
-    command, *options = given[what]
-    cli(command, hero, "-o", rig, *options, code=0)
-    one = INSTANCED.replace("hero", "rig").replace("true", "false")
-    two.write_text(one + one.split("\n", 1)[1].replace('"A"', '"B"'))
-    printed = cli("bake", two, "-o", out, "--to", "joints", code=0).output
-    assert "keeps its keys" not in printed
-    assert out.read_bytes() == two.read_bytes()
 
 
 def referenced(name: str, file: str = "hero.usda", more: str = "", body: str = "") -> str:

@@ -82,6 +82,22 @@ def test_instances_stay_where_they_are(options: list[str], size: float, below: b
     assert np.allclose(one * (3.0 * size if below else 1.0), other)
 
 
+def test_instances_stay_where_they_are_with_another_up_axis(tmp_path: Path) -> None:
+    text = stage_of(below=True, scales=True)
+    more = "vector3f[] accelerations = [(1, 2, 3), (0, 0, 1), (0, 1, 0)]"
+    text = text.replace("int[] protoIndices", f"{more}\n    int[] protoIndices")
+    source, out = save(tmp_path, text), tmp_path / "out.usda"
+    cli("freeze", source, "-o", out, "--up-axis", "z", code=0)
+    for time in (1.0, 3.0, 5.0):
+        before, after = drawn(source, time), drawn(out, time)
+        assert np.abs(before[:, [0, 2, 1]] * (1, -1, 1) - after).max() < 1e-6 * np.abs(before).max()
+    stage = Usd.Stage.Open(str(out))
+    army = UsdGeom.PointInstancer(stage.GetPrimAtPath("/World/Army"))
+    assert np.allclose(army.GetAccelerationsAttr().Get()[0], (1, -3, 2))
+    assert np.allclose(army.GetScalesAttr().Get(), [(1, 1, 1), (2, 1, 1), (1, 1, 1.5)])
+    assert np.allclose(army.GetExtentAttr().Get(), [(-1, -5, -1), (7, 1, 2)])
+
+
 def test_what_an_instancer_draws_is_not_turned(tmp_path: Path) -> None:
     turned = 'double xformOp:rotateY = 30\nuniform token[] xformOpOrder = ["xformOp:rotateY"]'
     source = save(tmp_path, stage_of(below=False, scales=True, above=turned))

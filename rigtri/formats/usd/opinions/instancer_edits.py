@@ -1,8 +1,9 @@
-"""Point instancers where what they draw, or they themselves, get frames of another size.
+"""Point instancers where what they draw, or they themselves, get other frames.
 
 An instance stands at X from its prototype, within the instancer. Where the prim above the prototype gets the
 frame Cp and the instancer Ci (``reorient_xforms``), all stay where they are with X' = Cp·X·Ci⁻¹. For sizes
-alone that is other positions and scales; turned, `orientations` of half floats could not hold it.
+alone that is other positions and scales. Where both are turned alike, by quarter turns, as an up axis is, it
+exchanges axes; by other rotations `orientations` of half floats could not hold it.
 
 Source: UsdGeomPointInstancer (ComputeInstanceTransformsAtTime, IncludeProtoXform).
 """
@@ -20,18 +21,21 @@ from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_locked
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.opinions.edits import Edit, set_value
 from rigtri.formats.usd.reading.source import Source
-from rigtri.maths.quaternions import IDENTITY
+from rigtri.maths.quaternions import conjugate, to_axes
 from rigtri.maths.trigonometry import Floats
 
-# What of an instancer is a length in its own frame.
-_LENGTHS = ("positions", "velocities", "accelerations", "extent")
+# Rotations this near to quarter turns are these.
+_QUARTERS = 1e-6
+
+# New rows for those of an array.
+Change = Callable[[np.ndarray], np.ndarray]
 
 
-def scale_instancers(source: Source, frame_at: Callable[[Any], tuple[Floats, float]]) -> Iterator[Edit]:
-    """The positions and scales of instances. frame_at: how the frame at a prim's path differs, as a rotation
-    (4,) and a size.
+def move_instancers(source: Source, frame_at: Callable[[Any], tuple[Floats, float]]) -> Iterator[Edit]:
+    """Where instances are, and how they are turned and sized. frame_at: how the frame at a prim's path
+    differs, as a rotation (4,) and a size.
 
-    FileError where an instancer cannot be edited, or would draw something turned or mirrored.
+    FileError where an instancer cannot be edited, or would draw something turned otherwise or mirrored.
     """
     for prim in source.instances.prims():
         if not prim.IsA(UsdGeom.PointInstancer):
@@ -40,7 +44,10 @@ def scale_instancers(source: Source, frame_at: Callable[[Any], tuple[Floats, flo
         turn, size = frame_at(prim.GetPath())
         frames = [frame_at(target.GetParentPath()) for target in targets]
         sizes = {held for _, held in frames} or {size}
-        if any((each != IDENTITY).any() for each in (turn, *(rotation for rotation, _ in frames))):
+        axes = to_axes(conjugate(turn))
+        quarters = np.rint(axes)
+        others = [np.abs(to_axes(conjugate(rotation)) - axes).max() for rotation, _ in frames]
+        if max(np.abs(axes - quarters).max(), *others, 0.0) > _QUARTERS:
             raise FileError(
                 f"What <{prim.GetPath()}> draws would be turned, and its orientations cannot hold that "
                 "exactly. Freeze scale or unit alone, with --scale or --unit"
@@ -50,26 +57,45 @@ def scale_instancers(source: Source, frame_at: Callable[[Any], tuple[Floats, flo
                 f"Prototypes of <{prim.GetPath()}> would get different sizes or be mirrored. Put them below "
                 "one prim without scale"
             )
-        for name in _LENGTHS if size != 1.0 else ():
-            yield from _times(prim, name, 1.0 / size)
-        if (factor := sizes.pop() / size) != 1.0:
-            yield from _times(prim, "scales", factor) or _scales(prim, factor)
+        turned = bool((quarters != np.eye(3)).any())
+        if turned or size != 1.0:
+            yield from _vectors(prim, quarters, size)
+        factor = sizes.pop() / size
+        scaled = _changed(prim, "scales", lambda rows, f=factor, q=quarters: rows @ np.abs(q) * f)
+        if turned or factor != 1.0:
+            yield from scaled or (_scales(prim, factor) if factor != 1.0 else ())
 
 
-def _times(prim: Any, name: str, factor: float) -> list[Edit]:
-    """An array of vectors that is longer; nothing where it has no value."""
+def _vectors(prim: Any, axes: Floats, size: float) -> Iterator[Edit]:
+    """The arrays of vectors in the frame of an instancer, in other axes; lengths in another size, too."""
+    for name in ("positions", "velocities", "accelerations"):
+        yield from _changed(prim, name, lambda rows: rows @ axes / size)
+    # Corners of a box exchange their numbers.
+    yield from _changed(prim, "extent", lambda rows: np.sort(rows @ axes / size, axis=0))
+    yield from _changed(prim, "angularVelocities", lambda rows: rows @ axes)
+    for name in ("orientations", "orientationsf"):
+        yield from _changed(prim, name, lambda rows: np.hstack([rows[:, :3] @ axes, rows[:, 3:]]))
+
+
+def _changed(prim: Any, name: str, change: Change) -> list[Edit]:
+    """An array of vectors or quaternions with other numbers; nothing where it has no value, or keeps them."""
     attribute = prim.GetAttribute(name)
     if not attribute.HasAuthoredValue():
         return []
-    refuse(why_locked(prim, (name,)))
 
-    def longer(value: Any) -> Any:
+    def other(value: Any) -> Any:
+        if value is None:
+            return value
+        rows = np.array(value)
         return (
-            value if value is None else Vt.Vec3fArray.FromNumpy((np.array(value) * factor).astype(np.float32))
+            type(value).FromNumpy(change(rows.astype(np.float64)).astype(rows.dtype)) if len(rows) else value
         )
 
-    samples = {time: longer(value) for time, value in time_samples(attribute)}
-    default = longer(attribute.Get(DEFAULT))
+    times, single = time_samples(attribute), attribute.Get(DEFAULT)
+    samples, default = {time: other(value) for time, value in times}, other(single)
+    if default == single and all(samples[time] == value for time, value in times):
+        return []
+    refuse(why_locked(prim, (name,)))
     return [set_value(prim.GetPath(), name, attribute.GetTypeName(), default, samples=samples)]
 
 

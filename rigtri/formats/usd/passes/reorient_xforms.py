@@ -21,7 +21,7 @@ from rigtri.errors import FileError, GeometryError
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, tokens_of, why_locked
 from rigtri.formats.usd.composition.time_samples import ops_times
 from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_tokens, set_value
-from rigtri.formats.usd.opinions.instancer_edits import scale_instancers
+from rigtri.formats.usd.opinions.instancer_edits import move_instancers
 from rigtri.formats.usd.opinions.xform_edits import (
     SAME_ROTATION,
     op_value,
@@ -95,7 +95,7 @@ def reorient_xforms(edit: UsdEdit) -> None:
         node = next((nodes[str(one)] for one in path.GetAncestorsRange() if str(one) in nodes), -1)
         return top if node < 0 else found.get(node, _Frame())
 
-    edit.values += scale_instancers(edit.source, frame_at)
+    edit.values += move_instancers(edit.source, frame_at)
 
 
 def _check_instances(rig: Rig, found: Mapping[int, _Frame]) -> None:

@@ -18,8 +18,10 @@ from typing import Any, Literal, Union, get_args, get_origin
 
 from pxr import Gf, Sdf, Tf, Usd, Vt
 
+from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.model import metadata as records
 from rigtri.model.metadata import RECORDS, REFERENCES, Place, Stored
+from rigtri.model.rig import Rig
 
 PREFIX = "rigtri:"
 TWIN = "userProperties:"
@@ -68,6 +70,22 @@ def read_prim(prim: Any) -> dict[str, Any]:
                 place = place[space]
             place[key] = _plain(value)
     return {**_twins(prim, metadata), **{key: _unpacked(value) for key, value in metadata.items()}}
+
+
+def elsewhere(stage: Any, rig: Rig, layer: Any) -> dict[int, str]:
+    """The nodes of rigtri, or with its metadata, that another layer than ``layer`` has too, and its name."""
+    found = {}
+    for node in rig.own | rig.metadata.keys():
+        what, path, *_ = parts(rig.keys[node])
+        prim = stage.GetPrimAtPath(path)
+        if node in rig.own and what == "prim":
+            specs = prim.GetPrimStack()
+        else:
+            stored = prim.GetAuthoredPropertiesInNamespace("rigtri")
+            specs = [spec for each in stored for spec in each.GetPropertyStack()]
+        if others := [spec.layer for spec in specs if spec.layer != layer]:
+            found[node] = str(others[-1].GetDisplayName())
+    return found
 
 
 def _twins(prim: Any, metadata: Metadata) -> dict[str, list[str]]:
