@@ -89,10 +89,27 @@ class NodeNames(Hierarchy, ABC):
         for node, label in enumerate(self.labels):
             whole = {self._path(node): None} if self.holders else {}
             shared = {self.title(node): None} if self.names[node] != self.title(node) else {}
-            for way in {label: None, self.path(node): None, **whole, **shared}:
+            ways = {label: None, self.path(node): None, self._qualified[node]: None}
+            for way in {**ways, **whole, **shared}:
                 found.setdefault(way, []).append(node)
         for bone, node in self.humanoid.items():
             found.setdefault(f"vrm:{bone}", []).append(node)
+        return found
+
+    @cached_property
+    def _qualified(self) -> list[str]:
+        """The labels, with what holds a joint in front where labels are paths: ``/Hero/Skel:hips/spine``.
+
+        So are joints labelled that several skeletons of a file share: a script may name all of them alike.
+        """
+        held: list[str] = []
+        found: list[str] = []
+        for node, label in enumerate(self.labels):
+            parent = int(self.parents[node])
+            above = held[parent] if parent >= 0 else ""
+            is_path = label.startswith("/")
+            held.append(above if self.is_joint[node] or not is_path else label)
+            found.append(label if is_path or not above else f"{above}:{label}")
         return found
 
     @property
@@ -103,6 +120,7 @@ class NodeNames(Hierarchy, ABC):
     def find(self, name: str, kind: str = "joint") -> int:
         """The one node called ``name``: its name, its label (``#3``), its path, its `title`, or ``vrm:head``.
 
+        A joint of USD is also called by its Skeleton and token, ``/Hero/Skel:hips/spine``.
         Raises NameNotFoundError, or AmbiguousNameError where several share the name.
         """
         if not isinstance(name, str):
@@ -146,7 +164,7 @@ class NodeNames(Hierarchy, ABC):
             for node in nodes
             if any(
                 fnmatchcase(text, pattern)
-                for text in (self.names[node], self.labels[node], self.path(node))
+                for text in (self.names[node], self.labels[node], self._qualified[node], self.path(node))
                 if text
             )
         ]

@@ -380,3 +380,10 @@ def test_an_edit_and_its_check_read_meshes_once(tmp_path: Path) -> None:
     document = read(save(tmp_path, scene(skeleton(), animation(), MESH)))
     assert document.outlines()[0] is document.rig.content.read_outlines()[0]
     assert document.meshes()[0] is document.rig.content.meshes[0]
+
+
+def test_a_joint_is_called_by_its_skeleton_and_token_also_where_no_other_has_it(tmp_path: Path) -> None:
+    rig = read(save(tmp_path, scene(skeleton(), animation(), MESH))).rig
+    assert rig.find("/Root/Skel:a/b") == rig.find("b")
+    assert rig.match("/Root/Skel:a/*") == [rig.find("b"), rig.find("c")]
+    assert rig.known("/Root/Other:a/b") is None
