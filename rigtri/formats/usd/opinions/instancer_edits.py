@@ -11,6 +11,7 @@ Source: UsdGeomPointInstancer (ComputeInstanceTransformsAtTime, IncludeProtoXfor
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_locked
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.opinions.edits import Edit, set_value
 from rigtri.formats.usd.reading.source import Source
+from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import conjugate, to_axes
 from rigtri.maths.trigonometry import Floats
 
@@ -57,24 +59,32 @@ def move_instancers(source: Source, frame_at: Callable[[Any], tuple[Floats, floa
                 f"Prototypes of <{prim.GetPath()}> would get different sizes or be mirrored. Put them below "
                 "one prim without scale"
             )
+        # Of a vector in the new axes each number is one of the old numbers, or its opposite.
+        order = np.abs(quarters).argmax(axis=0)
+        signs = quarters[order, np.arange(3)]
         turned = bool((quarters != np.eye(3)).any())
         if turned or size != 1.0:
-            yield from _vectors(prim, quarters, size)
+            yield from _vectors(prim, order, signs, size)
         factor = sizes.pop() / size
-        scaled = _changed(prim, "scales", lambda rows, f=factor, q=quarters: rows @ np.abs(q) * f)
         if turned or factor != 1.0:
-            yield from scaled or (_scales(prim, factor) if factor != 1.0 else ())
+            resize = partial(_picked, order=order, factor=factor)
+            yield from _changed(prim, "scales", resize) or (_scales(prim, factor) if factor != 1.0 else ())
 
 
-def _vectors(prim: Any, axes: Floats, size: float) -> Iterator[Edit]:
+def _vectors(prim: Any, order: Integers, signs: Floats, size: float) -> Iterator[Edit]:
     """The arrays of vectors in the frame of an instancer, in other axes; lengths in another size, too."""
+    turn, move = (partial(_picked, order=order, factor=factor) for factor in (signs, signs / size))
     for name in ("positions", "velocities", "accelerations"):
-        yield from _changed(prim, name, lambda rows: rows @ axes / size)
+        yield from _changed(prim, name, move)
     # Corners of a box exchange their numbers.
-    yield from _changed(prim, "extent", lambda rows: np.sort(rows @ axes / size, axis=0))
-    yield from _changed(prim, "angularVelocities", lambda rows: rows @ axes)
+    yield from _changed(prim, "extent", lambda rows: np.sort(move(rows), axis=0))
+    yield from _changed(prim, "angularVelocities", turn)
     for name in ("orientations", "orientationsf"):
-        yield from _changed(prim, name, lambda rows: np.hstack([rows[:, :3] @ axes, rows[:, 3:]]))
+        yield from _changed(prim, name, lambda rows: np.hstack([turn(rows[:, :3]), rows[:, 3:]]))
+
+
+def _picked(rows: Floats, order: Integers, factor: Floats | float) -> Floats:
+    return np.asarray(rows[:, order] * factor)
 
 
 def _changed(prim: Any, name: str, change: Change) -> list[Edit]:
