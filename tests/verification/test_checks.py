@@ -27,6 +27,7 @@ from wrong_values import refusal
 
 from rigtri.verification.checks import RULES, Finding, check
 from rigtri.verification.checks.findings import Findings
+from rigtri.verification.checks.gltf.tolerant_reader import View
 from rigtri.verification.checks.usd import usd_validation
 
 BROKEN = GLTF | VRM | USD | AXES | {"clips.far": [*GLTF["clips.far"], *USD["clips.far"]]}
@@ -302,6 +303,26 @@ def test_the_bounds_of_keys_that_are_read_together_are_each_looked_at(wrong: obj
     found = [item for item in check(path) if f"/accessors/{samplers[1]['output']}/" in item.pointer]
     assert [item.id for item in found] == ["gltf.accessor.bounds" if wrong == 1e9 else "gltf.json.value"]
     assert not [item for item in check(path) if f"/accessors/{samplers[0]['output']}/" in item.pointer]
+
+
+def test_accessors_of_clips_are_read_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All that samplers name are; a number that names none waits for what says so."""
+    path = tmp_path / "in.glb"
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    samplers = gltf["animations"][0]["samplers"]
+    named = {sampler[key] for sampler in samplers for key in ("input", "output")}
+    gltf["animations"] = gltf["animations"][:1]
+    samplers[0]["input"], samplers[1]["output"], samplers[2]["input"] = -1, len(gltf["accessors"]), True
+    left = {sampler[key] for sampler in samplers for key in ("input", "output")} - {
+        -1,
+        len(gltf["accessors"]),
+        True,
+    }
+    path.write_bytes(glb_bytes(json.dumps(gltf).encode(), binary))
+    read = list[int]()
+    monkeypatch.setattr(View, "read_together", lambda self, indices: read.extend(indices))
+    check(path)
+    assert set(read) == left < named
 
 
 def test_findings_of_openusd_are_told_with_their_place(

@@ -77,7 +77,7 @@ def _off(was: Track, now: Track, missed: float) -> Floats:
     if np.array_equal(was.times, times) and np.array_equal(was.values, now.values):
         return np.zeros(len(times))
     ours = [sample(was, times)]
-    if was.interpolation == "STEP" and len(was.times) > 1:
+    if was.interpolation == "STEP":
         ours += [sample(was, times - missed), sample(was, times + missed)]
     if was.path == "rotation" and was.interpolation == "LINEAR" and len(was.times) > 1:
         ours.append(_straight(was, times))

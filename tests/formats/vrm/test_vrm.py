@@ -14,6 +14,8 @@ from vrm_files import vrm_0, vrm_1
 from rigtri.errors import FileError
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe
+from rigtri.frames.rescale import rescale
+from rigtri.maths import vectors
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.report import Report
@@ -42,6 +44,17 @@ def test_vrm_1_offsets_stay_where_they_are_in_the_world(tmp_path: Path) -> None:
     for old, new in zip(document.rig.bound, after.bound, strict=True):
         before = np.append(old.vector, 1) @ document.rig.world[old.node]
         np.testing.assert_allclose(np.append(new.vector, 1) @ after.world[new.node], before, atol=1e-12)
+
+
+def test_in_another_size_of_nodes_vectors_are_as_long_in_the_world_and_normals_of_length_one(
+    tmp_path: Path,
+) -> None:
+    rig = opened(avatar(1), tmp_path).rig
+    half = rescale(rig, np.full(len(rig.names), 0.5))
+    assert [vectors.length(one.vector) for one in half.bound if one.is_direction] == pytest.approx([1.0])
+    for old, new in zip(rig.bound, half.bound, strict=True):
+        if not old.is_direction:
+            np.testing.assert_allclose(new.vector, 2.0 * old.vector)
 
 
 def test_vrm_1_numbers_by_hand(tmp_path: Path) -> None:
