@@ -236,13 +236,16 @@ def test_a_relinked_gltf_points_back_at_its_old_buffer(samples: Path, tmp_path: 
     assert len(read(tmp_path / "out.gltf", ReadOptions(allow_external_paths=True)).meshes())
 
 
-def test_the_part_of_a_run_that_was_killed_is_removed_by_the_next(samples: Path, tmp_path: Path) -> None:
+def test_parts_of_a_run_that_was_killed_are_removed_by_the_next(samples: Path, tmp_path: Path) -> None:
     dead = tmp_path / ".out.part-999999999.glb"
+    beside = tmp_path / "textures" / ".skin.png.part-999999999"
     alive = tmp_path / f".out.part-{os.getppid()}.glb"
-    for part in (dead, alive):
+    beside.parent.mkdir()
+    for part in (dead, beside, alive):
         part.write_bytes(b"half")
     edit(samples / "biped.glb", tmp_path / "out.glb", orient)
     assert not dead.exists()
+    assert not beside.exists()
     assert alive.exists()
 
 
