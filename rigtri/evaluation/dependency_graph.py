@@ -73,8 +73,7 @@ def dependencies(rig: Rig, without: int | None = None) -> Dependencies:
             for child in rule.chain or (rule.child,):
                 found.setdefault(child, set()).update(rule.sources)
     for constraint in rig.node_constraints:
-        if constraint.kind != "tail":
-            found.setdefault(constraint.node, set()).add(constraint.source)
+        found.setdefault(constraint.node, set()).add(constraint.source)
     return found
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import pytest
 from rigs import rig_of
 
-from rigtri.evaluation.dependency_graph import ControlCycleError, in_order, steps_for
+from rigtri.evaluation.dependency_graph import ControlCycleError, dependencies, in_order, steps_for
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 
 # a, with b and c below each other, and d beside them with e below.
@@ -32,6 +33,12 @@ class Uses:
 @pytest.fixture
 def rig() -> Rig:
     return rig_of(NAMES, PARENTS, np.zeros((5, 3)))
+
+
+@pytest.mark.parametrize("kind", ["rotation", "aim", "roll"])
+def test_constraints_that_the_format_has_make_nodes_depend_on_their_sources(kind: Any, rig: Rig) -> None:
+    rule = NodeConstraint(kind, 4, 1, np.array([1.0, 0.0, 0.0]), ("nodes", 4))
+    assert dependencies(replace(rig, node_constraints=(rule,)))[4] == {3, 1}
 
 
 def ordered(rig: Rig, *steps: Any) -> list[str]:
