@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +12,7 @@ from numpy.testing import assert_allclose
 from rigs import rig_of
 
 from rigtri.recognition.body_hinges import _lateral
-from rigtri.recognition.character_joints import _BODY, _alike_bodies
+from rigtri.recognition.character_joints import _BODY, _MANY, _alike_bodies, _tops
 from rigtri.recognition.one_character import of_character
 
 NAMES = ["root", "man", "arm", "prop", "arm", "hand", "woman", "arm", "leg"]
@@ -95,3 +96,24 @@ def test_from_one_side_to_the_other_is_as_legs_and_arms_begin(limbs: list[Any], 
 def test_two_branches_as_large_and_as_far_are_two_of_a_crowd(sizes: Any, reaches: Any, alike: bool) -> None:
     tree: Any = SimpleNamespace(size=sizes, reach=reaches)
     assert _alike_bodies(tree, 0, 1) is alike
+
+
+@pytest.mark.parametrize(
+    ("below", "joints", "tops"),
+    [
+        ({-1: [0], 0: [1, 2], 1: [], 2: []}, {1, 2}, [1, 2]),
+        ({-1: [0], 0: [1], 1: []}, {1}, [0]),
+        ({-1: [0], 0: [1, 2], 1: [], 2: []}, {0, 1, 2}, [0]),
+        ({-1: [0], 0: [1, 2], 1: [], 2: []}, set(), [0]),
+        # Containers in containers, and a root beside them.
+        ({-1: [0, 6], 0: [1, 2], 1: [3, 4], 2: [5], 3: [], 4: [], 5: [], 6: []}, {3, 4, 5, 6}, [2, 3, 4, 6]),
+        ({-1: [0], 0: [*range(1, _MANY + 1)]}, {5}, [*range(1, _MANY + 1)]),
+        ({-1: [0], 0: [*range(1, _MANY + 2)]}, {5}, [0]),
+    ],
+)
+def test_skeletons_begin_below_containers_of_several_things_that_are_no_joints(
+    below: dict[int, list[int]], joints: set[int], tops: list[int]
+) -> None:
+    is_joint = np.isin(np.arange(_MANY + 2), list(joints))
+    tree: Any = SimpleNamespace(rig=SimpleNamespace(is_joint=is_joint), below=defaultdict(list, below))
+    assert _tops(tree) == tops
