@@ -110,13 +110,16 @@ def _attributes(prim: Any, mesh: Mesh, surface: Surface, scene: Scene) -> None:
             scene.lose(f"mesh {mesh.name}: {name.partition(' of ')[0]} of morph targets")
 
 
-def bind(prim: Any, skeleton: str, joints: Integers, weights: Floats, geom_bind: Floats) -> None:
-    """Let a skeleton move a prim. joints: rows of the skeleton, (v, k), or (1, 1) where one moves all
-    points.
-    """
+def bind(prim: Any, skeleton: str, geom_bind: Floats) -> None:
+    """Let a skeleton move a prim."""
     binding = UsdSkel.BindingAPI.Apply(prim.GetPrim())
     binding.CreateSkeletonRel().SetTargets([skeleton])
     binding.CreateGeomBindTransformAttr(values.matrix(geom_bind))
+
+
+def influence(prim: Any, joints: Integers, weights: Floats) -> None:
+    """Which joints move the points of a prim: rows of its skeleton, (v, k), or (1, 1) where one moves all."""
+    binding = UsdSkel.BindingAPI.Apply(prim.GetPrim())
     constant, width = len(joints) == 1, joints.shape[1]
     binding.CreateJointIndicesPrimvar(constant, width).Set(values.integers(joints))
     binding.CreateJointWeightsPrimvar(constant, width).Set(values.floats(weights))

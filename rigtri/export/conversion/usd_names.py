@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from rigtri.formats.usd.identifiers import identifier
 
@@ -52,3 +53,9 @@ def node_identifiers(names: Sequence[str], labels: Sequence[str]) -> list[str]:
         kept[k] if k in kept else given.unique(name, f"node{label.replace('#', '_')}")
         for k, (name, label) in enumerate(zip(names, labels, strict=True))
     ]
+
+
+def name_prim(prim: Any, name: str, word: str) -> None:
+    """Give a prim its name as display name where its identifier ``word`` is another."""
+    if name and name != word:
+        prim.SetDisplayName(name)

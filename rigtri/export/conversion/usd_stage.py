@@ -10,33 +10,31 @@ from dataclasses import field
 from typing import Any
 
 import numpy as np
-from pxr import Kind, Usd, UsdGeom, UsdShade, UsdSkel, Vt
+from pxr import Kind, Usd, UsdGeom, UsdSkel, Vt
 
 from rigtri.evaluation.sampling import Motion, key_times, worlds
-from rigtri.export.conversion import usd_clips, usd_meshes
+from rigtri.export.conversion import usd_clips
 from rigtri.export.conversion import usd_values as values
-from rigtri.export.conversion.scene import Image, Primitive, Scene
+from rigtri.export.conversion.scene import Image, Scene
 from rigtri.export.conversion.usd_cameras_lights import define_camera, define_light
 from rigtri.export.conversion.usd_joint_scales import (
     half_scales,
     lost_scales,
-    scalings,
     with_half_scales,
     without_steady_scales,
 )
 from rigtri.export.conversion.usd_materials import MaterialWriter
-from rigtri.export.conversion.usd_names import Names, distinct, node_identifiers
+from rigtri.export.conversion.usd_names import Names, distinct, name_prim, node_identifiers
+from rigtri.export.conversion.usd_primitives import PrimitiveWriter, hide
 from rigtri.export.conversion.usd_samples import frame_times, rate_of
 from rigtri.export.conversion.usd_skeletons import Skeleton, joints_of, plan_skeletons
 from rigtri.formats.usd.codeless_schemas import register_usd_schemas
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.identifiers import identifier
-from rigtri.maths.arrays import Integers
-from rigtri.maths.matrices import decompose, identity, multiply
+from rigtri.maths.matrices import decompose, identity
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path
 from rigtri.model.dataclass import dataclass
-from rigtri.model.mesh import Mesh
 from rigtri.progress import counted
 from rigtri.report import Notice
 from rigtri.text import and_more
@@ -98,8 +96,9 @@ class _Writer:
         self.root = f"/{identifier(scene.name, 'Root')}"
         self.names = Names([*self.words, self.root[1:], "Materials", "Animations", "Looks"])
         self._place = place
-        self._prototypes: dict[Any, str] = {}
-        self._bound: dict[int, str] = {}
+        self.primitives = PrimitiveWriter(
+            self.stage, scene, self.rig, self.sizes, self.skeletons, self.joints, self.names, self.root
+        )
 
     def write(self) -> WrittenStage:
         self._metadata()
@@ -107,7 +106,7 @@ class _Writer:
         self._skeletons(above)
         self._materials()
         for node, primitives in self.scene.primitives.items():
-            self.result.primitives[node] = [self._primitive(node, one, above) for one in primitives]
+            self.result.primitives[node] = [self.primitives.write(node, one, above) for one in primitives]
         self._lenses(above)
         self._clips()
         return self.result
@@ -147,7 +146,7 @@ class _Writer:
             path = f"{paths[int(rig.parents[node])]}/{self.words[node]}"
             prim = UsdGeom.Xform.Define(self.stage, path)
             uneven[node] = usd_clips.write_xform(prim, rig, node, self.clip, self.rate)
-            self._name(prim.GetPrim(), rig.names[node], self.words[node])
+            name_prim(prim.GetPrim(), rig.names[node], self.words[node])
             if node in self.scene.extras:
                 extras = values.dictionary({"of": self.scene.extras[node]})["of"]
                 prim.GetPrim().SetCustomDataByKey("extras", extras)
@@ -162,11 +161,6 @@ class _Writer:
                 f"up to {max(uneven.values()):.1e} rad off"
             )
         return paths
-
-    @staticmethod
-    def _name(prim: Any, name: str, word: str) -> None:
-        if name and name != word:
-            prim.SetDisplayName(name)
 
     def _skeletons(self, above: Mapping[int, str]) -> None:
         for skeleton in self.skeletons:
@@ -224,93 +218,13 @@ class _Writer:
             material = self.scene.materials[number]
             word = names.unique(material.name, "Material")
             prim = writer.write(material, f"{self.root}/Materials/{word}", coloured=number in coloured)
-            self._name(prim.GetPrim(), material.name, word)
-            self._bound[number] = str(prim.GetPath())
+            name_prim(prim.GetPrim(), material.name, word)
+            self.primitives.bound[number] = str(prim.GetPath())
 
     def _asset(self, image: Image) -> str:
         path = self._place(image)
         self.result.images[path] = image
         return path
-
-    def _primitive(self, node: int, primitive: Primitive, above: Mapping[int, str]) -> str:
-        mesh = primitive.mesh
-        skeleton = self._moved_by(node, mesh)
-        holder = above[node] if skeleton is None or node in above else above[skeleton.parent]
-        path = f"{holder}/{self.names.unique(primitive.name, 'Mesh')}"
-        alone = skeleton is None
-        if alone and primitive.shared in self._prototypes:
-            first = self.stage.GetPrimAtPath(self._prototypes[primitive.shared])
-            prim = self.stage.DefinePrim(path, first.GetTypeName())
-            prim.GetReferences().AddInternalReference(first.GetPath())
-        else:
-            sided = primitive.material is not None and self.scene.materials[primitive.material].double_sided
-            made = usd_meshes.define(self.stage, path, primitive, self.scene, double_sided=sided)
-            if made is None:
-                return ""
-            prim = made.GetPrim()
-            if alone:
-                self._prototypes[primitive.shared] = path
-        self._name(prim, primitive.name, prim.GetName())
-        self._hide(prim, node, above)
-        if primitive.material is not None:
-            UsdShade.MaterialBindingAPI.Apply(prim).Bind(
-                UsdShade.Material.Get(self.stage, self._bound[primitive.material])
-            )
-        if skeleton is not None:
-            self._bind(prim, primitive, node, skeleton)
-        return path
-
-    def _hide(self, prim: Any, node: int, above: Mapping[int, str]) -> None:
-        """Hide what a node shows that is hidden and has no prim of its own: a joint, or below one."""
-        if node in self.scene.hidden and node not in above:
-            UsdGeom.Imageable(prim).MakeInvisible()
-
-    def _moved_by(self, node: int, mesh: Mesh) -> Skeleton | None:
-        """The Skeleton that moves a mesh of a node, None for none."""
-        if mesh.skin is not None:
-            return next(s for s in self.skeletons if mesh.skin in s.skins)
-        if node in self.joints:
-            return next(s for s in self.skeletons if node in s.joints)
-        if len(mesh.morphs):
-            return next(s for s in self.skeletons if s.morphed == node)
-        return None
-
-    def _bind(self, prim: Any, primitive: Primitive, node: int, skeleton: Skeleton) -> None:
-        mesh = primitive.mesh
-        row = {joint: k for k, joint in enumerate(skeleton.joints)}
-        one = np.ones((1, 1))
-        if mesh.skin is not None:
-            rows: Integers = np.array([row[joint] for joint in self.rig.skins[mesh.skin].joints.tolist()])
-            joints, weights = usd_meshes.influences(mesh, rows)
-            usd_meshes.bind(prim, skeleton.path, joints, weights, skeleton.skins[mesh.skin])
-        else:
-            place = multiply(scalings(self.sizes[node]), skeleton.bind.get(node, np.eye(4)))
-            number = row[node] if skeleton.joints else 0
-            usd_meshes.bind(prim, skeleton.path, np.full((1, 1), number), one, place)
-        if len(mesh.morphs):
-            tokens = [self._shapes[node, k] for k in range(len(mesh.morphs))]
-            usd_meshes.blend_shapes(self.stage, prim, mesh, primitive.surface, tokens)
-
-    @property
-    def _shapes(self) -> dict[tuple[int, int], str]:
-        """The blend shapes of all meshes, by node and number of the morph target."""
-        if not hasattr(self, "_known_shapes"):
-            names, self._known_shapes = Names(), {}
-            for node, primitives in self.scene.primitives.items():
-                mesh = primitives[0].mesh
-                for k in range(max(len(p.mesh.morphs) for p in primitives)):
-                    name = mesh.morph_names[k] if k < len(mesh.morph_names) else f"target_{k}"
-                    self._known_shapes[node, k] = names.unique(name, "target")
-        return self._known_shapes
-
-    def _shapes_of(self, skeleton: Skeleton) -> dict[tuple[int, int], str]:
-        nodes = {
-            node
-            for node, some in self.scene.primitives.items()
-            for one in some
-            if len(one.mesh.morphs) and self._moved_by(node, one.mesh) is skeleton
-        }
-        return {key: name for key, name in self._shapes.items() if key[0] in nodes}
 
     def _clips(self) -> None:
         rig, names = self.rig, Names()
@@ -322,20 +236,20 @@ class _Writer:
             found: dict[str, str] = {}
             self.result.halves.append(set(half_scales(rig, self.joints, clip)))
             for skeleton in self.skeletons:
-                shapes = self._shapes_of(skeleton)
+                shapes = self.primitives.shapes_of(skeleton)
                 word = names.unique(title, "clip")
                 path = f"{holder}/{word}"
                 if usd_clips.write_animation(self.stage, path, rig, skeleton, clip, shapes, self.rate):
                     found[skeleton.path] = path
                     many = usd_clips.many_samples(self.stage.GetPrimAtPath(path), rig, clip)
                     self.scene.notices += [Notice("many-samples", many)] if many else []
-                    self._name(self.stage.GetPrimAtPath(path), title if clip.name else "", word)
+                    name_prim(self.stage.GetPrimAtPath(path), title if clip.name else "", word)
             self.result.clips.append(found)
         for words in lost_scales(rig, self.joints, self.result.halves):
             self.scene.lose(words)
         for skeleton in self.skeletons:
             source = next((c[skeleton.path] for c in self.result.clips[:1] if skeleton.path in c), "")
-            shapes = self._shapes_of(skeleton)
+            shapes = self.primitives.shapes_of(skeleton)
             resting = any(p.mesh.morph_weights.any() for k, _ in shapes for p in self.scene.primitives[k])
             if not source and shapes and resting:
                 source = f"{holder}/{names.unique('rest')}"
@@ -356,9 +270,9 @@ class _Writer:
                 holder = above.get(node)
                 prim = define(self.stage, f"{holder or self.root}/{word}", lens, self.scene)
                 if prim is not None:
-                    self._name(prim.GetPrim(), lens.name, word)
+                    name_prim(prim.GetPrim(), lens.name, word)
                     if lenses is self.scene.lights:  # what is hidden can be looked from
-                        self._hide(prim.GetPrim(), node, above)
+                        hide(prim.GetPrim(), self.scene, node, above)
                     self.result.primitives.setdefault(node, []).append(str(prim.GetPath()))
                     if holder is None:
                         self._bake(prim, node)

@@ -566,3 +566,20 @@ def test_morph_targets_of_a_mesh_without_a_skin_are_blend_shapes(clips: bool, tm
     rigtri.convert(tmp_path / "out.usda", back)
     (shown,) = rigtri.read(back).meshes
     assert shown.morphs[0].tolist() == [[0, 0, 1]] * 3
+
+
+def test_characters_of_a_crowd_share_their_points_and_are_edited_each_by_itself(tmp_path: Path) -> None:
+    shutil.copy(SAMPLES / "biped.usda", tmp_path / "hero.usda")
+    shot, out, edited = (tmp_path / name for name in ("shot.usda", "out.usda", "edited.usda"))
+    each = (f'def Xform "{name}" (references = @./hero.usda@)\n{{\n}}\n' for name in "AB")
+    shot.write_text("#usda 1.0\n" + "".join(each), "utf-8")
+    rigtri.convert(shot, tmp_path / "shot.glb")
+    rigtri.convert(tmp_path / "shot.glb", out)
+    stage = Usd.Stage.Open(str(out))
+    shown = [prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+    stacks = [prim.GetAttribute("points").GetPropertyStack() for prim in shown]
+    assert len(shown) == 2 * len({stack[-1].path for stack in stacks})
+    assert all(len(stack) == 1 for stack in stacks)
+    rigtri.convert(out, tmp_path / "back.glb")
+    assert len(glb_json(tmp_path / "back.glb")["meshes"]) == len(glb_json(tmp_path / "shot.glb")["meshes"])
+    cli("orient-joints", out, "-o", edited, "--character", "A", code=0)

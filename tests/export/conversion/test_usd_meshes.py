@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom, UsdSkel
 from rigs import chain
 
 from rigtri.export.conversion.scene import Primitive, Scene
-from rigtri.export.conversion.usd_meshes import bind, blend_shapes, define, influences, triangles
+from rigtri.export.conversion.usd_meshes import bind, blend_shapes, define, influence, influences, triangles
 from rigtri.model.mesh import Mesh, Surface
 
 POINTS = np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0], [2, 1, -1], [4, 3, 5]])
@@ -185,7 +185,8 @@ def test_a_skeleton_moves_a_prim_by_joints_and_weights(
 ) -> None:
     prim, geom = defined(stage, scene, surface("triangles", [0, 1, 2])), np.eye(4)
     geom[3, :3] = (1, 2, 3)
-    bind(prim, "/skeleton", np.array(joints), np.array(weights), geom)
+    bind(prim, "/skeleton", geom)
+    influence(prim, np.array(joints), np.array(weights))
     binding = UsdSkel.BindingAPI(prim.GetPrim())
     assert [str(path) for path in binding.GetSkeletonRel().GetTargets()] == ["/skeleton"]
     assert_allclose(binding.GetGeomBindTransformAttr().Get(), geom)
