@@ -549,9 +549,10 @@ def test_a_scene_that_lacks_something_is_left_alone(rigged: dict[str, Path], tmp
 
 @pytest.mark.slow
 def test_two_characters_of_one_file_are_set_up_together(tmp_path: Path) -> None:
-    """Bones of one name are told apart by what the armatures are below. Before, an error."""
-    rigged = tmp_path / "rigged.gltf"
-    cli("add-controls", pair(SAMPLES, tmp_path, "gltf"), "-o", rigged, "--whole-character", code=0)
+    """Bones of one name are told apart by what the armatures are below, also where they have other axes."""
+    turned, rigged = tmp_path / "turned.gltf", tmp_path / "rigged.gltf"
+    cli("orient-joints", pair(SAMPLES, tmp_path, "gltf"), "-o", turned, "--character", "A", code=0)
+    cli("add-controls", turned, "-o", rigged, "--whole-character", code=0)
     job = {"source": str(rigged), "script": str(script_for(rigged, tmp_path)), "poses": [{}]}
     (found,) = blender_setup(job, folder=tmp_path)
     checked(found)
@@ -563,8 +564,14 @@ def test_each_character_of_a_scene_is_its_own(rigged: dict[str, Path], tmp_path:
     first, second = rigged["biped.glb"], tmp_path / "tpose.glb"
     line = ["add-controls", str(SAMPLES / "tpose.glb"), "-o", str(second), "--whole-character", "-q"]
     cli(*line, code=0)
-    scripts = [script_for(path, tmp_path) for path in (first, second)]
-    found = blender_scenes(str(first), str(scripts[0]), str(second), str(scripts[1]), folder=tmp_path)
+    renamed, other = tmp_path / "renamed.glb", tmp_path / "other.glb"
+    cli("rename-joints", SAMPLES / "tpose.glb", "-o", renamed, "--to", "mixamo", code=0)
+    cli("add-controls", renamed, "-o", other, "--whole-character", code=0)
+    places = [str(place) for path in (first, second, other) for place in (path, script_for(path, tmp_path))]
+    found = blender_scenes(*places, folder=tmp_path)
+    together = found["together"]
+    assert together["told"] == [[0, ""], [0, ""]]
+    assert all(together["set"].values())
     both, again, one = (found["several"][word] for word in ("both", "again", "one"))
     assert all(both.values())
     assert len(both) == 2

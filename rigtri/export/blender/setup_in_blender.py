@@ -178,9 +178,12 @@ def objects_for(about: dict[str, Any]) -> list[Any]:
     things = [thing for thing in bpy.context.scene.objects if MARK not in thing]
     found = [thing for thing in things if is_noted(thing, about["note"])]
     found = found or [thing for thing in things if object_called(thing, about["name"])]
+    children = [each["name"] for each in RIG["nodes"] if each["above"] == [about["name"], *about["above"]]]
     tests = [
         lambda thing: object_called(thing, about["name"]),
         lambda thing: below(line(thing), about["above"]),
+        # Groups of several files have one name, and import selects what it has imported last.
+        lambda thing: any(called(name_of(child), name, 63) for child in thing.children for name in children),
         is_selected,
     ]
     return narrowed(found, tests)
@@ -254,10 +257,11 @@ def elsewhere(nodes: list[Any]) -> str:
 
 def other_axes(nodes: list[Any]) -> list[str]:
     """What is wrong with the axes of bones: they are neither those of the rest nor of the bind pose."""
-    by_name = {about["name"]: thing for about, thing in zip(RIG["nodes"], nodes, strict=True) if thing}
+    found = zip(RIG["nodes"], nodes, strict=True)
+    placed = {(about["name"], *about["above"]): thing for about, thing in found if thing}
     wrong = []
     for about in RIG["axes"]:
-        armature, name = by_name.get(about["name"], (None, ""))
+        armature, name = placed.get((about["name"], *about["above"]), (None, ""))
         bone = armature.data.bones.get(name) if name else None
         if bone is None or bone.parent is None or not below([bone.parent.name], about["above"]):
             continue

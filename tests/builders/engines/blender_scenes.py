@@ -1,7 +1,8 @@
 """Scenes of several characters, and refusals: ``python blender_scenes.py JOBS.json`` with ``bpy``.
 
-JOBS is a list of [FIRST.glb, FIRST.py, SECOND.glb, SECOND.py, TARGET.json]. TARGET gets, by name of a case,
-what the test looks at: the number of constraints by armature, or what was told and the exit code.
+JOBS is a list of [FIRST.glb, FIRST.py, SECOND.glb, SECOND.py, OTHER.glb, OTHER.py, TARGET.json].
+TARGET gets, by name of a case, what the test looks at: the number of constraints by armature, or what was
+told and the exit code.
 """
 
 import contextlib
@@ -65,6 +66,15 @@ def several(first, first_script, second, second_script):
     return {"both": both, "again": again, "one": constraints()}
 
 
+def together(first, first_script, other, other_script):
+    """Both are there before the first is set up, and import has selected the other one."""
+    clear()
+    bring(first)
+    bring(other)
+    told = [run(script) for script in (first_script, other_script)]
+    return {"told": told, "set": constraints()}
+
+
 def twins(first, script):
     clear()
     found = {}
@@ -99,8 +109,10 @@ def changed(first, script):
 
 
 with contextlib.redirect_stdout(sys.stderr):
-    for first, first_script, second, second_script, target in json.loads(Path(sys.argv[1]).read_text()):
+    for *places, target in json.loads(Path(sys.argv[1]).read_text()):
+        first, first_script, second, second_script, other, other_script = places
         found = {
+            "together": together(first, first_script, other, other_script),
             "several": several(first, first_script, second, second_script),
             "twins": twins(first, first_script),
             "changed": changed(first, first_script),
