@@ -54,6 +54,14 @@ def test_what_is_below_a_control_is_ours_by_its_name_and_what_it_shows_alone() -
     assert {names[node] for node in replace(rig, attachment=shows, metadata=made).own} == set(ours)
 
 
+def test_a_group_shares_what_its_frame_is_given_with_what_it_is_in() -> None:
+    rig = rig_of(["controls", "hand", "group", "ctl"], [-1, -1, 1, 2], np.zeros((4, 3)))
+    rig = replace(rig, metadata={0: {"type": "group"}, 2: {"type": "group"}})
+    given = np.arange(8.0).reshape(4, 2)
+    assert rig.shared(given)[:, 0].tolist() == [0.0, 2.0, 2.0, 6.0]
+    assert given[2, 0] == 4.0
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_worlds_are_locals_times_the_parents_world(seed: int) -> None:
     rig = random_rig(seed)

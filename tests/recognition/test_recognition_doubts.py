@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from posed_bodies import Pose, posed_body
@@ -12,11 +14,13 @@ from recognition_bodies.population import company, crowd, furnished, population
 from recognition_bodies.skeletons import ARM, FINGERS, LEG, MAN, TRUNK, Joint, both, line, rig_with
 from recognition_bodies.truth import nameless
 
+from rigtri.maths.scalar_vector import Vector
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.pipeline.rigspec.spec_init import left_out, starter, unsure
 from rigtri.recognition.layout import Layout
 from rigtri.recognition.recognise import recognise
+from rigtri.recognition.shape_alone import SAME_PLACE, _stand_in_one_place
 from rigtri.report import Report
 
 
@@ -466,3 +470,11 @@ def test_a_remark_says_why_a_limb_is_not_sure(
     layout = recognise(make())
     assert sorted(chain.name for chain in layout.chains if chain.bend and not chain.is_sure) == unsure_limbs
     assert sorted(layout.remarks) == remarks
+
+
+@pytest.mark.parametrize(("apart", "one_place"), [(0.0, True), (0.9, True), (1.1, False)])
+def test_joints_in_one_place_are_near_each_other_beside_their_limb(apart: float, one_place: bool) -> None:
+    """A limb 2 long, whose middle is nearer to its end; its twin's end is off by parts of what is near."""
+    at = [Vector(0, 2, 0), Vector(0, 0.5, 0), Vector(0, 0, 0), Vector(2.0 * SAME_PLACE * apart, 0, 0)]
+    tree: Any = SimpleNamespace(at=at)
+    assert _stand_in_one_place(tree, (0, 1, 2), (0, 1, 3)) is one_place

@@ -422,9 +422,9 @@ def test_morph_weights_that_change_on_purpose_are_set_aside_at_common_times(tmp_
     document = read(arm().glb(tmp_path / "in.glb"))
     (clip,), node = document.rig.clips, document.rig.find("Skin")
 
-    def driven(share: float, key: int = 0) -> DocumentView:
+    def driven(share: float, other: float = 1.0, key: int = 0) -> DocumentView:
         tracks = tuple(
-            replace(t, values=t.values * [share, 1.0]) if t.path == "weights" else t for t in clip.tracks
+            replace(t, values=t.values * [share, other]) if t.path == "weights" else t for t in clip.tracks
         )
         rig = replace(document.rig, clips=(replace(clip, key=key, tracks=tracks),))
         return DocumentView(document, rig)
@@ -437,7 +437,9 @@ def test_morph_weights_that_change_on_purpose_are_set_aside_at_common_times(tmp_
     assert np.array_equal(weights(before), weights(after))
     assert not weights(before)[:, 0].any()
     assert_allclose(weights(before)[[0, 3, -1], 1], [0.25, 0.75, 0.5])
-    # What is another clip, or of another node, stays.
+    # What is another clip, or of another node, stays, and so does what has changed besides.
+    after = without_changes(driven(1.0), driven(0.3, 0.5), changes)[1]
+    assert_allclose(weights(after), weights(before) / 2.0)
     for views in (
         without_changes(driven(1.0), driven(0.3, key=1), changes),
         without_changes(before, after, {}),
