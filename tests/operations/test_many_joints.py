@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from calls import calls
 from gltf_files import Builder
 from program import cli
 from rigs import chain, random_rig, rig_of
@@ -176,22 +176,6 @@ def test_a_long_straight_chain_that_nothing_bends_is_straight(tmp_path: Path) ->
     report = Report()
     orient_joints(rig, report=report)
     assert [notice.code for notice in report.warnings] == ["straight"]
-
-
-def calls(edit: Callable[[], object]) -> int:
-    """How many functions are called, of Python and of C."""
-    count = 0
-
-    def counted(frame: object, event: str, argument: object) -> None:
-        nonlocal count
-        count += event in ("call", "c_call")
-
-    sys.setprofile(counted)
-    try:
-        edit()
-    finally:
-        sys.setprofile(None)
-    return count
 
 
 def test_a_merge_of_four_times_as_many_joints_takes_four_times_as_long(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 import tracemalloc
 from collections.abc import Iterable
 from pathlib import Path
@@ -18,6 +17,7 @@ from broken_gltf import clean as clean_gltf
 from broken_usd import USD
 from broken_usd import clean as clean_usd
 from broken_vrm import VRM, avatar_0, avatar_1, motion
+from calls import calls
 from gltf_files import glb_bytes, glb_parts
 from places import SAMPLES, sample_files
 from program import cli
@@ -267,15 +267,16 @@ def test_a_second_parent_that_is_below_the_node_is_a_cycle(tmp_path: Path) -> No
     assert found == {("gltf.node.cycle", "/nodes/0"), ("gltf.node.cycle", "/nodes/2/children/0")}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("count", [50_000])
-def test_findings_of_many_children_take_no_more_than_their_number(count: int, tmp_path: Path) -> None:
+def test_findings_of_many_children_take_no_more_than_their_number(tmp_path: Path) -> None:
     """A chain each of whose nodes is a parent of the first, too, and one that names a child very often."""
-    chain = [[k + 1, 0] for k in range(count)]
-    path = with_children(tmp_path / "a.gltf", [1] * count, *chain[1:], [])
-    start = time.process_time()
-    cli("check", path, "-q", code=1)
-    assert time.process_time() - start < 20.0  # 4 s; it would be an hour if each looked at all others
+
+    def work(count: int) -> int:
+        chain = [[k + 1, 0] for k in range(count)]
+        path = with_children(tmp_path / f"{count}.gltf", [1] * count, *chain[1:], [])
+        return calls(lambda: check(path))
+
+    work(1)  # what is imported once
+    assert work(2000) < 4.4 * work(500)
 
 
 @pytest.mark.parametrize("wrong", [1e9, "1", True, None, 1e400, [0.5]])

@@ -6,7 +6,6 @@ import json
 import random
 import re
 import shutil
-import sys
 import zipfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -19,6 +18,7 @@ import gltf_files
 import numpy as np
 import pytest
 import usd_files
+from calls import calls
 from gltf_files import small
 from places import files_of_all_kinds, leave_out_refused
 from program import cli
@@ -33,7 +33,6 @@ from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes, unit
 from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Clip, Track
-from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
@@ -642,30 +641,14 @@ def test_another_order_of_children_and_roots_is_that_of_those_that_both_have() -
 @pytest.mark.ci
 def test_the_work_of_a_difference_grows_as_the_joints_do(tmp_path: Path) -> None:
     """Four times as many joints take at most a little over four times as many calls, whatever the machine."""
-    calls = []
-    for joints in (500, 2000):
-        rig = read(small(joints).glb(tmp_path / f"{joints}.glb")).rig
-        calls.append(_calls(rig, orient_joints(rig)))
-    assert calls[1] < 4.4 * calls[0]
 
+    def work(joints: int) -> int:
+        before = read(small(joints).glb(tmp_path / f"{joints}.glb")).rig
+        after = orient_joints(before)
+        assert rig_changes(before, after)  # what is worked out once and kept is there now
+        return calls(lambda: rig_changes(before, after))
 
-def _calls(before: Rig, after: Rig) -> int:
-    """How many functions are called, ours and others', while two rigs are compared."""
-    count = 0
-
-    def note(_frame: object, event: str, _argument: object) -> None:
-        nonlocal count
-        count += event in ("call", "c_call")
-
-    # What is worked out once and kept is worked out before.
-    assert rig_changes(before, after)
-    known = sys.getprofile()
-    sys.setprofile(note)
-    try:
-        assert rig_changes(before, after)
-    finally:
-        sys.setprofile(known)
-    return count
+    assert work(2000) < 4.4 * work(500)
 
 
 @pytest.mark.parametrize("nodes", [0, 1])

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 import pytest
+from calls import calls
 from gltf_files import small
 from places import SAMPLES
 from program import cli
@@ -133,9 +133,8 @@ def test_the_list_has_the_rules_of_one_engine() -> None:
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_profile_costs_little(profile: str) -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
-    start = perf_counter()
-    of_rig(rig, profile)
-    assert perf_counter() - start < 2.0
+    of_rig(rig, profile)  # what is read once
+    assert calls(lambda: of_rig(rig, profile)) < 1_500
 
 
 def test_findings_of_a_profile_can_be_ignored() -> None:
