@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,12 +26,14 @@ from rigtri.maths.matrices import multiply as matrices
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Interpolation, Track, key_values
+from rigtri.model.animation import Path as Property
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
+from rigtri.operations.take_clips.unkeyed_poses import _passes
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -880,3 +883,21 @@ def test_steps_made_of_lines_are_an_edit_however_near_the_keys_are(gap: float) -
     (found,) = take_clips(ours, from_=theirs, report=Report()).clips[0].tracks
     assert found.interpolation == "STEP"
     np.testing.assert_array_equal(found.values, turns)
+
+
+@pytest.mark.parametrize(
+    ("path", "ends", "value", "passes"),
+    [
+        ("translation", ([0, 0, 0], [20, 0, 0]), [7, 0.0015, 0], True),
+        ("translation", ([0, 0, 0], [20, 0, 0]), [7, 0.0025, 0], False),
+        ("translation", ([0, 0, 0], [20, 0, 0]), [20.5, 0, 0], False),
+        ("translation", ([7, 0, 0], [7, 0, 0]), [7, 0, 0], False),  # it does not move
+        ("rotation", ([0, 0, 0, 1], [0, 0, 1, 0]), [0, 0, -np.sqrt(0.5), -np.sqrt(0.5)], True),
+        ("rotation", ([0, 0, 0, 1], [0, 0, 1, 0]), [0, 0, -np.sqrt(0.5), np.sqrt(0.5)], False),
+    ],
+)
+def test_a_track_passes_a_value_that_it_comes_near_on_its_way(
+    path: Property, ends: Any, value: Any, passes: bool
+) -> None:
+    track = Track(0, path, "LINEAR", np.array([0.0, 1.0]), np.array(ends, dtype=float))
+    assert _passes(track, np.array([value], dtype=float)) is passes

@@ -7,6 +7,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from posed_bodies import Pose, posed_body
 from recognition_bodies.measure import measure
@@ -20,7 +21,7 @@ from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevecto
 from rigtri.pipeline.rigspec.spec_init import left_out, starter, unsure
 from rigtri.recognition.layout import Layout
 from rigtri.recognition.recognise import recognise
-from rigtri.recognition.shape_alone import SAME_PLACE, _stand_in_one_place
+from rigtri.recognition.shape_alone import SAME_PLACE, _parts_a_bone, _stand_in_one_place
 from rigtri.report import Report
 
 
@@ -478,3 +479,22 @@ def test_joints_in_one_place_are_near_each_other_beside_their_limb(apart: float,
     at = [Vector(0, 2, 0), Vector(0, 0.5, 0), Vector(0, 0, 0), Vector(2.0 * SAME_PLACE * apart, 0, 0)]
     tree: Any = SimpleNamespace(at=at)
     assert _stand_in_one_place(tree, (0, 1, 2), (0, 1, 3)) is one_place
+
+
+@pytest.mark.parametrize(
+    ("segments", "below", "bends", "parts"),
+    [
+        ([1], [[1], [2], []], [0.0, 5.0], True),
+        ([1], [[1], [2], []], [0.0, 7.0], False),  # in one of two poses
+        ([], [[1], [2], []], [0.0, 5.0], False),
+        ([1], [[1], [], []], [0.0, 5.0], False),
+    ],
+)
+def test_a_joint_that_names_call_a_part_of_a_bone_and_no_pose_bends_is_one(
+    segments: list[int], below: list[list[int]], bends: list[float], parts: bool
+) -> None:
+    ends = [[np.sin(angle), 2 + np.cos(angle), 0] for angle in np.radians(bends)]
+    moving = np.array([[[0, 1, 0], [0, 2, 0], end] for end in ends])
+    draft: Any = SimpleNamespace(segments=segments, poses=SimpleNamespace(moving=moving))
+    bare: Any = SimpleNamespace(tree=SimpleNamespace(below=below, above=[-1, 0, 1]))
+    assert _parts_a_bone(draft, bare, 1) is parts
