@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rigtri.evaluation.two_bone_ik import distance_for, two_bone
+from rigtri.evaluation.two_bone_ik import distance_for, sides, two_bone
 from rigtri.maths.quaternions import rotate
 
 X = np.array([1.0, 0.0, 0.0])
@@ -129,3 +129,22 @@ def test_rounding_of_a_target_does_not_bend_a_limb_that_rests_straight():
     steps = np.array([bend(share, 1.0) for share in np.linspace(0, 2e-6, 400)])
     assert (np.diff(steps) >= 0).all()
     assert bend(2e-6, 1.0) == bend(2e-6, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("along", "pole", "side", "expected", "lost"),
+    [
+        ([1, 0, 0], [5, 2, 0], [0, 0, 1], [0, 1, 0], False),
+        ([1, 0, 0], [5, -2, 0], [0, 0, 1], [0, -1, 0], False),
+        # The pole lies on the line: the side that the limb has, square to where it points now.
+        ([1, 0, 0], [5, 0, 0], [1, 0, -2], [0, 0, -1], True),
+        # It points where its side was, too: one direction square to it.
+        ([1, 0, 0], [-5, 0, 0], [3, 0, 0], [0, 0, 1], True),
+        ([0, 0, -1], [0, 0, 2], [0, 0, 4], [0, -1, 0], True),
+    ],
+)
+def test_a_limb_bends_to_its_pole_or_its_own_side_or_any(along, pole, side, expected, lost):
+    given = (np.array([each], dtype=float) for each in (along, pole, side))
+    found, nowhere = sides(*given, total=np.array([2.0]))
+    np.testing.assert_allclose(found[0], expected, atol=1e-12)
+    assert nowhere.tolist() == [lost]
