@@ -38,7 +38,7 @@ def test_at_the_same_times_only_changed_values_are_taken() -> None:
 
 
 def test_a_changed_stretch_is_taken_between_two_keys_on_the_old_curve() -> None:
-    """At 1.5 and 2.5 the edited track agrees again: there keys stand on the old curve, and 2.0 is replaced."""
+    """It agrees again at 1.5 and 2.5: there keys stand on the old curve, and 2.0 is replaced."""
     now = track([0.0, 0.5, 1.0, 1.5, 1.9, 2.5, 3.0, 4.0], [0.0, 0.5, 1.0, 0.501, 7.0, 0.499, 1.0, 0.0])
     found = merged(OWN, now, changed(8, 4), missed=0.001, bound=1e-6)
     assert keys(found) == [(0, 0), (1, 1), (1.5, 0.5), (1.9, 7.0), (2.5, 0.5), (3, 1), (4, 0)]
