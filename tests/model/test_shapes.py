@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from second_opinions import usd_errors
 
 from rigtri.formats import read
-from rigtri.model.control_shapes import KINDS, drawn
+from rigtri.model.control_shapes import KINDS, Lines, drawn
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.rigtri_nodes import add, group
@@ -29,6 +29,24 @@ def test_a_shape_lies_within_its_size(kind: str) -> None:
     assert_allclose(np.abs(points).max(), 2.5)
     assert shape.segments.shape[1:] == (2, 3)
     assert (np.linalg.norm(shape.segments[:, 1] - shape.segments[:, 0], axis=1) > 0).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_lines_are_those_of_their_kind_size_and_colour_however_turned(kind: str) -> None:
+    red = (1.0, 0.0, 0.0)
+    held = [drawn(kind, size=2.0, normal=normal, color=red).segments for normal in (AXES[1], AXES[5])]
+    for segments in held:
+        lines = Lines(segments, red)
+        assert lines.are(kind, 2.0, red)
+        assert Lines(segments + 1e-5, red).are(kind, 2.0, red)  # float32
+        assert Lines(segments, (1.0, 5e-7, 0.0)).are(kind, 2.0, red)
+        assert not Lines(segments + 3e-5, red).are(kind, 2.0, red)
+        assert not Lines(segments[1:], red).are(kind, 2.0, red)
+        assert not lines.are(kind, 2.1, red)
+        assert not lines.are(kind, 2.0, (1.0, 2e-6, 0.0))
+        assert not lines.are(kind, 2.0, (*red, 1.0))
+        assert not lines.are("spiral", 2.0, red)
+        assert [other for other in KINDS if lines.are(other, 2.0, red)] == [kind]
 
 
 @pytest.mark.parametrize("normal", AXES)
