@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ from rigtri.model.skin import Skin
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.take_clips.retargeting import Transfer
 from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
 from rigtri.operations.take_clips.unkeyed_poses import _passes
 from rigtri.pipeline.edit import edit
@@ -901,3 +903,17 @@ def test_a_track_passes_a_value_that_it_comes_near_on_its_way(
 ) -> None:
     track = Track(0, path, "LINEAR", np.array([0.0, 1.0]), np.array(ends, dtype=float))
     assert _passes(track, np.array([value], dtype=float)) is passes
+
+
+@pytest.mark.parametrize(
+    ("joints", "frames"),
+    [([0.0, 2.0, 4.0], [0.0, 2.0, 4.0]), ([0.0, 4.0], [0.0, 1.0, 2.0, 3.0, 4.0]), ([], [0.0, 1.0, 2.0, 3.0])],
+)
+def test_joints_with_keys_between_first_and_last_say_when_frames_are(
+    joints: list[float], frames: list[float]
+) -> None:
+    other = SimpleNamespace(is_joint=np.array([False, True]))
+    bodies: Any = SimpleNamespace(both=SimpleNamespace(other=other, of={}))
+    held = [(0, [0.0, 1.0, 2.0, 3.0]), (1, joints)]
+    tracks = [Track(n, "scale", "LINEAR", np.array(t), np.ones((len(t), 3))) for n, t in held if t]
+    assert Transfer(bodies, Clip("walk", tracks), None, lambda times: times).joint_frames.tolist() == frames
