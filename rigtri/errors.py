@@ -102,8 +102,8 @@ class NoLimbError(GeometryError):
 
     def __init__(self, option: str = "--limb") -> None:
         super().__init__(
-            "--limbs auto: no arms or legs are recognised with enough confidence. Name the limbs with "
-            f"{option} ROOT MIDDLE END. {SEE_LIMBS}"
+            "--limbs auto: no arms or legs are recognised with enough confidence whose joints lie one below "
+            f"another. Name the limbs with {option} ROOT MIDDLE END. {SEE_LIMBS}"
         )
 
 

@@ -205,7 +205,9 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     if alone and len(others) < _ENOUGH and not _has_fingers(draft, each):
         return "no other part of a body is named"
     body = draft.shape.body
-    four = len(found) == 4 and all(k.kind == "leg" for k in found) and not {"head", "hips"} & set(bones)
+    four = (
+        len(found) == 4 and all(k.kind == "leg" for k in found) and not {"head", "hips", "spine"} & set(bones)
+    )
     beside = body and body.legs and body.arms and body.legs.pair.above == body.arms.pair.above
     if four and beside and _corners(draft, found) < 4:
         return "no trunk is between its front and its hind legs"

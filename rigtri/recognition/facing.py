@@ -189,11 +189,11 @@ def feet_ahead(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> float:
     """How far feet point ahead, by their toes or else by what they move: −1 to 1."""
     assert body.legs is not None
     toes = _toes(tree, body.legs, ahead)
-    if 2.0 * abs(toes) > _TOES or body.form != "biped":
+    # What goes on far is no foot but a shin, with the calf behind it.
+    if 2.0 * abs(toes) > _TOES or body.form != "biped" or _goes_on(tree, body.legs):
         return toes
     soles = _soles(tree, body.legs, ahead, poses)
-    denied = abs(toes) > 0.5 and soles * toes < 0
-    return soles if abs(soles) > abs(toes) and not denied else toes
+    return soles if abs(soles) > abs(toes) else toes
 
 
 def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:

@@ -12,8 +12,8 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
-from rigtri.recognition.limb_words import AXES
-from rigtri.recognition.naming_schemes import is_bone, is_segment, parse_name
+from rigtri.recognition.limb_words import AXES, limb_words
+from rigtri.recognition.naming_schemes import is_bone, is_segment, parse_name, roles_in_name
 
 # A path longer than this is not a limb: what comes after is of no interest, and paths stay short.
 _LONGEST = 15
@@ -223,9 +223,15 @@ def segments_of(tree: Tree) -> frozenset[int]:
         if robot and _ROLL in parse_name(names[node]).words:
             continue
         after = tree.below[node][0] if tree.below[node] else -1
-        if after < 0 or _is_between(tree, over, node, after):
+        if after < 0 or (_is_between(tree, over, node, after) and not _is_lower(names, over, node, after)):
             found.add(node)
     return frozenset(found)
+
+
+def _is_lower(names: Sequence[str], start: int, node: int, end: int) -> bool:
+    """Whether a numbered piece of an upper bone is the lower one, not renamed: a hand or foot follows."""
+    upper, last = limb_words(names[start]).levels, limb_words(names[end]).levels
+    return upper.keys() == {"upper"} and "end" in last and "twist" not in roles_in_name(names[node])
 
 
 def _is_between(tree: Tree, start: int, node: int, end: int) -> bool:

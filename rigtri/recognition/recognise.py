@@ -220,15 +220,21 @@ def _remarks(rig: Rig, drafts: Sequence[Draft]) -> list[str]:
 
 def _missing(draft: Draft) -> list[str]:
     kinds = {(chain.kind, chain.side): chain for chain in draft.chains}
-    remarks = []
+    remarks, rig = [], draft.tree.rig
     for kind in ("arm", "leg"):
         for side, other in (("left", "right"), ("right", "left")):
             if (kind, side) in kinds and (kind, other) not in kinds:
                 remarks.append(f"no {other} {kind} was found, though there is a {side} one")
     short = [chain for chain in draft.chains if chain.kind in ("arm", "leg") and not chain.bend]
-    return remarks + [
+    remarks += [
         f"the {k.name} has {len(k.joints)} joints: no third ends it, so it has no bend" for k in short
     ]
+    for chain in (chain for chain in draft.chains if chain.kind in BENDS and chain.bend):
+        start, middle, _ = chain.bend
+        if not rig.is_below(middle, start):
+            loose = f"'{rig.title(middle)}' does not lie below '{rig.title(start)}'"
+            remarks.append(f"no command works on the {chain.name}: {loose}")
+    return remarks
 
 
 def parts_of(draft: Draft) -> tuple[Part, ...]:

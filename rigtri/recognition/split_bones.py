@@ -43,12 +43,14 @@ def split_bone(draft: Draft, each: Found) -> str:
 def _is_counted_on(draft: Draft, each: Found) -> bool:
     """Whether a limb is a chain that was duplicated, ``Arm.L``, ``Arm.L.001``, ``Arm.L.002``, and bends so.
 
-    Its joints are called as the limb and not as one of its bones; its shape by itself has to say the same.
+    Its joints are called as the limb and not as one of its bones, or the last as a hand or foot is; its shape
+    by itself has to say the same.
     """
     names = [draft.tree.rig.names[joint] for joint in each.joints]
     counted = names[1:] == [f"{names[0]}.{number:03}" for number in (1, 2)]
+    ends = names[1] == f"{names[0]}.001" and "end" in limb_words(names[2]).levels
     levels = limb_words(names[0]).levels
-    if not counted or each.pair is None or not levels or max(levels.values()) == 1.0:
+    if not (counted or ends) or each.pair is None or not levels or (max(levels.values()) == 1.0 and not ends):
         return False
     return each.pair.quality > _LIKE and each.pair.lead > _LEADS
 

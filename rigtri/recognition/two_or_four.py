@@ -35,11 +35,14 @@ def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]
     legs, arms = body.legs, body.arms
     if not body.doubt or legs is None or arms is None:
         return body
-    animal = _is_animal(tree, arms, names)
     standing = Vector(*tree.rig.rules.up)
-    if body.up.dot(standing) < _RISES and (arms.starts - legs.starts).unit.dot(standing) > _RISES:
-        sits = arms.kind == "arm" and not animal
-        return replace(body, form="biped", up=standing, doubt=False) if sits else body
+    rise = (arms.starts - legs.starts).unit.dot(standing)
+    if body.up.dot(standing) < _RISES and rise < -_RISES and (legs.kind, arms.kind) == ("arm", "leg"):
+        legs, arms, rise = arms, legs, -rise
+    animal = _is_animal(tree, arms, names)
+    if body.up.dot(standing) < _RISES and rise > _RISES:
+        sits = replace(body, legs=legs, arms=arms, form="biped", up=standing, doubt=False)
+        return sits if arms.kind == "arm" and not animal else body
     up, tall = body.up, height(tree, legs, body.up)
     ground = lowest(tree, legs, up)
     high = (lowest(tree, arms, up) - ground) / tall

@@ -243,3 +243,18 @@ def test_a_front_leg_whose_first_bone_may_be_a_blade_or_an_upper_bone_is_not_sur
     found, limbs = character(turtle)
     assert found.form == "quadruped"
     assert limbs.keys() == {"left hind leg", "right hind leg"}
+
+
+def test_four_legs_of_several_roots_are_sure_where_a_spine_is_named() -> None:
+    """As deform bones of Rigify are exported. Before, no trunk was between them, as of a table."""
+    names = {"pelvis": "spine", "spine1": "spine.001", "spine2": "spine.002", "chest": "spine.003"}
+    names |= {"upper_arm": "front_thigh", "forearm": "front_shin", "hand": "front_foot"}
+
+    def called(name: str) -> str:
+        part, dot, side = name.partition(".")
+        return names.get(part, part) + dot + side
+
+    kept = [joint for joint in HORSE if not joint[0].startswith(("neck", "head", "muzzle", "tail"))]
+    roots = [(a, "" if "." in a and "." not in above else above, at) for a, above, at in kept]
+    (found,) = recognise(rig_with([(called(a), called(above), at) for a, above, at in roots])).characters
+    assert sum(chain.is_sure and chain.kind == "leg" for chain in found.chains) == 4

@@ -208,6 +208,15 @@ def test_a_driver_with_arms_and_legs_ahead_sits() -> None:
     assert limbs == {(kind, side) for kind in ("arm", "leg") for side in ("left", "right")}
 
 
+def test_a_driver_with_arms_longer_than_legs_sits() -> None:
+    """Before, his arms were hind legs, and his legs front legs."""
+    body = line("chest neck head", "", (0, 0.5, 0), (0, 0.75, 0), (0, 0.85, 0))
+    arm = line("upper_arm.L forearm.L hand.L", "chest", (0.15, 0.7, 0), (0.17, 0.62, 0.25), (0.1, 0.66, 0.5))
+    leg = line("thigh.L shin.L foot.L", "chest", (0.08, 0.28, 0.05), (0.1, 0.33, 0.2), (0.1, 0.26, 0.36))
+    (man,) = recognise(rig_with([*body, *both(arm), *both(leg)])).characters
+    assert (man.form, man.up, man.facing) == ("biped", (0, 1, 0), (0, 0, 1))
+
+
 def test_a_driver_without_names_may_be_an_animal() -> None:
     """Before, his arms were surely front legs."""
     (man,) = recognise(rig_with(DRIVER, named=False)).characters

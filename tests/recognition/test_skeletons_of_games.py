@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-import pytest
-from recognition_bodies.skeletons import FINGERS, HORSE, MAN, Joint, both, line, rig_with
+from dataclasses import replace
+from functools import partial
 
+import numpy as np
+import pytest
+from recognition_bodies.skeletons import FINGERS, HORSE, MAN, TRUNK, Joint, both, line, rig_with
+
+from rigtri.model.content import Content
+from rigtri.model.mesh import Mesh
 from rigtri.recognition.layout import Character
 from rigtri.recognition.recognise import recognise
 
@@ -426,3 +432,58 @@ def test_wings_of_which_the_last_joint_alone_says_the_side_are_on_it() -> None:
     sides = {chain.side: chain.joints[-1] for chain in found.chains if chain.kind == "wing"}
     names = [name for name, _, _ in [*rest, *turned]]
     assert {side: names[k] for side, k in sides.items()} == {"left": "LeftWing", "right": "RightWing"}
+
+
+@pytest.mark.parametrize(
+    ("arm", "leg"),
+    [
+        ("upper_arm.L upper_arm.L.001 hand.L", "thigh.L thigh.L.001 foot.L toe.L"),
+        ("arm.L arm.L.001 hand.L", "leg.L leg.L.001 foot.L toe.L"),
+    ],
+)
+def test_a_lower_bone_that_was_drawn_out_of_the_upper_one_and_not_renamed(arm: str, leg: str) -> None:
+    """Before, it was a part of the upper bone: a leg was surely thigh, foot and toe."""
+    above = line(
+        f"clavicle.L {arm}", "chest", (0.04, 1.45, 0), (0.16, 1.45, 0), (0.44, 1.45, -0.01), (0.7, 1.45, 0)
+    )
+    below = line(leg, "hips", (0.1, 0.95, 0), (0.1, 0.5, 0.01), (0.1, 0.1, -0.02), (0.1, 0.03, 0.12))
+    _, limbs = sure_limbs([*TRUNK, *both([*above, *below])], named=True)
+    assert limbs["left arm"] == arm
+    assert limbs["left leg"] == " ".join(leg.split()[:3])
+
+
+def test_legs_of_halved_bones_do_not_face_back() -> None:
+    """Before, calf and heel were the sole of a foot that points back from the knee.
+
+    So, without names, legs surely bent in the middle of their thighs, and left and right were exchanged.
+    """
+    leg = line(
+        "thigh1.L thigh2.L shin1.L shin2.L foot.L toe.L",
+        "hips",
+        (0.09, 0.94, -0.05),
+        (0.1, 0.71, -0.044),
+        (0.11, 0.48, -0.03),
+        (0.11, 0.29, -0.07),
+        (0.13, 0.14, -0.12),
+        (0.13, 0.02, 0),
+    )
+    arms = [joint for joint in MAN if joint[0].split(".")[0] in ("clavicle", "upper_arm", "forearm", "hand")]
+    joints = [*TRUNK, *arms, *both(leg)]
+    rows = np.array(
+        [[k] for k, (name, _, _) in enumerate(joints) if name.startswith(("shin1", "foot", "toe"))]
+    )
+    behind = {"shin1": -0.08, "foot": -0.06, "toe": 0.06}
+    points = np.array(
+        [(x, y, z + behind[name[:-2]]) for name, _, (x, y, z) in (joints[k] for k in rows[:, 0])]
+    )
+    mesh = Mesh("legs", -1, points, 0, rows, np.ones((len(rows), 1)))
+    content = Content(read_outlines=partial(list, [mesh]))
+    (found,) = recognise(replace(rig_with(joints, named=False), content=content)).characters
+    assert found.facing[2] > 0.9
+
+
+def test_a_flat_skeleton_is_told_not_to_have_limbs_that_commands_use() -> None:
+    """Before, its limbs were sure, and commands said that none is recognised with enough confidence."""
+    joints = [("root", "", (0.0, 0.0, 0.0)), *((name, "root", at) for name, _, at in MAN)]
+    layout = recognise(rig_with(joints))
+    assert "no command works on the left arm: 'forearm.L' does not lie below 'upper_arm.L'" in layout.remarks
