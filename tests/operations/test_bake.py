@@ -23,6 +23,7 @@ from baked_rigs import (
 )
 from places import SAMPLES, asset_files, leave_out_refused, sample_files, slow
 from program import cli
+from rigs import chain
 from second_opinions import validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
@@ -110,6 +111,24 @@ def test_a_control_that_is_posed_at_rest_is_at_work_in_clips_where_nothing_of_it
     baked = bake(posed, options=BakeOptions(clip=("new",)))
     world = sampling.worlds(baked, sampling.locals_at(baked, baked.clip("new"), [1.0]))[0]
     np.testing.assert_allclose(world[rig.find("hand_L"), 3, :3], world[hand, 3, :3], atol=1e-6)
+
+
+@pytest.mark.parametrize("keyed", ["b_ctl", "b"])
+def test_a_clip_that_does_not_have_a_pose_of_controls_at_rest_does_not_get_it(keyed: str) -> None:
+    """Neither where keys of the control are zero, nor where the joint has own keys, of its rotation."""
+    rig = add_controls(
+        chain((0, 0, 0), (1, 0, 0), (2, 0, 0)), options=AddControlsOptions(joints=("b",), frame="joint")
+    )
+    node, path = rig.find(keyed), "translation" if keyed == "b_ctl" else "rotation"
+    value = getattr(rig, path)[[node]]
+    translation = rig.translation.copy()
+    translation[rig.find("b_ctl")] += [0.0, 0.25, 0.0]
+    track = Track(node, path, "LINEAR", np.array([0.0, 1.0]), np.repeat(value, 2, axis=0))
+    posed = replace(rig, translation=translation, clips=(Clip("zero", (track,)),))
+    baked = bake(posed, options=BakeOptions())
+    b = rig.find("b")
+    assert baked.translation[b, 1] == 0.25
+    assert sampling.locals_at(baked, baked.clips[0], [0.5])[0, b, 3, 1] == 0.0
 
 
 def test_an_ik_end_takes_the_end_of_the_limb_along() -> None:

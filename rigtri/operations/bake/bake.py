@@ -55,13 +55,9 @@ from rigtri.operations.bake.dependents import (
     rivets_and_readers,
     rivets_of_constraints,
 )
-from rigtri.operations.bake.reduced_tracks import is_still_valid, key_counts, reduced_tracks
+from rigtri.operations.bake.reduced_tracks import is_still_valid, key_counts, reduced_tracks, with_rest_held
 from rigtri.operations.bake.unbaked import UNBAKED, refuse_replaced
-from rigtri.operations.bake.warnings import (
-    fidelity,
-    refuse_overstretch,
-    warn_of_result,
-)
+from rigtri.operations.bake.warnings import fidelity, refuse_overstretch, warn_of_result
 from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
 from rigtri.operations.options.bake import BakeOptions as BakeOptions
@@ -311,6 +307,8 @@ class _Baker:
         least = np.minimum(moves, NOTHING * self.size)
         self.rig, found = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)
         if found:
+            chosen = chosen_timelines(self.rig, self.options.clip)
+            self.rig = with_rest_held(self.rig, rig, found, chosen)
             self.report.added.append({"type": "rest", "nodes": [self.rig.title(node) for node in found]})
 
     # --- to controls

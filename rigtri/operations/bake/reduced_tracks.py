@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from rigtri.evaluation.active_controls import NOTHING
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.key_reduction import is_reduction_of, reduce_keys
-from rigtri.evaluation.sampling import sample
-from rigtri.evaluation.timelines import SAME_VALUE, Timeline, as_float32
+from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.evaluation.sampling import key_times, sample
+from rigtri.evaluation.timelines import SAME_VALUE, Timeline, as_float32, put_tracks
 from rigtri.maths.quaternions import make_continuous
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Interpolation, Path, Track
@@ -43,6 +45,25 @@ def reduced_tracks(
                 continue
         found.append(_track(node, path, times, held, values, bound))
     return found
+
+
+def with_rest_held(rig: Rig, before: Rig, nodes: Sequence[int], chosen: Sequence[Timeline]) -> Rig:
+    """The rig with keys of where nodes rested in ``before``, in timelines that have none of what has moved.
+
+    There `reduced_tracks` has left out what is at rest, and joints that IK moves turn alone.
+    """
+    was, now = PoseCache(before), PoseCache(rig)
+    moved = [
+        Track(node, path, "STEP", np.zeros(1), one)
+        for node in nodes
+        for path, one, other in zip(PATHS, was.part(node), now.part(node), strict=True)
+        if not np.array_equal(one, other)
+    ]
+    for timeline in chosen:
+        start = key_times(timeline.clip)[:1]
+        fresh = [replace(t, times=start) for t in moved if timeline.track(t.node, t.path) is None]
+        rig = put_tracks(rig, timeline, fresh) if len(start) else rig
+    return rig
 
 
 def _track(node: int, path: Path, times: Floats, held: Floats, values: Floats, bound: float) -> Track:
