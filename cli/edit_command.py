@@ -56,7 +56,7 @@ def edit_command(
     def save(values: dict[str, Any], report: Report) -> None:
         for option in more:
             if isinstance(option, SavedFile) and values[str(option.name)]:
-                write_output(option.text(report).encode("utf-8"), values[str(option.name)])
+                write_output(option.text(report), values[str(option.name)])
 
     return command_of(name, declared, words, run, more=more, **about)
 

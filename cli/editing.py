@@ -188,7 +188,7 @@ def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
     """The report; and what rigtri has stored in OUT as it is on disk, by the names that it has there."""
     if values["report_path"] is not None:
         text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
-        write_output(text.encode("utf-8"), values["report_path"])
+        write_output(text, values["report_path"])
     if not values["sidecar"] or values["dry_run"]:
         return
     from pathlib import Path

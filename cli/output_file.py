@@ -59,10 +59,11 @@ def check_needed(output: str | None, documents: Iterable[Document]) -> None:
             check_not_an_input(Path(output), list(document.needed()))
 
 
-def write_output(content: bytes, output: str) -> None:
-    """Write a file, or to standard output."""
-    from rigtri.files.staged_output import write_bytes
+def write_output(content: bytes | str, output: str) -> None:
+    """Write a file, or to standard output; text in UTF-8."""
+    from rigtri.files.staged_output import encoded, write_bytes
 
+    content = encoded(content) if isinstance(content, str) else content
     if output == "-":
         sys.stdout.buffer.write(content)
         sys.stdout.buffer.flush()
@@ -77,11 +78,13 @@ def write_picture(svg: str, output: str) -> None:
 
 def picture_bytes(svg: str, output: str) -> bytes:
     """A picture in the format that a name says, SVG for standard output."""
+    from rigtri.files.staged_output import encoded
+
     if Path(output).suffix.lower() == ".png":
         from rigtri.export.drawing.png import png
 
         return png(svg)
-    return svg.encode("utf-8")
+    return encoded(svg)
 
 
 def print_result(report: Report, output: str, values: dict[str, Any]) -> None:

@@ -58,6 +58,6 @@ def command(source: str, output: str, **values: Any) -> None:
         click.echo(plain(text), nl=False)
     if output != "-":
         content = in_json + "\n" if suffix == ".json" else text
-        output_file.write_output(content.encode("utf-8", "backslashreplace"), output)
+        output_file.write_output(content, output)
         if not values["quiet"]:
             click.echo(f"Wrote {output}", err=True)

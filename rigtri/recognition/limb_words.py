@@ -22,6 +22,8 @@ Level = Literal["before", "upper", "lower", "end", "after"]
 Place = Literal["front", "hind", ""]
 LEVELS: tuple[Level, ...] = ("before", "upper", "lower", "end", "after")
 _NAMES = 1 << 15
+# Letters of a word that is looked into for others; nobody writes longer ones.
+LONGEST = 64
 # Words that riggers write as two.
 _TWO = {("fore", "arm"): "forearm", ("horse", "link"): "horselink"}
 # What a letter before a word of a leg says: ``fthigh``, ``bshin``.
@@ -202,7 +204,7 @@ def _split(found: Sequence[str]) -> list[str]:
 def _pieces(word: str) -> tuple[str, ...]:
     """A word of known words, ``frontupperleg``, in pieces; itself where it is none."""
     known = _known()
-    if word in known:
+    if word in known or len(word) > LONGEST:
         return (word,)
     if word[:1] in _FIRST and _table().kinds.get(word[1:]) == "leg":
         return (_FIRST[word[0]], word[1:])

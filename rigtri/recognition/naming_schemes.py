@@ -22,7 +22,7 @@ from rigtri.errors import FileError, did_you_mean
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import SIDES, Side, side, spread, words
 from rigtri.recognition.layout import BENDS, FINGERS, MIDDLE, SIDED, LimbKind
-from rigtri.recognition.limb_words import is_corner, limb_words
+from rigtri.recognition.limb_words import LONGEST, is_corner, limb_words
 from rigtri.recognition.word_tables import our_table, role_words
 from rigtri.text import is_number
 
@@ -304,7 +304,7 @@ def is_segment(name: str, above: str) -> bool:
 def roles_in_name(name: str) -> tuple[str, ...]:
     """The roles that a name says, ``twist``, ``control``, ``tail`` …, in the order of roles.toml."""
     found = parse_name(name)
-    ends = {word[k:] for word in found.words for k in range(1, len(word) - 3)}  # handslot, lhelper
+    ends = {word[k:] for word in found.words for k in range(max(1, len(word) - LONGEST), len(word) - 3)}
     return tuple(
         role
         for role, known in role_words().items()

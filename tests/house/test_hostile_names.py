@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,8 @@ from gltf_files import character
 from program import cli
 
 from rigtri.model.joint_names import number, words
-from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.limb_words import limb_words
+from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 from rigtri.text import is_number
 
 ODD = ["hand\u2776", "\u2776", "spine\u00b2", "\u0663", "arm_\U0001d7d9", "finger" + "7" * 4400]
@@ -85,3 +88,22 @@ def test_an_output_without_a_utf8_name_is_refused_where_text_must_name_it(
     assert done.exit_code == code
     assert ("is not UTF-8" in done.stderr) == (code == 3)
     assert list(tmp_path.iterdir()) == ([] if code else [target])
+
+
+def test_the_report_of_a_file_without_a_utf8_name_has_it_escaped(samples: Path, odd_path: Path) -> None:
+    """Before, a traceback once the output was there."""
+    target, report = odd_path / "out.glb", odd_path / "report.json"
+    cli("orient-joints", samples / "biped.glb", "-o", target, "--report", report, code=0)
+    assert json.loads(report.read_text())["target"] == str(target)
+
+
+@pytest.mark.parametrize("name", ["x" * 100_000, "arm" * 2000], ids=["unknown", "of words"])
+def test_words_that_nobody_writes_are_not_looked_into(name: str) -> None:
+    """Before, time and memory by the square of the length, gigabytes for this one; or a RecursionError."""
+    tracemalloc.start()
+    try:
+        assert roles_in_name(name) == ()
+        limb_words(name)
+        assert tracemalloc.get_traced_memory()[1] < 100 * len(name)
+    finally:
+        tracemalloc.stop()

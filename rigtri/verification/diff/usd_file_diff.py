@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from pxr import Sdf, Tf
+from pxr import Ar, Sdf, Tf
 
 from rigtri.errors import FileError
 from rigtri.files.relative_path import relative_path
@@ -70,8 +70,9 @@ def _layers(stages: Sequence[Any], paths: tuple[Path, Path], tolerance: float) -
 
 def _real(layer: Any) -> str:
     """Where a layer lies, whatever links lead there."""
-    outer, bracket, inner = layer.identifier.partition("[")
-    return f"{os.path.realpath(outer)}{bracket}{inner}"
+    name = str(layer.identifier)
+    outer = str(Ar.SplitPackageRelativePathOuter(name)[0])
+    return os.path.realpath(outer) + name[len(outer) :]
 
 
 def _others(stage: Any, path: Path) -> dict[str, Any]:
@@ -85,13 +86,10 @@ def _others(stage: Any, path: Path) -> dict[str, Any]:
 
 
 def _seen_from(path: Path, identifier: str) -> str:
-    outer, inner = Sdf.Layer.SplitIdentifier(identifier)[0], ""
-    if outer.endswith("]"):
-        outer, _, inner = outer.partition("[")
-        inner = f"[{inner}"
+    outer, inner = Ar.SplitPackageRelativePathOuter(Sdf.Layer.SplitIdentifier(identifier)[0])
     if inner and Path(outer).resolve() == path.resolve():
-        return inner.strip("[]")
-    return relative_path(Path(outer).resolve(), path.parent.resolve()) + inner
+        return str(inner)
+    return relative_path(Path(outer).resolve(), path.parent.resolve()) + (f"[{inner}]" if inner else "")
 
 
 def _composed(stages: Sequence[Any], paths: tuple[Path, Path], tolerance: float) -> Iterator[Change]:

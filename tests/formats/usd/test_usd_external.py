@@ -45,6 +45,20 @@ def folders(tmp_path: Path) -> tuple[Path, Path]:
     return tmp_path / "shot", save(tmp_path, ASSET, "assets/hero.usda")
 
 
+@pytest.mark.parametrize("folder", ["[pack] hero", "x[1", "a]b"])
+def test_brackets_in_the_name_of_a_folder_are_no_package(folder: str, tmp_path: Path) -> None:
+    """Before, files in it counted as outside of it, and a damaged crate there was not looked at."""
+    place = tmp_path / "in" / folder
+    place.mkdir(parents=True)
+    source = save(place, ARCS["reference"].format(asked="./hero[1].usda"), "shot.usda")
+    save(place, ASSET, "hero[1].usda")
+    out = write(document := read(source), turned(document.rig), tmp_path / "in" / "out.usda")
+    assert f"@./{folder}/hero[1].usda@" in out.read_text()
+    assert deviation(source, out) < 1e-6
+    (place / "hero[1].usda").write_bytes(b"PXR-USDC" + bytes(80))
+    assert "a damaged USD file" in error_of(source)
+
+
 @pytest.mark.parametrize("arc", ARCS)
 @pytest.mark.parametrize("absolute", [False, True])
 def test_a_layer_outside_the_folder_is_refused_by_every_arc(

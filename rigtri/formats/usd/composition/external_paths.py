@@ -109,7 +109,7 @@ def _identifier(layer: Any, asset: str, where: str, path: Path, allow_external: 
         return str(Sdf.Layer.CreateIdentifier(identifier, arguments))
     if not allow_external and lies_outside(resolved, path):
         raise _outside(asset, where)
-    file = Path(resolved.partition("[")[0])
+    file = _outer(resolved)
     if file.exists() and not (file.is_file() or file.is_dir()):
         raise FileError(f"{where} asks for '{asset}', which is a device or a pipe. Put a plain file there")
     return str(Sdf.Layer.CreateIdentifier(identifier, arguments))
@@ -135,7 +135,7 @@ def lies_outside(resolved: str, path: Path) -> bool:
 
     Links count by what they lead to; but ``path`` itself is the file that the user named.
     """
-    file = Path(os.path.realpath(resolved.partition("[")[0]))
+    file = Path(os.path.realpath(_outer(resolved)))
     return not file.is_relative_to(path.parent.resolve()) and file != path.resolve()
 
 
@@ -242,4 +242,5 @@ def _absolute(layer: Any, asset: str) -> str:
 
 
 def _outer(name: str) -> Path:
-    return Path(name.partition("[")[0])
+    """A file, or the package it is in: ``[`` may also stand in the name of a folder."""
+    return Path(Ar.SplitPackageRelativePathOuter(name)[0])

@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 import numpy as np
-from pxr import Sdf
+from pxr import Ar, Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import usdz
@@ -32,7 +32,7 @@ _KINDS = (("brackets", b"([", b")]", MOST_BRACKETS), ("braces", b"{", b"}", MOST
 
 def check(identifier: str) -> None:
     """FileError for a damaged crate, and a text with too deep brackets; of a package, for all its entries."""
-    file = Path(Sdf.Layer.SplitIdentifier(identifier)[0].partition("[")[0])
+    file = Path(Ar.SplitPackageRelativePathOuter(Sdf.Layer.SplitIdentifier(identifier)[0])[0])
     if not file.is_file() or not file.stat().st_size:
         return
     if file.suffix.lower() == ".usdz":

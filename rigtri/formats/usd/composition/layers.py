@@ -151,7 +151,8 @@ def _renaming(source: Path, moved: Rename, expressed: Rename, layer: Any) -> Ren
     variables = variables_of(layer)
 
     def rename(path: str) -> str:
-        outer, bracket, inner = evaluated(path, variables).partition("[")
+        value = evaluated(path, variables)
+        outer = str(Ar.SplitPackageRelativePathOuter(Sdf.Layer.SplitIdentifier(value)[0])[0])
         # USD leaves a variable that is not set where it stands.
         if is_one(path) and (not outer or "${" in outer):
             return expressed(path)
@@ -160,7 +161,7 @@ def _renaming(source: Path, moved: Rename, expressed: Rename, layer: Any) -> Ren
         # Without a dot in front it is relative only if it is there; else the resolver searches.
         if not outer.startswith(("./", "../")) and not _there(source, outer):
             return path
-        return expressed(path) if is_one(path) else moved(outer) + bracket + inner
+        return expressed(path) if is_one(path) else moved(outer) + value[len(outer) :]
 
     return rename
 

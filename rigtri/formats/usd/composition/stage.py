@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Tf, Usd, UsdUtils
+from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
 from rigtri.files.text_files import check_utf8_path
@@ -280,7 +280,7 @@ def _lacking(texts: list[str], folder: Path, *, allow_missing: bool) -> list[Not
     notices += [
         Notice("uncomposed", f"USD leaves out what it cannot compose: {why}") for why in sorted(broken)
     ]
-    leaving = [name for name in sorted(missing) if "[../" in name]
+    leaving = [name for name in sorted(missing) if "[../" in name and "]" in name]
     notices += [Notice("unresolved", _leaves(name)) for name in leaving[:3]]
     files = [name for name in sorted(missing) if name not in leaving]
     for what, names in (("file", files), ("prim", sorted(prims))):
@@ -295,7 +295,7 @@ def _lacking(texts: list[str], folder: Path, *, allow_missing: bool) -> list[Not
 
 def _leaves(name: str) -> str:
     """What is wrong with a reference out of a package, ``hero.usdz[../parts.usdc]``."""
-    package, _, inner = name.rpartition("]")[0].partition("[")
+    package, inner = Ar.SplitPackageRelativePathOuter(name[: name.rindex("]") + 1])
     return (
         f"{package} refers to '{inner}', which leads out of the package: USD looks for it only inside, so it "
         "was not found. Put it into the package, or unpack that"
