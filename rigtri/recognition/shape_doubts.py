@@ -89,6 +89,8 @@ def arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     if any(rival(draft, k) or not k.is_sure for k in found if k.pair is arms):
         if mine.at[0] == 1:
             return "it may be an arm below its clavicle, for the arms are not sure"
+        if mine.pair.above == arms.pair.above >= 0:
+            return "it starts at the joint at which the arms do, and these are not sure"
         if _leads_up(draft, mine.pair.above) and _leads_up(draft, tree.above[mine.pair.above]):
             return "it may be an arm, for a trunk leads up to it and the arms are not sure"
     return ""
@@ -152,11 +154,17 @@ def has_hock(draft: Draft, joints: Sequence[int], after: int) -> bool:
 
 
 def later_start(draft: Draft, each: Found) -> str:
-    """A leg of a body on two that begins two joints from the middle: the one between may be its hip."""
+    """A leg of a body on two that begins two joints from the middle: the one between may be its hip.
+
+    And a front leg whose upper bone has a joint within it, below what may be a shoulder blade.
+    """
     mine, body = each.pair, draft.shape.body
-    if each.kind != "leg" or mine is None or body is None or body.form != "biped" or mine.named > 0.0:
+    if each.kind != "leg" or mine is None or body is None or mine.named > 0.0:
         return ""
-    if mine.at[0] < 2 or not begin_as_one(draft.tree, mine.pair.paths):
+    if body.form == "quadruped" and mine is body.arms and mine.at[0] == 0 and mine.at[1] == 2:
+        inner = draft.tree.rig.title(mine.pair.paths[0][1])
+        return f"'{inner}' in its upper bone may be where it begins, below a shoulder blade"
+    if body.form != "biped" or mine.at[0] < 2 or not begin_as_one(draft.tree, mine.pair.paths):
         return ""
     hip = mine.pair.paths[0][1]
     return f"'{draft.tree.rig.title(hip)}' before it may be where it begins"

@@ -258,3 +258,20 @@ def test_four_legs_of_several_roots_are_sure_where_a_spine_is_named() -> None:
     roots = [(a, "" if "." in a and "." not in above else above, at) for a, above, at in kept]
     (found,) = recognise(rig_with([(called(a), called(above), at) for a, above, at in roots])).characters
     assert sum(chain.is_sure and chain.kind == "leg" for chain in found.chains) == 4
+
+
+def test_a_joint_within_the_upper_bone_of_a_front_leg_may_end_its_blade() -> None:
+    """Before, where noise put it in line, the arms of a bear without names surely began at its blades."""
+    front = line(
+        "blade.L upper_arm.L forearm.L hand.L finger.L",
+        "chest",
+        (0.43, 1.28, 0.52),
+        (0.45, 1.05, 0.49),
+        (0.47, 0.63, 0.43),
+        (0.47, 0.1, 0.48),
+        (0.47, 0.04, 0.71),
+    )
+    parts = ("upper_arm", "forearm", "hand", "finger")
+    rest = [joint for joint in HORSE if joint[0].partition(".")[0] not in parts]
+    _, sure = character([*rest, *both(front)])
+    assert not any(joints.startswith("blade") for joints in sure.values())

@@ -179,3 +179,35 @@ def test_segments_of_a_bone_are_on_the_way_along_it() -> None:
     assert Draft.way(draft, 0, 4) == [0, 1, 2, 3, 4]
     draft.segments = frozenset()
     assert Draft.way(draft, 0, 4) == [0, 1, 4]
+
+
+FISH = [
+    *line("body head jaw", "", (0, 0, 0), (0, 0, 0.3), (0, -0.03, 0.5)),
+    *line("tail1 tail2 tail3", "body", (0, 0, -0.2), (0, 0, -0.5), (0, 0, -0.8)),
+    *line("dorsal1 dorsal2", "body", (0, 0.1, 0), (0, 0.25, -0.1)),
+    *both(
+        line(
+            "pectoral1.L pectoral2.L pectoral3.L",
+            "body",
+            (0.1, -0.05, 0.2),
+            (0.25, -0.1, 0.15),
+            (0.35, -0.12, 0.05),
+        )
+    ),
+    *both(
+        line(
+            "pelvic1.L pelvic2.L pelvic3.L",
+            "body",
+            (0.06, -0.1, -0.1),
+            (0.12, -0.2, -0.15),
+            (0.15, -0.28, -0.22),
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_fins_that_start_at_one_joint_are_neither_legs_nor_arms(named: bool) -> None:
+    """Before, the hind ones were surely legs, though as arms those in front were not sure."""
+    for one in recognise(rig_with(FISH, named=named)).characters:
+        assert not any(chain.is_sure for chain in one.limbs)
