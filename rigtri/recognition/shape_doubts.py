@@ -89,7 +89,7 @@ def arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     if any(rival(draft, k) or not k.is_sure for k in found if k.pair is arms):
         if mine.at[0] == 1:
             return "it may be an arm below its clavicle, for the arms are not sure"
-        if mine.pair.above == arms.pair.above >= 0:
+        if mine.pair.above == arms.pair.above >= 0 and len(arms.at) == 3:
             return "it starts at the joint at which the arms do, and these are not sure"
         if _leads_up(draft, mine.pair.above) and _leads_up(draft, tree.above[mine.pair.above]):
             return "it may be an arm, for a trunk leads up to it and the arms are not sure"

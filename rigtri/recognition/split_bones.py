@@ -48,11 +48,19 @@ def _is_counted_on(draft: Draft, each: Found) -> bool:
     """
     names = [draft.tree.rig.names[joint] for joint in each.joints]
     counted = names[1:] == [f"{names[0]}.{number:03}" for number in (1, 2)]
-    ends = names[1] == f"{names[0]}.001" and "end" in limb_words(names[2]).levels
     levels = limb_words(names[0]).levels
-    if not (counted or ends) or each.pair is None or not levels or (max(levels.values()) == 1.0 and not ends):
+    counted = counted and bool(levels) and max(levels.values()) < 1.0
+    ends = names[1] == f"{names[0]}.001" and _is_hand_or_foot(draft, names[2])
+    if not (counted or ends) or each.pair is None:
         return False
     return each.pair.quality > _LIKE and each.pair.lead > _LEADS
+
+
+def _is_hand_or_foot(draft: Draft, name: str) -> bool:
+    """Whether a name is that of a hand or foot, by its words or in the scheme, or language, of the others."""
+    scheme = draft.reading.scheme if draft.reading is not None else None
+    known = scheme is not None and scheme.bone(scheme.read(parse_name(name)))[0] in ("Hand", "Foot")
+    return known or "end" in limb_words(name).levels
 
 
 def _whole(name: str) -> str:

@@ -439,6 +439,7 @@ def test_wings_of_which_the_last_joint_alone_says_the_side_are_on_it() -> None:
     [
         ("upper_arm.L upper_arm.L.001 hand.L", "thigh.L thigh.L.001 foot.L toe.L"),
         ("arm.L arm.L.001 hand.L", "leg.L leg.L.001 foot.L toe.L"),
+        ("bras.L bras.L.001 main.L", "jambe.L jambe.L.001 pied.L pied.L.001"),
     ],
 )
 def test_a_lower_bone_that_was_drawn_out_of_the_upper_one_and_not_renamed(arm: str, leg: str) -> None:
