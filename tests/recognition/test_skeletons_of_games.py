@@ -444,9 +444,7 @@ def test_wings_of_which_the_last_joint_alone_says_the_side_are_on_it() -> None:
 )
 def test_a_lower_bone_that_was_drawn_out_of_the_upper_one_and_not_renamed(arm: str, leg: str) -> None:
     """Before, it was a part of the upper bone: a leg was surely thigh, foot and toe."""
-    above = line(
-        f"clavicle.L {arm}", "chest", (0.04, 1.45, 0), (0.16, 1.45, 0), (0.44, 1.45, -0.01), (0.7, 1.45, 0)
-    )
+    above = line(arm, "chest", (0.16, 1.45, 0), (0.44, 1.45, -0.01), (0.7, 1.45, 0))
     below = line(leg, "hips", (0.1, 0.95, 0), (0.1, 0.5, 0.01), (0.1, 0.1, -0.02), (0.1, 0.03, 0.12))
     _, limbs = sure_limbs([*TRUNK, *both([*above, *below])], named=True)
     assert limbs["left arm"] == arm
