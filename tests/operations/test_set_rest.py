@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from crowds import bound, crowd, instance
 from places import SAMPLES, real_files
 from program import cli
 from usd_files import MESH, SKELETON, animation, at, deviation, save, scene, skeleton
@@ -120,6 +121,15 @@ def test_an_animation_of_some_joints_that_nobody_plays_gets_keys_of_the_old_rest
     for path in (source, out):
         text = path.read_text("utf-8")
         path.write_text(text.replace("Source = </Root/Anim>", "Source = </Root/Some>"), "utf-8")
+    assert deviation(source, out, at_rest=False) < 1e-6
+
+
+def test_a_character_rests_otherwise_beside_instances_that_play_what_it_does_not(tmp_path: Path) -> None:
+    source, out = crowd(tmp_path), tmp_path / "out.usda"
+    lone = instance("Four", x=9.0, more=bound("/World/Walk")).replace("instanceable = true", "")
+    text = source.read_text("utf-8").rstrip().removesuffix("}")
+    source.write_text(f"{text}{lone}}}\n", "utf-8")
+    cli("set-rest", source, "-o", out, "--pose", "Walk@5", code=0)
     assert deviation(source, out, at_rest=False) < 1e-6
 
 

@@ -1,4 +1,4 @@
-"""Skeletons of a stage that no animation moves: they show how they rest, whatever else plays."""
+"""Skeletons of a stage that a clip does not move: they show how they rest, whatever else plays."""
 
 from __future__ import annotations
 
@@ -15,17 +15,16 @@ from rigtri.model.skin import Skin
 
 
 def with_new_rest(rig: Rig, keys: Sequence[Hashable], made: Rig) -> Rig:
-    """A stage with the rest pose of ``made`` in its clips for skeletons without an animation.
+    """A stage with the rest pose of ``made`` in each of its clips for the skeletons that it does not move.
 
-    They have no clip that could have keys of the old rest pose. The same goes for the others in a clip that
-    nothing plays. keys: of the rig's nodes in ``made``.
+    They have no keys there that could hold the old rest pose: another clip plays on them, or none.
+    keys: of the rig's nodes in ``made``.
     """
-    known = (*((made.keys, clip) for clip in made.clips), *((keys, clip) for clip in rig.clips))
-    driven = {names[t.node] for names, clip in known if not clip.idle for t in clip.tracks}
+    theirs = {clip.key: {made.keys[track.node] for track in clip.tracks} for clip in made.clips}
     poses = [(frozenset(keys[n] for n in skin.joints), _held(rig, skin, keys, made)) for skin in rig.skins]
     clips = []
     for clip in rig.clips:
-        moved = {keys[t.node] for t in clip.tracks} if clip.idle else driven
+        moved = {keys[track.node] for track in clip.tracks} | theirs.get(clip.key, set())
         held = [track for joints, tracks in poses if moved.isdisjoint(joints) for track in tracks]
         clips.append(replace(clip, tracks=(*clip.tracks, *held)))
     return replace(rig, clips=tuple(clips))
