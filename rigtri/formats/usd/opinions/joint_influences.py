@@ -41,7 +41,7 @@ def influence_edits(source: Source, renaming: Renaming, *, grown: bool = True) -
         if new == list(old) if prim is not None else not grown:
             continue
         edited = prim or query.GetPrim()
-        refuse(why_locked(edited, (ORDER, INDICES)))
+        refuse(why_locked(edited, (ORDER,)))
         at = str(edited.GetPath())
         schemas += binding_schema(edited) if at not in orders else []
         if orders.setdefault(at, new) != new:
@@ -59,16 +59,24 @@ def _author(prim: Any) -> Any:
     return None
 
 
-def why_bound_otherwise(stage: Any, skeleton: str) -> str:
-    """Which unselected variant binds meshes to a skeleton by other influences than are seen; "" if none."""
+def why_bound_otherwise(stage: Any, skeleton: str, *, grown: bool = True) -> str:
+    """Which unselected variant has a mesh that `influence_edits` cannot bind to a skeleton; "" if none.
+
+    Such a mesh has an order of joints of its own, which no edit of the selected variants reaches, or needs
+    one where the skeleton has grown.
+    """
     before: dict[str, str] = {}
     for title, trial in each_choice(stage):
-        after = _bound(trial, skeleton)
+        queries = Bindings(SharedInstances(trial)).of({skeleton})
+        after = {
+            str(q.GetPrim().GetPath()): _places(q.GetPrim(), ORDER) for q in queries if q.HasJointInfluences()
+        }
         if not title:
             before = after
             continue
-        for mesh, places in after.items():
-            if before.get(mesh) != places:
+        for mesh, order in after.items():
+            missed = order not in before.values() if order else grown
+            if before[mesh] != order if mesh in before else missed:
                 return (
                     f"{title} binds <{mesh}> to <{skeleton}> otherwise, by joints that get other paths. Give "
                     "each variant a file of its own"
@@ -81,7 +89,7 @@ def check_moves_nothing(stage: Any, skeleton: str, tokens: Sequence[str], gone: 
     before: dict[str, str] = {}
     for title, trial in each_choice(stage):
         queries = Bindings(SharedInstances(trial)).of({skeleton})
-        after = {str(query.GetPrim().GetPath()): _places(query.GetPrim(), WEIGHTS) for query in queries}
+        after = {str(q.GetPrim().GetPath()): _places(q.GetPrim(), ORDER, INDICES, WEIGHTS) for q in queries}
         if not title:
             before = after
             continue
@@ -101,15 +109,10 @@ def check_moves_nothing(stage: Any, skeleton: str, tokens: Sequence[str], gone: 
                 )
 
 
-def _bound(stage: Any, skeleton: str) -> dict[str, str]:
-    """The places in layers that the influences of each mesh of a skeleton come from, by prim path."""
-    prims = [query.GetPrim() for query in Bindings(SharedInstances(stage)).of({skeleton})]
-    return {str(prim.GetPath()): _places(prim) for prim in prims}
-
-
-def _places(prim: Any, *more: str) -> str:
+def _places(prim: Any, *names: str) -> str:
+    """The places in layers that attributes of a prim come from, by it or by what is above it; "" for none."""
     words = []
-    for name in (ORDER, INDICES, *more):
+    for name in names:
         above = prim
         while above and not above.GetAttribute(name).HasAuthoredValue():
             above = above.GetParent()

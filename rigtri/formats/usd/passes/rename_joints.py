@@ -80,7 +80,7 @@ def _check(source: Source, path: str, renamed: Callable[[str], str]) -> None:
             "UsdSkel; new names would give it one, and move it. Give joints paths first, parent/child"
         )
     if path not in source.animations:
-        refuse(why_bound_otherwise(source.stage, path))
+        refuse(why_bound_otherwise(source.stage, path, grown=False))
 
 
 def _played(source: Source, path: str, *, demanded: bool) -> set[str]:

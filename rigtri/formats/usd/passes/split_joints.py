@@ -78,6 +78,18 @@ class Split:
         return np.array(found).reshape(-1, 4, 4)
 
     @property
+    def rest(self) -> Floats:
+        """The rest matrices of all, (n, 4, 4): what is new does nothing yet."""
+        found = self.skeleton.rest[self.rows]
+        new = [k for k, token in enumerate(self.tokens) if token not in self._kept]
+        found[new] = np.eye(4)
+        return found
+
+    @property
+    def _kept(self) -> set[str]:
+        return {split_token(token, self.holders) for token in self.skeleton.tokens}
+
+    @property
     def tokens(self) -> list[str]:
         return _with_holders(self.skeleton.tokens, self.holders)
 
@@ -206,7 +218,7 @@ def _skeleton_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Edi
         rows, skeleton = split.rows, split.skeleton
         if path in source.animations:
             continue
-        rest = skeleton.rest[rows] if skeleton.has_rest else None
+        rest = split.rest if skeleton.has_rest else None
         names = joint_names(source.stage, skeleton)
         names = None if names is None else _named(split, names)
         yield from set_joints(path, split.tokens, split.bind, rest, names)
