@@ -82,6 +82,12 @@ BINDINGS = {
     name: over("Skel", f"rel skel:animationSource = </Root/{clip}>")
     for name, clip in (("a", "Anim"), ("b", "Run"))
 }
+SOME = {
+    "joints": 'uniform token[] joints = ["a"]',
+    "translations": "float3[] translations = [(0, 0, 0)]",
+    "rotations": "quatf[] rotations = [(0.6, 0.8, 0, 0)]",
+    "scales": "half3[] scales = [(1, 1, 1)]",
+}
 SCENES = {
     # The animation that is bound differs; both lie outside the variants.
     "binding": scene(
@@ -416,13 +422,31 @@ def test_another_rest_pose_with_new_axes_fits_the_animations_of_all_variants(tmp
 
 
 def test_a_rest_pose_is_refused_that_would_show_in_the_animation_of_another_variant(tmp_path: Path) -> None:
-    some = {
-        "joints": 'uniform token[] joints = ["a"]',
-        "translations": "float3[] translations = [(0, 0, 0)]",
-        "rotations": "quatf[] rotations = [(0.6, 0.8, 0, 0)]",
-        "scales": "half3[] scales = [(1, 1, 1)]",
-    }
-    clips = (animation(), animation("Run", **some), variant_set("clip", **BINDINGS))
+    clips = (animation(), animation("Run", **SOME), variant_set("clip", **BINDINGS))
     source = save(tmp_path, choosing(scene(skeleton(source=""), MESH, *clips), clip="a"))
     printed = cli("set-rest", source, "-o", tmp_path / "no.usda", "--pose", "Anim@5", code=3).output
     assert "In variant 'b' of the variant set 'clip' on </Root>, </Root/Run> does not move 'a/b'" in printed
+
+
+@pytest.mark.parametrize("other", [{}, SOME], ids=["all", "some"])
+def test_joints_without_weight_go_whatever_another_variant_does_with_them(
+    other: dict[str, str], tmp_path: Path
+) -> None:
+    clips = (animation(), animation("Run", **other), variant_set("clip", **BINDINGS))
+    end = skeleton(source="").replace('"a/b/c"]', '"a/b/c", "a/b/end"]').replace(")]", f"), {at(0, 1, 0)}]")
+    source = save(tmp_path, choosing(scene(end, MESH, *clips), clip="a"))
+    out = tmp_path / "out.usda"
+    cli("prune-joints", source, "-o", out, "--ends", code=0)
+    for variant in "ab":
+        assert apart(source, out, {"clip": variant}) < 1e-6
+
+
+def test_levels_of_detail_with_weights_of_their_own_get_other_names_and_a_root(tmp_path: Path) -> None:
+    coarse = MESH.replace("[0, 1, 1, 2, 2, 1]", "[1, 0, 2, 0, 2, 0]")
+    lods = variant_set("lod", high=MESH, low=coarse)
+    source = save(tmp_path, choosing(scene(skeleton(), animation(), lods), lod="high"))
+    for number, edit in enumerate((["rename-joints", "--name", "b=knee"], ["add-root", "--above", "a"])):
+        out = tmp_path / f"{number}.usda"
+        cli(edit[0], source, "-o", out, *edit[1:], code=0)
+        for variant in ("high", "low"):
+            assert apart(source, out, {"lod": variant}) < 1e-6

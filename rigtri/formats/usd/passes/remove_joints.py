@@ -73,8 +73,9 @@ def _remove_rows(edit: UsdEdit) -> None:
         check_joints_editable(source.stage, skeleton, "removed")
         gone = [token for token, stays in zip(skeleton.tokens, keep.tolist(), strict=True) if not stays]
         check_moves_nothing(source.stage, skeleton.path, skeleton.tokens, gone)
-        if any(merge.skin == number and not merge.idle for merge in rig.pending.joint_merges):
-            _check_still(source, skeleton, gone)
+        weighing = np.flatnonzero(~keep & old.weighted[: len(keep)]).tolist()
+        if weighing:
+            _check_still(source, skeleton, [skeleton.tokens[row] for row in weighing])
         if keep.any():
             edits += _without_rows(source, skeleton, keep)
             continue
@@ -96,9 +97,10 @@ def _check_still(source: Source, skeleton: Skeleton, gone: Collection[str]) -> N
             there = read_source(source.path, ReadOptions(), variants.stage, played=True)
             node_of = {token: node for node, (path, token) in there.joints.items() if path == skeleton.path}
             nodes = [node_of[skeleton.tokens[row]] for row in rows]
-            poses = [locals_at(there.rig, t.clip, key_times(t.clip, nodes)) for t in timelines(there.rig)]
-            for pose in (each[:, nodes] for each in (*poses, there.rig.local[np.newaxis])[: len(poses) or 1]):
-                off = np.abs(pose - bound)
+            times = [(t.clip, key_times(t.clip, nodes)) for t in timelines(there.rig)]
+            poses = [locals_at(there.rig, clip, keys) for clip, keys in times if len(keys)]
+            for pose in poses or [there.rig.local[np.newaxis]]:
+                off = np.abs(pose[:, nodes] - bound)
                 off[..., 3, :] /= size
                 moving = np.flatnonzero((off > _STILL).any(axis=(0, 2, 3)))
                 if len(moving):
