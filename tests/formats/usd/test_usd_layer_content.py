@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import zipfile
+from contextlib import nullcontext
 from io import BytesIO
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import usdz
+from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.layer_content import MOST_BRACES, MOST_BRACKETS, NESTED, check
 
 TEXT = b'#usda 1.0\ndef "a" {}\n'
@@ -116,3 +118,11 @@ def test_the_layer_of_an_identifier_with_arguments_is_looked_at(tmp_path: Path) 
     (tmp_path / "a.usda").write_bytes(TEXT + b"[" * (MOST_BRACKETS + 1))
     with pytest.raises(FileError, match="in line 3,"):
         check(f"{tmp_path / 'a.usda'}:SDF_FORMAT_ARGS:target=usd")
+
+
+def test_a_temporary_folder_without_room_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before, `convert` ended with a traceback of pxr."""
+    (tmp_path / "file").touch()
+    monkeypatch.setattr(layers.temp_dirs, "folder", lambda: nullcontext(tmp_path / "file" / "none"))
+    with pytest.raises(FileError, match="USD cannot write a layer there: make room"):
+        layers.to_bytes(layers.empty(), "usdc")

@@ -7,9 +7,10 @@ import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any
 
-from pxr import Ar, Sdf, Usd, UsdUtils
+from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
 from rigtri.files import temp_dirs
@@ -94,12 +95,19 @@ def copy_clock(source: Any, target: Any) -> None:
 
 
 def to_bytes(layer: Any, encoding: str) -> bytes:
-    """A layer as the bytes of a file in ``usda`` or ``usdc``."""
+    """A layer as the bytes of a file in ``usda`` or ``usdc``.
+
+    FileError where the temporary folder has no room for it.
+    """
     if encoding == "usda":
         return str(layer.ExportToString()).encode("utf-8")
     with temp_dirs.folder() as folder:
         path = Path(folder, "layer.usdc")
-        layer.Export(str(path))
+        try:
+            layer.Export(str(path))
+        except Tf.ErrorException:
+            text = "USD cannot write a layer there: make room, or name another folder with TMPDIR"
+            raise FileError(f"the temporary folder {gettempdir()}: {text}") from None
         return path.read_bytes()
 
 
