@@ -56,6 +56,22 @@ def _primitive(gltf: Any) -> Any:
     return gltf["meshes"][0]["primitives"][0]
 
 
+def test_what_shows_is_in_the_scenes_and_as_hidden_as_the_nodes_above_it(tmp_path: Path) -> None:
+    b = stage_set()
+    hidden = {"extensions": {"KHR_node_visibility": {"visible": False}}}
+    b.gltf["nodes"] += [{"name": "off", "children": [4], **hidden}, {"name": "top", "children": [6, 5]}]
+    b.gltf["extensionsUsed"].append("KHR_node_visibility")
+    b.gltf |= {"scene": 1, "scenes": [{"nodes": [0, 3, 7]}, {"nodes": [0, 3]}]}
+    document = read(b.glb(tmp_path / "in.glb"))
+    rig, facts = document.rig, document.scene_facts().nodes
+    seen = {name: facts[rig.find(name)] for name in ("body", "eye", "lamp")}
+    assert {name: (fact["scenes"], fact["visibility"]) for name, fact in seen.items()} == {
+        "body": (("scene #0", "the scene that is shown"), None),
+        "eye": (("scene #0",), "hidden"),
+        "lamp": (("scene #0",), None),
+    }
+
+
 # Each fault and the words it is told with; those behind an asterisk only by verify.
 GLTF_FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
     "out of its scene": (
