@@ -33,7 +33,6 @@ def test_help_is_there_for_every_command() -> None:
         assert "Example" in run(command, "--help").output
 
 
-@pytest.mark.ci
 def test_orient_joints_reports_what_it_did_and_where_it_is(samples: Path, tmp_path: Path) -> None:
     result = run("orient-joints", samples / "biped.glb", "-o", tmp_path / "out.glb")
     assert result.stdout == ""
@@ -261,7 +260,6 @@ def test_a_suffix_makes_no_avatar(suffix: str, lacks: str, samples: Path, tmp_pa
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.ci
 def test_an_override_is_a_layer_whatever_it_is_for(samples: Path, tmp_path: Path) -> None:
     arguments = ["orient-joints", samples / "biped.usdz", "--edit-target", "bare", "-o"]
     assert "an override is a layer" in run(*arguments, tmp_path / "out.usdz", code=2).stderr
@@ -321,7 +319,6 @@ def test_inspect_prints_what_a_reviewer_has_read(name: str, samples: Path, golde
     golden.check(f"inspect_{name}.txt", run("inspect", samples / name).stdout)
 
 
-@pytest.mark.ci
 def test_inspect_colours_arrows_on_request_and_gives_the_same_words(
     samples: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -522,7 +519,6 @@ def test_the_kinds_of_errors_are_those_of_the_schema() -> None:
     assert kind_name(CrashError) == "file"
 
 
-@pytest.mark.ci
 def test_an_error_names_its_kind_and_a_result_with_details_stands_alone(
     samples: Path, tmp_path: Path
 ) -> None:

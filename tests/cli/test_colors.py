@@ -68,7 +68,6 @@ def test_errors_of_a_quiet_run_have_no_colour() -> None:
     assert done.stderr == "rigtri: There is no file nowhere.glb\n"
 
 
-@pytest.mark.ci
 def test_json_has_none() -> None:
     for line in (["check", PAIR], ["verify", BIPED, BIPED], ["recognise", BIPED], ["diff", BIPED, PAIR]):
         assert ESCAPE not in cli(*line, "--json", env={"FORCE_COLOR": "1"}).stdout

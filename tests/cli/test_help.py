@@ -214,7 +214,6 @@ def test_joints_clips_skins_and_moments_are_completed_from_the_file(samples: Pat
     assert completed("rigtri", "orient-joints", hero, "--aim", "") == ["x", "y", "z", "-x", "-y", "-z"]
 
 
-@pytest.mark.ci
 def test_bash_gets_what_stands_behind_its_break_as_its_line_can_take_it(
     samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

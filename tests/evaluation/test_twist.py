@@ -86,7 +86,6 @@ def test_a_rotation_and_its_negative_have_one_twist() -> None:
     assert_allclose(np.degrees(twist_angle(-q, X)), [30, -30, 179, -179])
 
 
-@pytest.mark.ci
 def test_n_twist_joints_take_their_share_of_the_twist_and_none_of_the_swing() -> None:
     turn = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, np.radians(80)))
     rig = add_twist(turning(ARM, "c", IDENTITY, turn), options=LOWER)
@@ -143,7 +142,6 @@ def _turns(local: Floats) -> Floats:
     return from_axes(nearest_rotation(local))
 
 
-@pytest.mark.ci
 def test_a_mirrored_joint_rotates_its_twist_joints_the_other_way() -> None:
     mirrored = replace(ARM, scale=ARM.scale * [[-1], [1], [1], [1]])
     turn = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, np.radians(80)))
@@ -166,7 +164,6 @@ def test_the_way_from_a_driver_goes_up_to_the_joint_whose_bone_it_twists() -> No
         driver_path(ARM, 2, 3)
 
 
-@pytest.mark.ci
 def test_between_keys_a_twist_joint_is_off_by_less_than_the_bound() -> None:
     first = multiply(from_axis_angle([0, 1, 1], 1.2), from_axis_angle(X, 1.5))
     rig = add_twist(turning(ARM, "c", IDENTITY, first, from_axis_angle(Y, -1.4)), options=LOWER)

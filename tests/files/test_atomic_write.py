@@ -213,7 +213,6 @@ def test_a_kill_at_a_random_time_leaves_the_old_file_or_the_new(
 # --- kinds of targets
 
 
-@pytest.mark.ci
 def test_a_replaced_file_keeps_its_permissions(samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.glb"
     target.write_bytes(b"old")
@@ -222,7 +221,6 @@ def test_a_replaced_file_keeps_its_permissions(samples: Path, tmp_path: Path) ->
     assert stat.S_IMODE(target.stat().st_mode) == 0o640
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize("mode", [0o444, 0o600])
 def test_permissions_of_the_old_file_are_no_hindrance(mode: int, samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.glb"
@@ -251,7 +249,6 @@ def test_other_names_of_the_old_file_keep_the_old_content(samples: Path, tmp_pat
     assert target.read_bytes() != twin.read_bytes()
 
 
-@pytest.mark.ci
 @POSIX
 @pytest.mark.parametrize("there", [True, False])
 def test_a_link_stays_a_link_and_what_it_leads_to_is_written(
@@ -455,7 +452,6 @@ def test_what_follows_an_output_comes_back_where_that_gets_no_name(
     assert contents(tmp_path) == {"out.rig.yaml": b"old"}
 
 
-@pytest.mark.ci
 def test_an_override_beside_its_source_is_delivered_the_same_way(samples: Path, tmp_path: Path) -> None:
     options = ReadOptions(edit_target="bare")
     edit(samples / "biped.usda", tmp_path / "over.usda", orient, options=options)

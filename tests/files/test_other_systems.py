@@ -187,7 +187,9 @@ def test_an_input_on_another_drive_is_refused_before_its_output_would_take_its_p
         inputs._relative(r"D:\rigs\hero.glb", r"C:\rigs")
 
 
-OUTSIDE = ["C:/skin.png", "C:skin.png", r"C:\skin.png", r"\\server\share\skin.png", r"..\skin.png"]
+OUTSIDE = ["C:/skin.png", r"C:\skin.png", r"\\server\share\skin.png", r"..\skin.png"]
+if os.name == "nt":
+    OUTSIDE.append("C:skin.png")  # the folder that is open on a drive; elsewhere a name as any other
 
 
 @pytest.mark.parametrize("name", OUTSIDE)
@@ -197,7 +199,6 @@ def test_uris_with_drives_shares_and_backslashes_lie_outside(name: str, tmp_path
     assert not urls.is_url(name)
 
 
-@pytest.mark.ci
 def test_a_library_can_be_imported_and_used_without_what_windows_lacks(
     bare: set[Path], tmp_path: Path
 ) -> None:

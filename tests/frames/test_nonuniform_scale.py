@@ -148,7 +148,6 @@ def test_every_interpolation_of_scale_is_kept(policy: str, mode: str, tmp_path: 
     assert result.lost + result.changed == ()
 
 
-@pytest.mark.ci
 def test_a_joint_with_a_mesh_a_child_and_two_skins_is_split(tmp_path: Path) -> None:
     limb = Limb(keys={"elbow": STRETCH, "wrist": STRETCH})
     source, out, again = made(tmp_path, limb, ".glb", extras=True), tmp_path / "o.glb", tmp_path / "a.glb"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
 from rigtri.evaluation.sampling import sample
@@ -11,7 +10,6 @@ from rigtri.formats.gltf.float32_rounding import round_tracks
 from rigtri.model.animation import Track
 
 
-@pytest.mark.ci
 def test_rotations_half_a_turn_apart_to_the_bit_keep_the_way_round_that_players_see() -> None:
     """Their products sum up to nothing; whether those of the unit turns do so, too, hangs on their length."""
     random = np.random.default_rng(5)

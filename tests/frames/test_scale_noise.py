@@ -266,7 +266,6 @@ def test_what_is_not_rotated_below_noise_of_a_scale_stays_to_the_last_bits(tmp_p
         np.testing.assert_allclose(*places, atol=1e-12)
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize(
     ("rest", "keys"),
     [
@@ -303,7 +302,6 @@ def test_keys_that_say_the_same_noise_become_uniform_too(tmp_path: Path) -> None
     np.testing.assert_allclose(track.values, [[factor] * 3 for factor in factors], rtol=3e-7)
 
 
-@pytest.mark.ci
 def test_noise_that_motion_would_show_is_left_and_reported(tmp_path: Path) -> None:
     """The shoulder has a long arm that bends; and all of a line stays, or a second run would go on."""
     source = noisy(tmp_path, rest={"shoulder": (1.00005, 1.0, 0.99995), "wrist": (1.00003, 1.0, 0.99998)})
@@ -315,7 +313,6 @@ def test_noise_that_motion_would_show_is_left_and_reported(tmp_path: Path) -> No
     assert again.read_bytes() == out.read_bytes()
 
 
-@pytest.mark.ci
 def test_noise_of_a_skeleton_in_usd_is_frozen_where_no_animation_scales_it(tmp_path: Path) -> None:
     text = usda(Limb(rest=FROZEN)).replace("rel skel:animationSource = </Root/Bend>", "")
     text = text[: text.index("def SkelAnimation")] + text[text.index("def Mesh") :]

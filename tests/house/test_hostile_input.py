@@ -807,7 +807,6 @@ def test_an_up_axis_that_usd_does_not_define_is_a_warning(tmp_path: Path) -> Non
     assert "upAxis is 'X'" in notice.text
 
 
-@pytest.mark.ci
 def test_an_accessor_by_a_whole_number_with_a_point_is_known_where_a_skin_grows(tmp_path: Path) -> None:
     """Some exporters write all numbers as floats; before, a traceback."""
     (tmp_path / "biped.bin").write_bytes((SAMPLES / "biped.bin").read_bytes())

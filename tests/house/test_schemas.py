@@ -58,7 +58,6 @@ def test_what_commands_print_as_json_keeps_to_its_schema(
     validator(PRINTED[words]).validate(cli(*words, "--json").json)
 
 
-@pytest.mark.ci
 def test_what_export_blender_prints_keeps_to_its_schema(samples: Path, tmp_path: Path) -> None:
     """Before, it had none."""
     rigged, script = tmp_path / "rigged.glb", tmp_path / "setup.py"

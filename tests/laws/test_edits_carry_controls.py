@@ -145,7 +145,6 @@ def test_a_rig_that_is_placed_in_an_uneven_scale_is_carried_as_it_is_alone(edit:
     assert carried(source, edit, tmp_path) <= SAME_MOTION
 
 
-@pytest.mark.ci
 def test_controls_without_motion_take_the_new_axes_of_their_joints() -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), joints=("upper_arm_L",), frame="joint")
     turned = rigtri.orient_joints(rig, preset="blender")
@@ -227,7 +226,6 @@ def test_a_scale_of_controls_that_is_not_uniform_goes_along_with_other_axes(
     assert carried(tmp_path / "in.glb", edit, tmp_path) <= SAME_MOTION
 
 
-@pytest.mark.ci
 def test_a_joint_that_keeps_the_scale_of_its_control_is_named_with_that() -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), joints=("head",))
     scale = rig.scale.copy()

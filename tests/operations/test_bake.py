@@ -70,7 +70,6 @@ def test_ik_is_at_work_in_the_round_trip_and_joint_keys_are_not_copied() -> None
     assert apart(rig, home, "walk", sampling.key_times(rig.clip("walk"))) > 0.01
 
 
-@pytest.mark.ci
 def test_a_rig_that_nobody_moved_bakes_to_itself() -> None:
     rig = rigged("tpose.glb")
     assert bake(replace(rig, clips=()), options=BakeOptions()) is rig or np.array_equal(
@@ -88,7 +87,6 @@ def test_baking_again_changes_nothing() -> None:
             assert one.values is two.values or np.array_equal(one.values, two.values)
 
 
-@pytest.mark.ci
 def test_a_control_that_was_rotated_at_rest_rotates_its_joint_once_however_often_it_is_baked() -> None:
     rig = replace(rigged(), clips=())
     head = control(rig, "head", "fk")

@@ -79,7 +79,6 @@ def test_a_larger_tolerance_takes_fewer_samples() -> None:
     assert counts[0] < counts[1] < counts[2]
 
 
-@pytest.mark.ci
 def test_samples_that_were_requested_are_the_only_ones() -> None:
     report = Report()
     baked = bake(reaching("biped.glb"), options=BakeOptions(fps=10.0), report=report)
@@ -148,7 +147,6 @@ def test_splines_swing_from_keys_to_keys_that_are_nearly_opposite_and_in_baked_c
     assert "first after 0;" in told[0]
 
 
-@pytest.mark.ci
 def test_a_limb_that_passes_straight_gets_samples_where_it_does_and_few_elsewhere() -> None:
     """There its joints turn like the square root of time: at 1024 a second a chord of it is 0.004 off."""
     rig = rigged()

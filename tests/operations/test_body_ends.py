@@ -75,7 +75,6 @@ def test_a_foot_without_toes_points_ahead_and_bends_as_one_with_toes(pose: Pose)
     )
 
 
-@pytest.mark.ci
 def test_a_head_whose_neck_stands_elsewhere_goes_on_as_the_trunk() -> None:
     body = posed_body(Pose())
     world = body.rig.world
@@ -113,7 +112,6 @@ def test_the_last_joint_aims_at_the_one_that_says_where_it_ends(names: str, curl
         np.testing.assert_allclose(out.world[body.parts[end]], body.rig.world[body.parts[end]], atol=1e-9)
 
 
-@pytest.mark.ci
 def test_a_toe_aims_at_its_end_however_a_nameless_foot_slopes() -> None:
     body = posed_body(Pose("none", ends=True))
     toes, end = body.parts["left toes"], body.parts["left toes end"]

@@ -95,7 +95,6 @@ def test_every_preset_closes_hands_and_bends_trunks_and_limbs_about_one_axis(pos
             np.testing.assert_allclose(out.world[socket], body.rig.world[socket], atol=1e-12)
 
 
-@pytest.mark.ci
 def test_a_report_names_the_rule_that_each_joint_follows() -> None:
     body, report = posed_body(Pose(arms=80.0)), Report()
     orient_joints(body.rig, report=report)
@@ -290,7 +289,6 @@ def test_knees_of_legs_stretched_ahead_are_above_and_elbows_of_such_arms_below()
             assert up > 0.1 if "Leg" in record["limb"][1] else up < -0.1
 
 
-@pytest.mark.ci
 def test_a_pole_keeps_the_dots_of_the_file_where_the_format_has_them() -> None:
     body = posed_body(Pose("blender"))
     strict = replace(body.rig, rules=replace(body.rig.rules, valid_name=identifier))
@@ -376,7 +374,6 @@ def test_a_facing_direction_along_the_body_is_refused() -> None:
         orient_joints(posed_body(Pose()).rig, facing="+y")
 
 
-@pytest.mark.ci
 def test_axes_along_the_world_need_no_body() -> None:
     report = Report()
     orient_joints(posed_body(Pose(elbow=-4.0, knee=-4.0)).rig, preset="vrm", report=report)

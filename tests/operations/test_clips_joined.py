@@ -90,7 +90,6 @@ def test_clips_that_drive_the_same_are_no_parts_of_one_when_joined() -> None:
     assert [notice.code for notice in report.warnings] == ["two-parts"]
 
 
-@pytest.mark.ci
 def test_an_unedited_clip_that_came_back_a_frame_late_has_not_changed() -> None:
     """Blender's Animation Mode "NLA Tracks" begins at frame 1."""
     clip = playing()
@@ -228,7 +227,6 @@ def test_a_number_that_no_clip_has_is_an_error(said: str) -> None:
         take_clips(RIG, options=TakeClipsOptions(from_=RIG, as_={said: "walk"}))
 
 
-@pytest.mark.ci
 def test_numbers_choose_clips_of_edited() -> None:
     edited = rig_with(playing(far=0.5), playing("run", 2.0, 0.5))
     assert take_clips(RIG, options=TakeClipsOptions(from_=edited, clip=("#1",))).clips[0] is RIG.clips[0]

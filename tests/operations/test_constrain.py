@@ -605,7 +605,6 @@ def in_poses(path: Path, names: list[str], random: np.random.Generator) -> bytes
     return glb_bytes(gltf, binary)
 
 
-@pytest.mark.ci
 def test_at_rest_the_exported_constraints_leave_all_where_it_was(samples: Path) -> None:
     rig = told(looking(read(samples / "biped.glb").rig), *VRM)
     assert_allclose(solved(rig), worlds(rig, rig.normalised_local), atol=1e-7)
@@ -716,7 +715,6 @@ def test_every_kind_is_the_same_in_both_formats(
             assert value == theirs[key]
 
 
-@pytest.mark.ci
 def test_usd_drivers_that_are_prims_are_targets(samples: Path, tmp_path: Path) -> None:
     from pxr import Usd
 

@@ -99,7 +99,6 @@ def test_sides_have_their_colours(samples: Path) -> None:
     assert len(blue) == len(red) > 5
 
 
-@pytest.mark.ci
 def test_the_root_s_arrow_points_where_the_character_looks(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     around = np.array([[-1.0, 0, 0], [0, 1, 0], [0, 0, -1]])
@@ -122,7 +121,6 @@ def test_the_root_s_arrow_points_where_the_character_looks(samples: Path) -> Non
         assert np.count_nonzero(points @ tip > 0.99 * np.abs(points).max()) == 1
 
 
-@pytest.mark.ci
 def test_ik_ends_and_poles_join_the_tree_of_the_root_control(samples: Path) -> None:
     out = add_controls(read(samples / "biped.glb").rig, options=WHOLE)
     (root,) = controls(out, "root").values()

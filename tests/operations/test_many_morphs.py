@@ -45,7 +45,6 @@ def test_what_only_all_morphs_at_once_would_show_is_no_reason_to_refuse(
     assert verify(read(source), read(out)).passes()
 
 
-@pytest.mark.ci
 def test_a_fault_that_points_show_is_refused_however_many_targets(samples: Path, tmp_path: Path) -> None:
     def wrong(rig: Rig, report: Report) -> Rig:
         from dataclasses import replace

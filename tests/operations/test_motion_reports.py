@@ -161,7 +161,6 @@ def test_rotations_of_nodes_without_a_mesh_are_reported(tmp_path: Path) -> None:
     assert "all that IN shows" not in told.summary()
 
 
-@pytest.mark.ci
 def test_between_its_keys_too_motion_is_measured(tmp_path: Path) -> None:
     """A step between two keys that agree with both: keys alone would see nothing."""
     source, target = SAMPLES / "biped.glb", tmp_path / "a.glb"

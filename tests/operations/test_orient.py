@@ -330,7 +330,6 @@ def test_a_straight_limb_nobody_knows_is_marked_as_invented_and_strictly_refused
     assert oriented(out) is out
 
 
-@pytest.mark.ci
 def test_no_noise_is_taken_for_a_bend_plane() -> None:
     for seed in range(8):
         rig = straight()
@@ -595,7 +594,6 @@ def test_each_of_two_characters_has_limbs_of_its_own() -> None:
     assert [e["up"] for e in report.joints if "shin" in e["joint"]] == ["plane of the limb"] * 2
 
 
-@pytest.mark.ci
 def test_frames_of_characters_that_share_names_are_not_mixed_up() -> None:
     from rigtri.operations.orient_joints.frame_sources import frames_json
 

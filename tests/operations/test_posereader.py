@@ -229,7 +229,6 @@ def test_the_self_check_excludes_driven_targets_alone(tmp_path: Path) -> None:
     assert passes({2: {0, 1}})
 
 
-@pytest.mark.ci
 def test_steps_of_other_morphs_stay_steps(tmp_path: Path) -> None:
     source, target = arm(weights="STEP").glb(tmp_path / "in.glb"), tmp_path / "out.glb"
     driven(source, target)

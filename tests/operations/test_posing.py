@@ -60,7 +60,6 @@ def test_a_written_pose_is_the_rest_pose_and_stays_when_evaluated_again() -> Non
     assert taken.clips == up.clips
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_the_command_writes_the_pose_it_prints(name: str, tmp_path: Path) -> None:
     out = tmp_path / name

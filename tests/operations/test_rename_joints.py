@@ -68,7 +68,6 @@ def test_there_and_back_gives_the_same_bytes(scheme: str, suffix: str, tmp_path:
     assert both[0] == both[1]
 
 
-@pytest.mark.ci
 def test_a_trunk_that_is_counted_from_none_keeps_its_bones() -> None:
     """Spine, Spine1: words in common use, without fingers or a prefix that tell whose they are."""
     rig = rigtri.read(SAMPLES / "biped.glb")

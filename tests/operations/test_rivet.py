@@ -106,7 +106,6 @@ def test_a_rivet_stays_on_the_surface_and_all_else_as_it_is(path: Path, tmp_path
         says.validate(note)
 
 
-@pytest.mark.ci
 def test_a_rivet_on_the_middle_of_a_triangle_by_hand(tmp_path: Path) -> None:
     """Points (0,0,0), (1,2,0), (0,3,0), morph 'other' at 0.25 moves the first to (0.25,0,0) at rest."""
     rig = read(arm().glb(tmp_path / "in.glb")).rig
@@ -164,7 +163,6 @@ def test_a_tighter_bound_takes_more_keys_and_keeps_it(tmp_path: Path) -> None:
     assert counts[0] < counts[-1]
 
 
-@pytest.mark.ci
 def test_what_is_held_between_keys_is_held_by_the_rivet(tmp_path: Path) -> None:
     source = arm(turn="STEP", weights="STEP").glb(tmp_path / "in.glb")
     report = riveted(source, tmp_path / "out.glb")

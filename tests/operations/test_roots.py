@@ -46,7 +46,6 @@ def rooted(tmp_path: Path) -> Path:
     return out
 
 
-@pytest.mark.ci
 def test_a_root_stands_on_the_ground_and_nothing_moves(rooted: Path) -> None:
     before, after = rigtri.read(SAMPLES / "biped.glb"), rigtri.read(rooted)
     root = after.find("root")
@@ -71,7 +70,6 @@ def test_the_pivot_of_a_skin_is_above_its_new_root(tmp_path: Path) -> None:
     assert made["nodes"][made["skins"][0]["skeleton"]]["name"] == "root"
 
 
-@pytest.mark.ci
 def test_a_second_root_is_not_added(rooted: Path) -> None:
     rig = rigtri.read(rooted)
     assert rigtri.add_root(rig).names == rig.names

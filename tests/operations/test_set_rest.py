@@ -347,7 +347,6 @@ def test_rest_rotations_of_joints_with_other_axes_are_refused(skinned: bool, up:
         rigtri.set_rest(ours, like=other)
 
 
-@pytest.mark.ci
 def test_what_is_up_for_a_body_is_as_it_is_bound_and_not_as_it_rests() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     top, hips, rotation = rig.find("biped"), rig.find("hips"), rig.rotation.copy()

@@ -53,7 +53,6 @@ def switched(rig: Rig, *switch: str, **more: Any) -> Rig:
     return rigtri.constrain(rig, child="sword", space=SPACES, switch=switch, **more)
 
 
-@pytest.mark.ci
 def test_a_prop_changes_hands_at_its_offsets_of_the_rest_pose() -> None:
     baked = rigtri.bake(switched(hands(), "swing@0.5=left", "swing@1=right"), to="joints")
     assert_allclose(world(baked, "sword", 0.25)[0, 3, :3], [1, 1, 0])  # the world
@@ -264,7 +263,6 @@ def test_the_other_side_gets_a_switch_of_its_own() -> None:
     ]
 
 
-@pytest.mark.ci
 def test_strip_takes_switches_out(tmp_path: Path) -> None:
     keys = {"walk": {"times": [0, 0.5], "chest": [0, 1], "head": [1, 0]}}
     source = rigtri.read(SAMPLES / "biped.glb")

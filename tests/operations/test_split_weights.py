@@ -75,7 +75,6 @@ def layouts(path: Path) -> dict[str, tuple[int, bool]]:
     return {name: (a["componentType"], a.get("normalized", False)) for name, a in accessors.items()}
 
 
-@pytest.mark.ci
 def test_weights_go_to_the_joints_along_the_bone(tmp_path: Path) -> None:
     found = named(result(bone([[0.5, 0.5, 0, 0]] * 3), tmp_path))
     assert found == [

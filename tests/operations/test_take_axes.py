@@ -78,7 +78,6 @@ def skinned(rig: Rig) -> dict[str, Floats]:
     return dict(zip((rig.names[n] for n in skin.joints), moved, strict=True))
 
 
-@pytest.mark.ci
 def test_a_rolled_joint_moves_its_points_as_before() -> None:
     for joint in LEAF, INNER:
         there = skinned(rolled(rig_of(), joint))

@@ -82,7 +82,6 @@ def test_controls_without_keys_get_them_and_bake_to_the_motion(tmp_path: Path) -
     assert far(baked, bake(animated, options=BakeOptions())) < 1e-4
 
 
-@pytest.mark.ci
 def test_several_clips_for_a_file_without_any_are_refused_before_anything_is_reported(tmp_path: Path) -> None:
     rig, report = rig_of(bare(tmp_path / "bare.usda")), Report()
     with pytest.raises(UsageError, match="A USD file has one clip, EDITED has 'walk', 'wave'"):

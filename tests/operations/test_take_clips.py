@@ -319,7 +319,6 @@ def test_new_clips_are_added_missing_ones_stay_and_only_those_requested_are_take
         take_clips(rig, options=TakeClipsOptions(from_=edited, clip=("run",)))
 
 
-@pytest.mark.ci
 def test_controls_have_the_axes_of_what_is_above_them_whatever_frame_was_shown() -> None:
     """Exporters store what the current frame shows as the rest of a moving node."""
     rig = rig_of()

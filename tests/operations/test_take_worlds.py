@@ -185,7 +185,6 @@ def test_bind_poses_in_a_space_of_their_own_lay_nobody_down() -> None:
     assert apart(take_clips(replace(rig, clips=()), from_=edited), edited, "walk") < CLOSE
 
 
-@pytest.mark.ci
 def test_a_body_beside_a_turned_armature_goes_round_with_it() -> None:
     """Before, it faced right and stood where RIG's does."""
     rig = rig_of()

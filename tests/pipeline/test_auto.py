@@ -150,7 +150,6 @@ def test_a_picture_or_spec_that_cannot_be_written_leaves_no_output_either(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.ci
 def test_a_full_disk_is_told_of_the_output_and_the_temporary_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -259,7 +258,6 @@ def test_two_characters_of_a_file_get_a_rig_each(tmp_path: Path) -> None:
     assert f"# {remark}" in out.with_suffix(".rig.yaml").read_text("utf-8")
 
 
-@pytest.mark.ci
 def test_no_root_control_is_left_out_for_characters_with_skins_of_their_own(tmp_path: Path) -> None:
     rig = read(written(two_characters(), tmp_path))
     (skin,), anna = rig.skins, rig.below(rig.find("Anna"))

@@ -397,7 +397,6 @@ def test_help_of_keywords_speaks_of_no_command_line() -> None:
     assert "or a mapping with these and aim, up or up_from for it alone" in text
 
 
-@pytest.mark.ci
 def test_objects_of_options_do_what_keywords_do() -> None:
     rig = rigtri.read(BIPED)
     with_object = rigtri.orient_joints(rig, options=OrientJointsOptions(aim="z", up="-x", end="keep"))

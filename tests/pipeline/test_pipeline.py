@@ -81,7 +81,6 @@ def test_a_dry_run_measures_and_writes_nothing(samples: Path, tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.ci
 def test_an_existing_file_is_replaced_only_on_request(samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.glb"
     target.write_bytes(b"precious")
@@ -104,7 +103,6 @@ def test_source_and_target_may_be_one_file(name: str, samples: Path, tmp_path: P
     assert len(list(tmp_path.iterdir())) == 2
 
 
-@pytest.mark.ci
 def test_a_gltf_takes_its_files_along(samples: Path, tmp_path: Path) -> None:
     edit(samples / "biped.gltf", tmp_path / "moved.gltf", orient)
     uris = [buffer["uri"] for buffer in json.loads((tmp_path / "moved.gltf").read_text())["buffers"]]
@@ -226,7 +224,6 @@ def test_a_resource_that_is_another_file_is_not_replaced_unasked(samples: Path, 
     assert (tmp_path / "biped.bin").read_bytes() == (samples / "biped.bin").read_bytes()
 
 
-@pytest.mark.ci
 def test_a_relinked_gltf_points_back_at_its_old_buffer(samples: Path, tmp_path: Path) -> None:
     outcome = edit(
         samples / "biped.gltf", tmp_path / "out.gltf", orient, options=ReadOptions(resources="relink")
@@ -285,7 +282,6 @@ def test_a_file_is_let_go_as_soon_as_nobody_holds_it(samples: Path, name: str) -
         gc.enable()
 
 
-@pytest.mark.ci
 def test_a_file_about_to_appear_is_announced_before_it_does(samples: Path, tmp_path: Path) -> None:
     source, target = samples / "biped.gltf", tmp_path / "out.gltf"
     told: list[tuple[Outcome, StagedOutput]] = []

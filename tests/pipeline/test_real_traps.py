@@ -216,7 +216,6 @@ def test_signs_of_keys_stay_as_they_are(tmp_path: Path) -> None:
         assert_allclose(products[1], products[0], atol=1e-6)  # an orthogonal map keeps them
 
 
-@pytest.mark.ci
 def test_half_turns_between_keys_keep_their_way_round(tmp_path: Path) -> None:
     leg = Leg()
     for joint, axis in ((1, [1, 0, 0]), (2, [0, 1, 0]), (3, [0.6, 0, 0.8])):
@@ -226,7 +225,6 @@ def test_half_turns_between_keys_keep_their_way_round(tmp_path: Path) -> None:
     assert leg.turn(tmp_path)[3].deviation <= 4 * FLOOR
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize("size", [1.0002, 0.707])
 def test_rotations_that_are_not_unit_keep_their_length_and_are_reported(size: float, tmp_path: Path) -> None:
     leg = Leg()
@@ -297,7 +295,6 @@ def test_a_bone_of_no_length_is_looked_through(tmp_path: Path) -> None:
     assert np.isfinite(after.rotation).all()
 
 
-@pytest.mark.ci
 def test_a_child_far_off_without_weight_is_no_continuation(tmp_path: Path) -> None:
     leg = Leg()
     slot = leg.below(3, name="weapon_slot", translation=[0.3, 0.1, 0])
@@ -327,7 +324,6 @@ def test_several_roots_and_an_animated_root_are_reoriented_only_when_named(tmp_p
 # 8. Flat IK rigs: the foot hangs under the root.
 
 
-@pytest.mark.ci
 def test_a_shin_whose_foot_is_parented_to_the_root_aims_at_the_foot(tmp_path: Path) -> None:
     leg = Leg()
     nodes = leg.gltf["nodes"]
@@ -347,7 +343,6 @@ def test_a_shin_whose_foot_is_parented_to_the_root_aims_at_the_foot(tmp_path: Pa
 # 9. Things on joints: rigid meshes, cameras, lights, on the joint itself, animated children.
 
 
-@pytest.mark.ci
 def test_whatever_is_parented_to_joints_stays_where_it_is(tmp_path: Path) -> None:
     leg = Leg()
     points = leg.accessor([[0, 0, 0], [0.1, 0, 0], [0, 0.2, 0]], min=[0, 0, 0], max=[0.1, 0.2, 0])
@@ -439,7 +434,6 @@ def straight(leg: Leg) -> Leg:
     return leg
 
 
-@pytest.mark.ci
 def test_a_straight_leg_learns_its_hinge_from_its_clips(tmp_path: Path) -> None:
     leg = straight(Leg())
     turns = [from_axis_angle([0.6, 0, 0.8], turn) for turn in (0.1, 0.9, 1.2)]
@@ -450,7 +444,6 @@ def test_a_straight_leg_learns_its_hinge_from_its_clips(tmp_path: Path) -> None:
     assert np.isfinite(after.rotation).all()
 
 
-@pytest.mark.ci
 def test_a_straight_leg_without_a_bend_direction_is_reported(tmp_path: Path) -> None:
     leg = straight(Leg())
     for node, name in zip(leg.gltf["nodes"], "abcd", strict=False):

@@ -400,7 +400,6 @@ def test_files_that_are_no_specs_are_refused(tmp_path: Path) -> None:
         load(tmp_path / "latin.yaml")
 
 
-@pytest.mark.ci
 def test_files_that_a_spec_names_are_found_beside_it(tmp_path: Path) -> None:
     folder = tmp_path / "specs"
     folder.mkdir()
@@ -697,7 +696,6 @@ def test_warnings_of_later_steps_speak_of_the_users_file(tmp_path: Path) -> None
     assert told == [f"{source}: a mesh cannot be read"]
 
 
-@pytest.mark.ci
 def test_a_build_reports_the_kind_of_what_does_not_fit(tmp_path: Path) -> None:
     spec = write(tmp_path, "steps:\n- {do: orient-joints, joints: nobody}\n")
     line = ["build", str(SAMPLES / "biped.glb"), "--spec", str(spec), "-o", str(tmp_path / "o.glb"), "--json"]

@@ -398,7 +398,6 @@ def test_a_value_that_a_variable_gives_is_reported_with_the_variable(tmp_path: P
         load(write(tmp_path, text), variables={"size": "abc"})
 
 
-@pytest.mark.ci
 def test_what_words_of_braces_have_in_common_is_reported_once(tmp_path: Path) -> None:
     text = "steps:\n- {do: orient-joints, joints: [forarm_L, 'hend_{L,R}']}\n"
     with pytest.raises(SpecError) as caught:

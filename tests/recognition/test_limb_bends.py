@@ -145,7 +145,6 @@ def test_a_clear_motion_near_the_natural_side_confirms_it_against_the_pose() -> 
             assert least <= degrees <= most
 
 
-@pytest.mark.ci
 def test_a_few_clear_bends_go_before_many_small_ones() -> None:
     body = posed_body(Pose())
     locked = moved(body, KNEES, -6.0)

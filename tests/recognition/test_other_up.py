@@ -174,7 +174,6 @@ def test_each_of_six_legs_that_are_alike_begins_at_the_thorax_and_bends_twice(na
     }
 
 
-@pytest.mark.ci
 def test_a_man_on_another_axis_than_his_file_is_seen_and_held_as_he_stands() -> None:
     """Views look at his face with his head above, and the root control is at his feet."""
     for rig, up, ahead in (

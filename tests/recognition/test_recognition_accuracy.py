@@ -124,7 +124,6 @@ def test_without_names_nothing_is_left_that_contains_them() -> None:
     assert not any(letter.isalpha() for label in rig.labels for letter in label)
 
 
-@pytest.mark.ci
 def test_meaningless_names_are_as_good_as_none() -> None:
     rig = read(SAMPLES / "biped.glb")
     found = [recognise(nameless(rig, name)).characters[0].chains for name in ("", "node_", "Bone.")]

@@ -101,7 +101,6 @@ def test_new_axes_change_numbers_and_nothing_that_an_avatar_states(seed: int, tm
     assert verify(before, after).different == ()
 
 
-@pytest.mark.ci
 def test_rotations_that_are_not_unit_move_nothing_that_an_avatar_states(tmp_path: Path) -> None:
     builder = avatars.avatar(1)
     for node in builder.gltf["nodes"]:

@@ -80,7 +80,6 @@ def test_axes_of_the_world_follow_no_bone(tmp_path: Path) -> None:
     assert not [name for name in ids if name.startswith("axes.")]
 
 
-@pytest.mark.ci
 def test_a_rolled_joint_is_named_with_its_degrees(tmp_path: Path) -> None:
     found, after = check(AXES["axes.trunk"][0](tmp_path))
     assert after.message == "is rolled by 90° against 'mixamorig:Spine1'"
@@ -90,7 +89,6 @@ def test_a_rolled_joint_is_named_with_its_degrees(tmp_path: Path) -> None:
     assert found.severity == "info"
 
 
-@pytest.mark.ci
 def test_a_joint_that_aims_backwards_along_its_bone_is_named() -> None:
     body = posed_body(Pose())
     ((rule, node, _),) = axis_findings(rolled(body, (0, 1, 0), left_index_1=180.0))
@@ -105,7 +103,6 @@ def test_both_hands_and_each_knee_are_reported() -> None:
     assert found.count("axes.hinge") == 2
 
 
-@pytest.mark.ci
 def test_what_is_below_the_limits_is_not_reported() -> None:
     out = rolled(posed_body(Pose()), left_ring_1=25.0, left_lower_leg=15.0, chest=25.0)
     assert rules(out) == set()
@@ -174,7 +171,6 @@ def test_a_finger_of_a_hand_alone_that_curls_about_another_axis_is_named() -> No
     assert text.startswith("the fingers of the hand curl about axes up to 9")
 
 
-@pytest.mark.ci
 def test_a_hand_whose_fingers_all_close_the_other_way_is_named() -> None:
     found = list(axis_findings(rolled(posed_body(Pose()), **dict.fromkeys(FINGERS, 180.0))))
     ((_, _, text),) = [each for each in found if each[0] == "axes.hands"]
@@ -182,7 +178,6 @@ def test_a_hand_whose_fingers_all_close_the_other_way_is_named() -> None:
     assert "by +y" in text
 
 
-@pytest.mark.ci
 def test_joints_without_weight_are_left_out() -> None:
     out = rolled(posed_body(Pose()), left_lower_leg=90.0)
     (skin,) = out.skins

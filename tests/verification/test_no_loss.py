@@ -57,7 +57,6 @@ def test_an_override_never_replaces_what_it_is_for(spelled, edit_target: str, tm
     assert contents(tmp_path) == before
 
 
-@pytest.mark.ci
 def test_bare_opinions_are_edited_in_place_but_never_over_their_source(tmp_path: Path) -> None:
     source, opinions = hero(tmp_path), tmp_path / "opinions.usda"
     options = ReadOptions(edit_target="bare")

@@ -83,7 +83,6 @@ def test_a_compressed_character_is_the_same_before_and_after_an_edit(
     assert_same(turned(packed, tmp_path / "b.glb"), turned(plain, tmp_path / "c.glb"))
 
 
-@pytest.mark.ci
 def test_an_edit_adds_plain_views_and_leaves_all_compressed_bytes_and_references(tmp_path: Path) -> None:
     path = pack(character(), tmp_path / "a.glb", version=1)
     document = GltfDocument.read(path)

@@ -109,7 +109,6 @@ def _same_entries(before: Path, after: Path) -> None:
     assert UsdUtils.ComputeAllDependencies(str(after))[0]
 
 
-@pytest.mark.ci
 def test_what_is_composed_is_the_same_but_for_the_joints(tmp_path: Path) -> None:
     path = planted(tmp_path, ".usda")
     edit(path, path.with_stem("out"), EDITS["orient-joints"])

@@ -189,7 +189,6 @@ def test_instances_inside_others_keep_places_of_their_own_in_another_unit(tmp_pa
             assert np.abs(100 * after[name] - points).max() < 1e-4
 
 
-@pytest.mark.ci
 def test_a_crowd_holds_in_a_shot_that_sublayers_or_references_it(tmp_path: Path) -> None:
     source = crowd(tmp_path)
     document = read(source)

@@ -273,7 +273,6 @@ def test_the_opinions_go_where_edits_go_and_offsets_count(
     assert_allclose(motion(again, "c", "rotation").values[[0, -1]], motion(rig, "c", "rotation").values)
 
 
-@pytest.mark.ci
 def test_two_skeletons_of_one_animation_that_are_to_move_alike_share_it(tmp_path: Path) -> None:
     document = read(_pair(tmp_path))
     rig = document.rig

@@ -158,7 +158,6 @@ def test_an_animation_from_value_clips_is_reoriented_by_samples_of_a_stronger_la
     assert far(source, out, np.arange(-1, 11, 0.1371)) < 1e-5
 
 
-@pytest.mark.ci
 def test_clips_that_lie_in_a_reference_are_overridden_too(tmp_path: Path) -> None:
     clipped(tmp_path / "parts", LONG, EXPLICIT + "double2[] active = [(0, 0)]")
     source = save(tmp_path, '#usda 1.0\ndef "Root" (references = @./parts/in.usda@)\n{\n}\n', "shot.usda")

@@ -75,7 +75,6 @@ def test_prims_stand_at_their_samples_where_usd_puts_them(tmp_path: Path) -> Non
                 assert_allclose(world[rig.labels.index(path)], expected, atol=1e-6, err_msg=f"{path} {time}")
 
 
-@pytest.mark.ci
 def test_turning_joints_writes_nothing_of_moving_prims(tmp_path: Path) -> None:
     document = read(save(tmp_path, scene(WALKING, skeleton(), animation(), MESH) + MOVING))
     out = write(document, turned(document.rig), tmp_path / "out.usda")

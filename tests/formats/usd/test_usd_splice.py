@@ -239,7 +239,6 @@ def test_the_text_in_a_package_keeps_its_bytes(tmp_path: Path) -> None:
     assert path.with_stem("out").read_bytes() in package.with_stem("out").read_bytes()
 
 
-@pytest.mark.ci
 def test_a_text_that_cannot_be_spliced_is_written_by_usd_with_a_notice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

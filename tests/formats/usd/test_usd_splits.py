@@ -169,7 +169,6 @@ def test_defaults_and_blocked_samples_are_widened_too(tmp_path: Path) -> None:
     assert deviation(source, out) < 2e-6
 
 
-@pytest.mark.ci
 def test_a_joint_that_the_animation_leaves_at_rest_gets_no_column(tmp_path: Path) -> None:
     from pxr import Vt
 
@@ -393,7 +392,6 @@ def test_a_joint_flat_at_rest_is_named_where_a_clip_leaves_some_of_it_to_rest(tm
         orient_joints(replace(rig, clips=(replace(clip, tracks=tracks),)), exclude=["elbow"])
 
 
-@pytest.mark.ci
 def test_a_pose_may_mix_the_scale_of_a_clip_with_the_rotation_of_a_mirrored_rest(tmp_path: Path) -> None:
     """A default scale beside sampled rotations: rest and scale mirror about the same axis."""
     text = usda(Limb(rest={"elbow": (-1, 1, 1)}))

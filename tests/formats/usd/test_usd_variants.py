@@ -189,7 +189,6 @@ def test_a_binding_above_a_skeleton_whose_own_has_no_target_differs_by_variant(t
         assert apart(source, out, {"clip": variant}) < 1e-5
 
 
-@pytest.mark.ci
 def test_what_is_common_to_all_variants_is_written_once_outside_of_them(tmp_path: Path) -> None:
     source = save(tmp_path, choosing(SCENES["values"], clip="a"))
     layer = layers.fresh(edited(source, tmp_path))
@@ -234,7 +233,6 @@ def test_two_sets_that_matter_are_reoriented_in_every_combination(tmp_path: Path
     assert not layer.GetPrimAtPath("/Root{body=low}{clip=b}Anim")
 
 
-@pytest.mark.ci
 def test_sets_of_one_variant_each_leave_nothing_to_choose(tmp_path: Path) -> None:
     """As of assets whose sets of models and of looks have but one each."""
     body = variant_set("body", only="\n".join((skeleton(), animation(), MESH)))

@@ -84,7 +84,6 @@ def check_same(one: Path, other: Path, *, still: tuple[str, ...] = ()) -> None:
         assert_allclose(after[path, time][rows], matrix[rows], atol=1e-12)
 
 
-@pytest.mark.ci
 def test_two_ops_rotate_a_prim_and_leave_all_else_where_it_is(tmp_path: Path) -> None:
     source = save(tmp_path, SMOOTH)
     document = read(source, root="/Rig")

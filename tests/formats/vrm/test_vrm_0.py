@@ -52,7 +52,6 @@ def places(gltf: dict[str, Any], rig: Rig) -> np.ndarray:
     )
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize("option", ["--world", "--preset=vrm"])
 def test_all_bones_get_zero_rotations_and_nothing_moves(option: str, tmp_path: Path) -> None:
     source, out = avatar_0(3).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
@@ -86,7 +85,6 @@ def test_offsets_by_hand(tmp_path: Path) -> None:
     assert_allclose([written["offset"][axis] for axis in "xyz"], [0, 0.5, 0.25], atol=1e-12)
 
 
-@pytest.mark.ci
 def test_a_second_run_changes_no_byte(tmp_path: Path) -> None:
     source, once, twice = avatar_0(4).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm", tmp_path / "c.vrm"
     assert run(source, "-o", once, "--world").exit_code == 0

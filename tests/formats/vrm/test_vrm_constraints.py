@@ -113,7 +113,6 @@ def test_a_reorientation_that_a_constraint_forbids_is_seen_by_the_evaluator(tmp_
         assert deviation(rig, replace(careless, node_constraints=rig.node_constraints)) > 1e-3
 
 
-@pytest.mark.ci
 def test_joints_that_a_rotation_constraint_ties_are_reoriented_as_their_source(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
     after = orient_joints(rig, options=OrientJointsOptions(**joints_of(ALL)), report=report)
@@ -242,7 +241,6 @@ def test_on_constraint_error_names_the_joint_and_what_to_do(tmp_path: Path) -> N
     orient_joints(free, options=OrientJointsOptions(on_constraint="error"))
 
 
-@pytest.mark.ci
 def test_the_least_is_frozen(tmp_path: Path) -> None:
     """By default the driven twist bones stay; each bond holds what its constraints compare, no more."""
     rig = opened(avatar(6), tmp_path)
