@@ -24,6 +24,7 @@ def clean() -> Builder:
     sampler = b.gltf["animations"][0]["samplers"][0]
     b.gltf["accessors"][sampler["input"]] |= {"min": [0], "max": [1]}
     sampler["output"] = b.accessor(TURNS)
+    b.gltf["skins"][0]["skeleton"] = 0
     return b
 
 
@@ -220,6 +221,7 @@ def _second_skin(g: dict[str, Any], b: Builder) -> None:
 def _two_trees(g: dict[str, Any], b: Builder) -> None:
     del g["nodes"][1]["children"]
     g["scenes"][0]["nodes"].append(2)
+    del g["skins"][0]["skeleton"]
 
 
 def _two_parents(g: dict[str, Any], b: Builder) -> None:

@@ -24,7 +24,7 @@ from rigtri.model.options import Kind, made, option, options_of, refuse
 from rigtri.model.rig import Rig
 from rigtri.model.spelling import spec_spelling
 from rigtri.operations.operation import operation
-from rigtri.operations.option_kinds import Direction, Limbs, Node
+from rigtri.operations.option_kinds import Direction, Limbs, Node, direction
 from rigtri.operations.registry import OPERATIONS, Registered
 from rigtri.pipeline.rigspec.models import steps
 from rigtri.pipeline.rigspec.models.spec import SpecModel
@@ -153,3 +153,24 @@ def test_a_sentence_of_help_is_declared_once() -> None:
             if isinstance(node, ast.keyword) and node.arg == "help" and isinstance(node.value, ast.Constant):
                 found.setdefault(str(node.value.value), []).append(f"{path.name}:{node.value.lineno}")
     assert {text: places for text, places in found.items() if len(places) > 1} == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("x", (1, 0, 0)),
+        ("+y", (0, 1, 0)),
+        ("-Z", (0, 0, -1)),
+        ("0,-2,1e-3", (0, -2, 0.001)),
+        *(
+            (text, None)
+            for text in ("", "w", "--x", "0,0,0", "0,inf,1", "nan,0,1", "1,2", "1,2,3,4", "a,0,1")
+        ),
+    ],
+)
+def test_a_direction_is_an_axis_or_three_numbers(text: str, found: object) -> None:
+    if found is not None:
+        assert direction(text) == found
+    else:
+        with pytest.raises(ValueError, match=f"'{text}' is not a valid direction: use an axis"):
+            direction(text)

@@ -55,6 +55,27 @@ def walks(rig: Rig, start: float, end: float) -> float:
     return max(b for _, b in ends(rig))
 
 
+@pytest.mark.parametrize(
+    ("start", "end", "left"),
+    [
+        (0.0, 9.0, {2: 20, 4: 40, 6: 60}),
+        (3.0, 9.0, {3: 30, 4: 40, 6: 60}),
+        (0.0, 5.0, {2: 20, 4: 40, 5: 50}),
+        (2.5, 3.5, {2.5: 25, 3.5: 35}),
+        (4.0, 5.0, {4: 40, 5: 50}),
+        # Outside altogether there is one key, at the nearer end.
+        (7.0, 9.0, {7: 60}),
+        (0.0, 1.0, {1: 20}),
+    ],
+)
+def test_a_cut_track_has_keys_on_its_curve_where_it_is_cut(
+    start: float, end: float, left: dict[float, float]
+) -> None:
+    values = np.outer([20.0, 40.0, 60.0], np.ones(3))
+    found = cut(Track(0, "translation", "LINEAR", np.array([2.0, 4.0, 6.0]), values), start, end)
+    assert dict(zip(found.times.tolist(), found.values[:, 0].round(9).tolist(), strict=True)) == left
+
+
 @pytest.mark.parametrize(("name", "late"), [("biped.glb", 5.0), ("biped.usda", 1001.0)])
 def test_unchanged_tracks_show_where_a_longer_clip_that_starts_elsewhere_lies(name: str, late: float) -> None:
     plain = rig_of(SAMPLES / name)

@@ -263,6 +263,10 @@ GLTF: dict[str, tuple[Callable[[Any], Any], list[str]]] = {
         lambda b: b.binary.__setitem__(slice(-12, -1), b"other bytes"),
         ["loose bytes: ~ buffer 0, bytes "],
     ),
+    "more loose bytes": (
+        lambda b: (b.view(b"seen"), b.binary.extend(bytes(4))),
+        ["loose bytes: + buffer 0, bytes "],
+    ),
     "loose bytes gone": (
         lambda b: b.binary.__delitem__(slice(-12, None)),
         ["loose bytes: - buffer 0, bytes "],

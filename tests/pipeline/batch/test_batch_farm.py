@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from program import Ran, cli
 
+from rigtri.errors import FileError, UsageError
 from rigtri.pipeline.batch import openjd
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.shards import Shard, parse
@@ -130,3 +131,12 @@ def test_what_a_job_cannot_mean_is_refused(here: Path) -> None:
     Path("job/template.json").write_text("{}")
     told = batch("-O", "out", "--emit-openjd", "job")
     assert (told.exit_code, Path("job/template.json").read_text()) == (2, "{}")
+
+
+def test_a_job_is_written_into_a_folder_that_is_there_and_over_nothing(tmp_path: Path) -> None:
+    assert openjd.emit(tmp_path, [], ["-O", "out"]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {openjd.TEMPLATE, openjd.JOB}
+    with pytest.raises(UsageError, match=f"{openjd.TEMPLATE} exists; remove it"):
+        openjd.emit(tmp_path, [], ["-O", "out"])
+    with pytest.raises(FileError, match="is not a folder to write"):
+        openjd.emit(tmp_path / openjd.JOB, [], ["-O", "out"])
