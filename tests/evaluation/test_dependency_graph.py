@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rigs import rig_of
+from rigs import chain, rig_of
 
 from rigtri.evaluation.dependency_graph import ControlCycleError, dependencies, in_order, steps_for
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
 
 # a, with b and c below each other, and d beside them with e below.
 NAMES, PARENTS = list("abcde"), [-1, 0, 1, 0, 3]
@@ -97,3 +98,16 @@ def test_only_the_steps_that_some_nodes_depend_on_are_taken(rig: Rig) -> None:
 def test_a_cycle_is_named_from_its_first_node_in_the_rig(rig: Rig, steps: list[Any], names: str) -> None:
     with pytest.raises(ControlCycleError, match=f"each of these needs the next: {re.escape(names)}"):
         in_order(rig, steps)
+
+
+def test_joints_depend_on_the_controls_and_poles_that_move_them() -> None:
+    options = AddControlsOptions(ik=(("a", "b", "c"),), joints=("d",))
+    rig = add_controls(chain((0, 0, 0), (1, 0.2, 0), (2, 0, 0), (3, 0, 0)), options=options)
+    needs = dependencies(rig)
+    of = {(rig.type_of(node), rig.metadata[node].get("joint")): node for node in rig.nodes_of("control")}
+    (pole,), end, tip = rig.nodes_of("poleVector"), of["control", "c"], of["control", "d"]
+    for joint in "abc":
+        assert {end, pole} <= needs[rig.find(joint)]
+    assert tip in needs[rig.find("d")]
+    assert not {end, pole}.intersection(needs[rig.find("d")])
+    assert tip not in dependencies(rig, tip)[rig.find("d")]

@@ -117,7 +117,6 @@ def test_one_is_the_same_as_many():
         assert np.array_equal(one.lower[0], many.lower[k])
 
 
-@pytest.mark.ci
 def test_rounding_of_a_target_does_not_bend_a_limb_that_rests_straight():
     def bend(share: float, at_rest: float) -> float:
         _, middle, _ = solved((0, 2.0 - 2.0 * share, 0), (1, 0, 0), at_rest=at_rest)
