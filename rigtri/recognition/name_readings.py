@@ -199,7 +199,13 @@ def _triple(
             # 'shoulder' above 'upperarm' is a clavicle: the start nearest to the middle is meant,
             # and of wrist and hand the one nearest to it.
             end = min(last, key=lambda each: (each[0], tree.depth[each[1]], each[1]))[1]
-            start = max(above)[2]
+            start, names = max(above)[2], tree.rig.names
+            # Of pieces of one bone the first is meant: ``upper_arm.L.01`` above ``upper_arm.L.02``.
+            plain, starting = parse_name(names[start]).plain, {k for _, _, k in above}
+            while (over := tree.above[start]) in starting and names[over] != names[start]:
+                if parse_name(names[over]).plain != plain:
+                    break
+                start = over
             if start != end:
                 return start, middle, end
     return None

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.triangle import bend_angle
 from rigtri.recognition.arms_legs import Found
-from rigtri.recognition.body_shape import SIMILAR, Body, lowest
+from rigtri.recognition.body_shape import SIMILAR, Body, height, lowest
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import feet_ahead, long_feet
 from rigtri.recognition.front_or_hind import head_end
@@ -48,6 +48,9 @@ _LOW = 0.2
 _STANDS = 0.5
 # A bone that is so small a part of the next one is hardly any.
 _HARDLY_ANY = 0.2
+# Ankles and most hocks stand lower than this part of the height of the hips; and legs bend at them by more
+# than this (a cosine, 35°).
+_HIGH, _NO_HOCK = 0.4, 0.82
 # Hands, feet, and the cannon bone and hoof of a horse (0.7), reach less far beyond the limb, of its length.
 _FURTHER = 0.75
 # First joints are so near to each other, of what the next ones are, that they may be in the middle.
@@ -126,9 +129,23 @@ def goes_on(draft: Draft, each: Found) -> str:
     lower = (tree.at[path[end]] - tree.at[path[middle]]).length
     further = _next_bone(tree, path[end + 1 :], lower)
     longer = further > (lower if mine.named <= 0.0 else lower / _HARDLY_ANY)
+    if mine.named <= 0.0 and _ends_at_the_knee(draft, mine):
+        return "its end stands high, and what follows goes straight on: it may be the knee"
     if longer and has_hock(draft, each.joints, path[end + 1]):
         return ""
     return "a longer bone follows its end, so another joint may bend" if longer else ""
+
+
+def _ends_at_the_knee(draft: Draft, mine: Limbs) -> bool:
+    """Whether legs of a body on two end high, before a bone in line with the lower one, which is no foot."""
+    body, tree = draft.shape.body, draft.tree
+    if body is None or body.form != "biped" or mine is not body.legs or draft.shape.legs:
+        return False
+    path, (_, middle, end) = mine.pair.paths[0], mine.at
+    knee = tree.at[path[end]]
+    after = tree.at[path[min(end + 1, len(path) - 1)]] - knee
+    high = (knee.dot(body.up) - lowest(tree, mine, body.up)) / height(tree, mine, body.up)
+    return high > _HIGH and (knee - tree.at[path[middle]]).unit.dot(after.unit) > _NO_HOCK
 
 
 def _next_bone(tree: Tree, after: Sequence[int], lower: float) -> float:

@@ -9,7 +9,7 @@ from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.limb_triples import CLAVICLES, STRAIGHT, TIE
 from rigtri.recognition.limb_words import limb_words
-from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.naming_schemes import is_segment, parse_name
 
 # Where a twist joint parts a bone that has one, as a part of the bone before.
 _PARTED = 0.7
@@ -32,12 +32,19 @@ def split_bone(draft: Draft, each: Found) -> str:
         return ""
     for joint, bone in zip(each.joints, ("upper", "lower"), strict=False):
         part, whole = tree.above[joint], _whole(names[joint])
+        if part >= 0 and names[part] != whole and _is_next_piece(names[joint], names[part]):
+            return f"'{tree.rig.title(part)}' may be the first part of its {bone} bone"
         if part < 0 or names[part] not in (names[joint], whole) or not parse_name(whole).plain:
             continue
         parts = (k for k in tree.nodes if k != joint and names[k] != whole == _whole(names[k]))
         if not any(not tree.is_below(k, joint) and not tree.is_below(joint, k) for k in parts):
             return f"'{tree.rig.title(part)}' may be the first part of its {bone} bone"
     return ""
+
+
+def _is_next_piece(name: str, above: str) -> bool:
+    """Whether two joints have the name of one bone but for their numbers: ``thigh.L.01``, ``thigh.L.02``."""
+    return parse_name(name).plain == parse_name(above).plain and is_segment(name, above)
 
 
 def _is_counted_on(draft: Draft, each: Found) -> bool:

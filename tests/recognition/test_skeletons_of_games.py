@@ -486,3 +486,40 @@ def test_a_flat_skeleton_is_told_not_to_have_limbs_that_commands_use() -> None:
     joints = [("root", "", (0.0, 0.0, 0.0)), *((name, "root", at) for name, _, at in MAN)]
     layout = recognise(rig_with(joints))
     assert "no command works on the left arm: 'forearm.L' does not lie below 'upper_arm.L'" in layout.remarks
+
+
+@pytest.mark.parametrize("bent", [0.0, 0.06, 0.12])
+def test_of_pieces_of_one_bone_the_first_begins_a_limb(bent: float) -> None:
+    """Before, where they were not quite in line, arms surely began at the second piece."""
+    arm = line(
+        "clavicle.L upper_arm.L.01 upper_arm.L.02 forearm.L.01 forearm.L.02 hand.L",
+        "chest",
+        (0.04, 1.45, 0),
+        (0.16, 1.45, 0),
+        (0.3, 1.45 + bent, 0),
+        (0.44, 1.45, -0.01),
+        (0.57, 1.45, -0.005),
+        (0.7, 1.45, 0),
+    )
+    rest = [
+        joint for joint in MAN if joint[0].split(".")[0] not in ("clavicle", "upper_arm", "forearm", "hand")
+    ]
+    _, limbs = sure_limbs([*rest, *both(arm)], named=True)
+    assert limbs.get("left arm") in (None, "upper_arm.L.01 forearm.L.01 hand.L")
+
+
+def test_a_leg_that_ends_at_its_knee_is_not_sure() -> None:
+    """Before, without names, a thigh of two halves was surely a leg of two bones, where noise bends it."""
+    leg = line(
+        "thigh1.L thigh2.L shin1.L shin2.L foot.L toe.L",
+        "hips",
+        (0.1, 0.95, 0),
+        (0.1, 0.72, 0.035),
+        (0.1, 0.5, 0),
+        (0.1, 0.3, 0.01),
+        (0.1, 0.1, -0.02),
+        (0.1, 0.02, 0.12),
+    )
+    rest = [joint for joint in MAN if joint[0].split(".")[0] not in ("thigh", "shin", "foot", "toe")]
+    _, limbs = sure_limbs([*rest, *both(leg)], named=False)
+    assert "thigh1.L thigh2.L shin1.L" not in limbs.values()
