@@ -416,3 +416,18 @@ def test_a_scale_that_a_spline_moves_may_be_anything() -> None:
     assert sizes("scale", "LINEAR", 2) == (1.0, 1.0, 1.0)
     assert sizes("scale", "CUBICSPLINE", 6) == (0.0, np.inf, 1.0)
     assert sizes("translation", "CUBICSPLINE", 6) == (1.0, 1.0, np.inf)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_sheared_frames_shrink_and_stretch_at_most_by_their_bounds(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
+    matrix = rig.matrix.copy()
+    matrix[1:, :3, :3] = np.eye(3) + 0.2 * rng.normal(size=(2, 3, 3))
+    rig = replace(rig, matrix=matrix, has_matrix=np.array([False, True, True]))
+    (least, most), _, _ = _sizes_of_nodes(rig)
+    sizes = np.linalg.svd(rig.normalised_local[:, :3, :3], compute_uv=False)
+    assert (least <= sizes.min(axis=1) + 1e-12).all()
+    assert (most >= sizes.max(axis=1) - 1e-12).all()
+    assert least[0] == most[0] == 1.0
+    assert (least[1:] > 0.0).any()

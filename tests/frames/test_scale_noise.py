@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from flat_options import axes_of
 from gltf_files import glb_bytes, glb_parts
+from numpy.testing import assert_allclose
 from places import slow
 from posed_bodies import Pose, posed_body
 from scaled_limbs import NAMES, Limb, gltf, usda
@@ -20,12 +21,13 @@ from rigtri.formats import read
 from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.rig_size import size_of
-from rigtri.frames.scale_noise import freeze, noisy_joints
+from rigtri.frames.scale_noise import NOISE, SAME_RATIO, freeze, noisy_joints
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
+from rigtri.operations.orient_joints.joint_frames import _strain
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
@@ -323,3 +325,20 @@ def test_noise_of_a_skeleton_in_usd_is_frozen_where_no_animation_scales_it(tmp_p
     again = tmp_path / "again.usda"
     oriented(out, again, "snap", AxisStyle())
     assert again.read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("axes", "strain"),
+    [
+        ([[1, 0, 0], [0, 1, 0], [0, 0, 1]], 0.0),
+        ([[2, 0, 0], [0, 0, 2], [0, -2, 0]], 0.0),
+        ([[1, 0, 0], [0, 1 + 0.3 * NOISE, 0], [0, 0, 1]], 0.3 * NOISE),
+        ([[1, 0, 0], [0.2 * NOISE, 1, 0], [0, 0, 1]], 0.2 * NOISE),
+        ([[1, 0, 0], [0, 1 + 0.5 * SAME_RATIO, 0], [0, 0, 1]], 0.0),  # the rounding of float32
+        ([[1, 0, 0], [0, 1.5, 0], [0, 0, 1]], 0.0),  # a scale that somebody means
+    ],
+)
+def test_what_is_no_similarity_by_little_is_noise(axes: list[list[float]], strain: float) -> None:
+    world = np.tile(np.eye(4), (2, 1, 1))
+    world[1, :3, :3] = axes
+    assert_allclose(_strain(world), [0.0, strain], rtol=1e-3, atol=1e-15)
