@@ -76,8 +76,8 @@ def _write_animation(
         if animation.path in source.skeletons[skeletons[0]].unbound:
             raise FileError(
                 f"Animation <{animation.path}>, which no skeleton plays, fits <{skeletons[0]}> and others "
-                "that were re-oriented differently. Re-orient all of them alike, or bind it to the one that it "
-                "is for (skel:animationSource)."
+                "that were re-oriented differently. Re-orient all of them alike, or bind it to the one that "
+                "it is for (skel:animationSource)."
             )
         copy, made = _copy_of(source, animation, number + 1)
         found += [*made, *_array_edits(animation, copy, columns)]
