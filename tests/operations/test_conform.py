@@ -11,7 +11,7 @@ import pytest
 from places import SAMPLES, ci, every_other, first, real_files
 from posed_bodies import Pose, posed_body
 from program import cli
-from usd_files import deviation
+from usd_files import MESH, animation, deviation, save, scene, skeleton
 
 import rigtri
 from rigtri.errors import FileError, GeometryError
@@ -80,6 +80,25 @@ def test_a_character_without_an_animation_conforms_beside_a_prop_that_moves(tmp_
     path.write_text(f'#usda 1.0\n{hero}def Cube "Prop"\n{{\n{ops}}}\n', "utf-8")
     cli("conform", path, "-o", out, "--to", "vrm", code=0)
     assert "hips" in rigtri.read(out).names
+
+
+def test_a_scaled_skeleton_conforms_beside_another_with_an_animation_that_nobody_plays(
+    tmp_path: Path,
+) -> None:
+    path, out = tmp_path / "in.usda", tmp_path / "out.usda"
+    text = (SAMPLES / "biped.usda").read_text("utf-8")
+    (tmp_path / "hero.usda").write_text(text.replace('def SkelRoot "figure"\n    {', SCALED, 1), "utf-8")
+    save(tmp_path, scene(skeleton(), animation(), animation("Run"), MESH), "other.usda")
+    path.write_text(
+        "#usda 1.0\n"
+        + "".join(
+            f'def "{name}" (references = @./{file}.usda@)\n{{\n}}\n'
+            for name, file in (("A", "hero"), ("B", "other"))
+        ),
+        "utf-8",
+    )
+    cli("conform", path, "-o", out, "--to", "vrm", "--character", "A", code=0)
+    assert deviation(path, out, at_rest=False) < 1e-5
 
 
 @pytest.mark.ci

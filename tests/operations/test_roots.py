@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -11,6 +12,7 @@ from typing import Literal
 import numpy as np
 import pygltflib
 import pytest
+from crowds import crowd
 from morphs import arm_usd
 from pairs import pair
 from places import SAMPLES, first
@@ -663,3 +665,12 @@ def test_motion_over_the_ground_is_added_to_that_of_the_root_at_the_same_times(
     late = replace(rig, clips=(Clip("walk", (replace(own, times=times * 2), hips)),))
     with pytest.raises(GeometryError, match="moves at other times than its hips"):
         rigtri.root_motion(late, to="a", hips="b")
+
+
+def test_ik_bones_follow_one_character_beside_instances_that_play_two_animations(tmp_path: Path) -> None:
+    source, out = crowd(tmp_path), tmp_path / "out.usda"
+    shutil.copy(SAMPLES / "biped.usda", tmp_path / "biped.usda")
+    solo = 'def "Solo" (references = @./biped.usda@)\n{\n}\n'
+    source.write_text(source.read_text("utf-8") + solo, "utf-8")
+    cli("add-root", source, "-o", out, "--profile", "unreal", "--character", "Solo", code=0)
+    assert deviation(source, out) < 1e-5

@@ -318,12 +318,12 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
         rig = played_at_once(rig, played.name)
         if all(clip.key != PLAYED for clip in rig.clips):  # nothing played
             rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
+    rig = _bound_in(rig, expected.rig.pending.bind_sizes)
     if expected.keeps_clips and all(isinstance(clip.key, tuple) for clip in source.rig.clips):
         rig = with_new_rest(rig, keys, made.rig)
     # What the result knows as rigtri's is not compared where the source, exported, lacks the metadata.
     known = {made.rig.keys[node]: made.rig.metadata[node] for node in made.rig.own & made.rig.metadata.keys()}
     metadata = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
-    rig = _bound_in(rig, expected.rig.pending.bind_sizes)
     was = PosedView(source, replace(rig, keys=keys, metadata=metadata), made, keys, range(len(rig)))
     free = {node for node, key in enumerate(source.rig.keys) if key in expected.moves}
     found = motion_between(was, made, axes=not expected.keeps_clips, free=free)

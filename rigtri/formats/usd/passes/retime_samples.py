@@ -301,12 +301,14 @@ def _aligned(source: Source, prepared: Source, rig: Rig, planned: Mapping[str, T
     for shown in prepared.rig.clips:
         clip = known.get(shown.key, replace(shown, tracks=()))
         path = parts(shown.key)[1]
-        fresh = {id(t) for one in planned.values() for t in one.values() if t.key is None}
-        fresh |= {id(t) for one in planned for t in _defaults(rig, one).values() if t.key is None}
+        # Also in clips of other animations, which play at the same time: a joint has one place for its keys.
+        fresh = {key for one in planned.values() for key, t in one.items() if t.key is None}
+        fresh |= {key for one in planned for key, t in _defaults(rig, one).items() if t.key is None}
         if clip is before.get(shown.key) and path not in planned:
             yield shown
             continue
-        kept = tuple(again.get(id(t), t) for t in clip.tracks if id(t) not in fresh)
+        stay = (t for t in clip.tracks if t.key is not None or (t.node, t.path) not in fresh)
+        kept = tuple(again.get(id(t), t) for t in stay)
         if path not in planned:
             yield replace(clip, tracks=kept)
             continue
