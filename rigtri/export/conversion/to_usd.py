@@ -53,7 +53,7 @@ class ToUsd:
         content = layers.to_bytes(self.written.layer, "usda" if target.suffix.lower() == ".usda" else "usdc")
         images = {path.removeprefix("./"): image.content for path, image in self.written.images.items()}
         if packed:
-            usdz.write_new({f"{target.stem}.usdc": content, **images}, part)
+            usdz.write_new({usdz.layer_name(target): content, **images}, part)
             return []
         part.write_bytes(content)
         return [Companion(name, image) for name, image in images.items()]

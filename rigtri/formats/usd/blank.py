@@ -23,6 +23,6 @@ def write_blank(path: Path, up: str, unit: float) -> None:
     suffix = path.suffix.lower()
     content = layers.to_bytes(layer, "usda" if suffix == ".usda" else "usdc")
     if suffix == ".usdz":
-        usdz.write(usdz.empty(f"{path.stem}.usdc"), content, path)
+        usdz.write(usdz.empty(usdz.layer_name(path)), content, path)
     else:
         path.write_bytes(content)

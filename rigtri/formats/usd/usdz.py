@@ -85,6 +85,11 @@ def empty(name: str) -> Package:
     return Package(b"", (Entry(name, raw, 0, 0, 0, 10, 10, flags, 0, 0x21, b"", b"", b"", 0, 0),), b"")
 
 
+def layer_name(package: Path) -> str:
+    """What the layer of a new package is called: without a colon, which some systems take for a drive."""
+    return f"{package.stem.replace(':', '_')}.usdc"
+
+
 def write_new(files: Mapping[str, bytes], part: Path) -> None:
     """Write a package of files by their names, the root layer first; their date is that of no file, 1980."""
     entries, start = [], 0

@@ -63,6 +63,12 @@ def test_every_entry_starts_at_a_multiple_of_64_and_is_stored(tmp_path: Path) ->
     assert Usd.Stage.Open(str(out)).GetPrimAtPath("/Root/Skel")
 
 
+def test_a_colon_in_the_name_of_a_new_package_is_none_in_it(tmp_path: Path) -> None:
+    """Before, its layer was said to lead outside of it."""
+    usdz.write_new({usdz.layer_name(tmp_path / "a:b.usdz"): LAYER}, out := tmp_path / "out.usdz")
+    assert [entry.name for entry in usdz.read(out).entries] == ["a_b.usdc"]
+
+
 def test_writing_a_package_twice_does_not_let_it_grow(tmp_path: Path) -> None:
     document = read(hero(tmp_path))
     out = write(document, turned(document.rig), tmp_path / "out.usdz")
