@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from typing import Any
 
 from pxr import Sdf
@@ -12,18 +12,17 @@ from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.composition.variants import SkeletonVariants, deciding_sets
 from rigtri.formats.usd.reading.animation_reader import clips, interpolation_of, read_animation
 from rigtri.formats.usd.reading.mesh_reader import blend_tracks
-from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.animation import Track
 
 
-def owners(stage: Any, animation: str, tokens: Iterable[str], skeletons: Mapping[str, Skeleton]) -> list[str]:
+def owners(stage: Any, animation: str, tokens: Iterable[str], skeletons: Mapping[str, Set[str]]) -> list[str]:
     """The Skeletons whose joints an animation lists that nothing plays: all that are equally near to it.
 
-    None where variants have a say in it: then it is edited with the Skeleton of the variant.
+    skeletons: their joints. None where variants have a say in it: it is edited with the Skeleton of those.
     """
     listed = set(tokens)
-    fits = [p for p, s in skeletons.items() if listed <= set(s.tokens) or listed >= set(s.tokens)]
+    fits = [path for path, known in skeletons.items() if listed <= known or listed >= known]
     found = nearest(animation, fits) if listed else []
     return [] if any(_decided(stage, path, animation) for path in found) else found
 
@@ -31,7 +30,8 @@ def owners(stage: Any, animation: str, tokens: Iterable[str], skeletons: Mapping
 def nearest(animation: str, skeletons: Iterable[str]) -> list[str]:
     """Those of some Skeletons that share the most of their paths with an animation."""
     near = {path: Sdf.Path(path).GetCommonPrefix(animation).pathElementCount for path in skeletons}
-    return [path for path, shared in near.items() if shared == max(near.values())]
+    most = max(near.values(), default=0)
+    return [path for path, shared in near.items() if shared == most]
 
 
 def _decided(stage: Any, skeleton: str, animation: str) -> bool:

@@ -242,6 +242,7 @@ class _Reader:
         """Read the animations that no skeleton plays with those whose joints they list."""
         joined: list[str] = []
         left: list[str] = []
+        known = {path: frozenset(skeleton.tokens) for path, skeleton in self.skeletons.items()}
         for prim in prims:
             path = str(prim.GetPath())
             try:
@@ -249,7 +250,7 @@ class _Reader:
             except FileError:  # nobody plays it
                 animation = None
             tokens = animation.tokens if animation is not None else ()
-            users = owners(self.stage, path, tokens, self.skeletons)
+            users = owners(self.stage, path, tokens, known)
             (joined if users else left).append(f"<{path}>")
             if users and animation is not None:
                 self.animations[path] = replace(animation, idle=True)
