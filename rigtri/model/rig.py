@@ -289,7 +289,7 @@ class Rig(NodeNames):
                 return clip
         raise NameNotFoundError("clip", name, [clip.name for clip in self.shown_clips])
 
-    @property
+    @cached_property
     def shown_clips(self) -> tuple[Clip, ...]:
         """The clips that move anything, without what is idle in them."""
         return tuple(clip.without_idle for clip in self.clips if not clip.idle or clip.without_idle.tracks)
