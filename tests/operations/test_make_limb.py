@@ -115,15 +115,15 @@ def test_points_on_a_line_need_a_bend_direction() -> None:
 
 
 @pytest.mark.parametrize(
-    "points",
+    ("points", "which"),
     [
-        ((0, 0, 0), (0, 0, 0), (1, 0, 0)),
-        ((0, 0, 0), (1, 0, 0), (1, 1e-9, 0)),
-        ((0, 0, 0), (1, 0, 0), (0, 0, 0)),
+        (((0, 0, 0), (0, 0, 0), (1, 0, 0)), "0,0,0 and 0,0,0 are"),
+        (((0, 0, 0), (1, 0, 0), (1, 1e-9, 0)), "1,0,0 and 1,1e-09,0 are"),
+        (((0, 0, 0), (1, 0, 0), (0, 0, 0)), "0,0,0 and 0,0,0, root and end, are"),
     ],
 )
-def test_points_at_one_place_are_reported(points: Any) -> None:
-    with pytest.raises(GeometryError, match="at one place"):
+def test_points_at_one_place_are_reported(points: Any, which: str) -> None:
+    with pytest.raises(GeometryError, match=f"{which} at one place"):
         made(points)
 
 

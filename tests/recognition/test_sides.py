@@ -7,6 +7,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from recognition_bodies.skeletons import MAN, rig_with
 from rigs import rig_of
@@ -15,6 +16,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.rig import Rig
 from rigtri.recognition import sides
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.layout import Character
 from rigtri.recognition.sides import side_of, twin_of, twins
 
 # Two characters below one root, the second with two right arms below its left one and beside it.
@@ -127,3 +129,13 @@ def test_joints_are_on_the_side_where_the_farthest_of_them_stands() -> None:
     assert Draft.side_of(draft, [1]) == ""
     draft.left, draft.shape = Vector(1, 0, 0), SimpleNamespace(plane=None)
     assert Draft.side_of(draft, [1]) == ""
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_body_is_mirrored_whose_left_is_on_the_right_of_where_it_faces(seed: int) -> None:
+    up, facing, across = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+    left = np.cross(up, facing)
+    for normal, mirrored in ((left, False), (-left, True), (left + 2.0 * facing - up, False)):
+        body: Any = SimpleNamespace(up=up.tolist(), facing=facing.tolist(), normal=normal.tolist())
+        assert Character.is_mirrored.fget(body) is mirrored  # type: ignore[attr-defined]
+    assert np.allclose(np.abs(across @ left), 1.0)
