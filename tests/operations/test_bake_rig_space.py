@@ -86,6 +86,7 @@ def place(path: Path, time: float) -> Gf.Matrix4d:
     return UsdGeom.XformCache(time).GetLocalToWorldTransform(stage.GetPrimAtPath("/W/A"))
 
 
+@pytest.mark.ci
 def test_joints_beside_an_uneven_scale_are_refused_where_they_would_be_off(
     samples: Path, tmp_path: Path
 ) -> None:
@@ -132,6 +133,7 @@ def test_what_shears_a_node_is_no_noise_above_it() -> None:
     assert shearing_node(replace(rig, scale=scale), 3) == 2  # its own is along its axes
 
 
+@pytest.mark.ci
 def test_what_a_constraint_moves_below_an_uneven_scale_is_reported_as_below_an_even_one(
     samples: Path, tmp_path: Path
 ) -> None:

@@ -299,6 +299,7 @@ def called_by_paths() -> tuple[Rig, Rig]:
     return replace(rig, metadata={}), replace(two, metadata=notes)
 
 
+@pytest.mark.ci
 def test_paths_mean_the_same_joints_below_nodes_that_an_exporter_has_put_above() -> None:
     """Before, controls did not find their joints, which kept their own motion."""
     rig, described = called_by_paths()
@@ -369,6 +370,7 @@ def test_an_offset_without_a_default_is_reported(tmp_path: Path) -> None:
     assert "--rig" in notice.text
 
 
+@pytest.mark.ci
 def test_what_an_exporter_has_dropped_is_no_damage_where_the_other_file_has_it(tmp_path: Path) -> None:
     """Blender's USD keeps the words of a constraint, and neither its numbers nor its lists."""
     rigged, edited, out = (str(tmp_path / f"{name}.usda") for name in ("rigged", "edited", "out"))

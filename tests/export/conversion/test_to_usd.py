@@ -511,6 +511,7 @@ def test_turns_that_openusd_plays_unevenly_are_listed(degrees: float, start: flo
         assert float(told.partition("up to ")[2].partition(" rad")[0]) == pytest.approx(off, rel=0.05)
 
 
+@pytest.mark.ci
 def test_what_hangs_on_a_hidden_joint_is_hidden_and_its_camera_can_be_looked_through(tmp_path: Path) -> None:
     gltf, binary = glb_parts(SAMPLES / "biped.glb")
     names = [node["name"] for node in gltf["nodes"]]

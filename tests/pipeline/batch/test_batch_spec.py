@@ -63,6 +63,7 @@ def test_a_batch_builds_what_build_builds(here: Path) -> None:
     assert not list(Path("out").glob(".*"))
 
 
+@pytest.mark.ci
 def test_a_spec_decides_by_what_it_does_and_not_by_how_it_is_spelled(here: Path) -> None:
     batch()
     Path("rig.yaml").write_text("# a comment\n" + SPEC)
@@ -75,6 +76,7 @@ def test_a_spec_decides_by_what_it_does_and_not_by_how_it_is_spelled(here: Path)
     assert set(statuses(batch("--json", "--set", "side=_R")).values()) == {"ok"}
 
 
+@pytest.mark.ci
 def test_what_is_added_and_taken_out_again_leaves_a_file_unchanged(here: Path) -> None:
     Path("rig.yaml").write_text("steps: [{do: add-controls, limbs: auto}, {do: strip}]")
     assert set(statuses(batch("--json")).values()) == {"unchanged"}
