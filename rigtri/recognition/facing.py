@@ -51,6 +51,8 @@ _OPPOSED, _ODD = radians_below(40), 2.0
 _LEANS, _LIES = 0.35, 0.7
 # So far ahead feet point (a cosine).
 _AHEAD = 0.5
+# Thighs that go so far ahead (a sine, 53°) are those of someone who sits: hips do not bend back so far.
+_SITS = 0.8
 # A face stands so far ahead of the trunk or skull, as a part of a limb, to count in full.
 _FACE = 0.15
 _ENDS = ("face", "skull", "tail")
@@ -115,6 +117,7 @@ def _votes(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tupl
             yield 3.0 * along, "the trunk leans there"
     if body.legs:
         yield 2.0 * feet_ahead(tree, body, ahead, poses), _FEET
+        yield 2.0 * _thighs(tree, body, ahead), "the thighs go there, as of one who sits"
     if body.arms and body.form == "biped":
         yield _thumbs(tree, body.arms, body.up, ahead), "the thumbs are there"
 
@@ -194,6 +197,19 @@ def feet_ahead(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> float:
         return toes
     soles = _soles(tree, body.legs, ahead, poses)
     return soles if abs(soles) > abs(toes) else toes
+
+
+def _thighs(tree: Tree, body: Body, ahead: Vector) -> float:
+    """How far both thighs of two legs go ahead, −1 to 1; 0 of one who stands, or of whom it is not plain."""
+    assert body.legs is not None
+    if body.form != "biped" or body.arms is None:
+        return 0.0
+    ways = [
+        (tree.at[path[body.legs.at[1]]] - tree.at[path[body.legs.at[0]]]).unit.dot(ahead)
+        for path in body.legs.pair.paths
+    ]
+    least, most = min(ways), max(ways)
+    return least if least > _SITS else most if most < -_SITS else 0.0
 
 
 def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:

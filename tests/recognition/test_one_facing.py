@@ -141,6 +141,19 @@ def test_small_bends_the_wrong_way_turn_no_body_round_that_its_names_and_format_
         assert max((limb.confidence for each in bare for limb in each.limbs), default=0.0) < CONFIDENT
 
 
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("yaw", [0.0, 140.0])
+def test_who_sits_faces_where_the_thighs_go_whatever_names_call_left(yaw: float, *, swapped: bool) -> None:
+    """Straight legs without toes: by its names alone it sat on its knees' backs, poles below the knees."""
+    body = posed_body(Pose("unreal", yaw=yaw, seated=85.0, toes=False, fingers=0))
+    others = {"_l": "_r", "_r": "_l"} if swapped else {}
+    names = [name[:-2] + others.get(name[-2:], name[-2:]) for name in body.rig.names]
+    (character,) = recognise(replace(body.rig, names=tuple(names))).characters
+    ahead = np.array([np.sin(np.radians(yaw)), 0.0, np.cos(np.radians(yaw))])
+    assert float(np.array(character.facing) @ ahead) > 0.99
+    assert [limb.is_sure for limb in character.limbs] == [True] * 4
+
+
 @pytest.mark.parametrize("ahead", [1.0, -1.0])
 @pytest.mark.parametrize("shin", [0.9, 1.0, 1.1])
 def test_a_bird_without_names_faces_where_its_knees_point_not_its_hocks(ahead: float, shin: float) -> None:
