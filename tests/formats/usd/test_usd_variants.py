@@ -23,6 +23,7 @@ from rigtri.operations.freeze import freeze
 from rigtri.verification.compare.compare import self_check
 
 RUN = "quatf[] rotations = [(1, 0, 0, 0), (0.6, 0, 0, 0.8), (1, 0, 0, 0)]"
+HOLD = "quatf[] rotations = [(1, 0, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0)]"
 TALL = f"uniform matrix4d[] restTransforms = [{at(0, 0, 0)}, {at(0, 3, 0)}, {at(0, 2, 2)}]"
 
 
@@ -76,6 +77,27 @@ def edited(source: Path, folder: Path, turned: Callable[[Rig], Rig] = turned, **
     assert {name: found for name, found in contents(folder).items() if name in before} == before
     assert self_check(document, document.reopen(out)).passes()
     return out
+
+
+def left(source: Path) -> list[str]:
+    """The variants of which it is said that they have animations that no skeleton plays, and these."""
+    texts = [notice.text for notice in read(source).warnings if notice.code == "unbound-animation"]
+    return [text.split(", which no")[0] for text in texts if text.startswith("Variants")]
+
+
+def test_an_animation_that_only_another_variant_has_and_nothing_plays_is_told(tmp_path: Path) -> None:
+    save(tmp_path, f'#usda 1.0\n(\ndefaultPrim = "Run"\n)\n{animation("Run")}', "run.usda")
+    here = variant_set("more", no="", yes=animation("Run"))
+    far = variant_set("more", no="", yes='def "Run" (references = @run.usda@) {\n}')
+    where = "variant 'yes' of the variant set 'more' on </Root>"
+    for sets in (here, far):
+        source = save(tmp_path, choosing(scene(sets, skeleton(), animation(), MESH), more="no"))
+        assert left(source) == [f"Variants that are not selected have </Root/Run> ({where})"]
+    still, bound = animation(rotations=""), "\n" + over("Skel", "rel skel:animationSource = </Root/Anim>")
+    for other, told in (("", 1), (bound, 0)):
+        sets = variant_set("more", no=over("Anim", HOLD) + bound, yes=over("Anim", RUN) + other)
+        source = save(tmp_path, choosing(scene(sets, skeleton(source=""), still, MESH), more="no"))
+        assert len(left(source)) == told
 
 
 BINDINGS = {

@@ -6,7 +6,8 @@ is instanced and the selections are the session layer's; the file keeps its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from pxr import Sdf, Usd, UsdGeom
@@ -29,6 +30,8 @@ LIMIT = 64
 
 # A variant set: the path of its prim, and its name.
 VariantSet = tuple[Any, str]
+# Whether a variant matters, by its prim, set and name.
+Counts = Callable[[Any, str, str], bool]
 # The path of an attribute → where its values come from.
 Origins = dict[Any, Any]
 
@@ -217,15 +220,14 @@ def why_unselected(path: Any, prim: Any, name: str) -> str:
     return f"<{path}> has values of its own where no variant of '{name}' on <{prim}> is selected"
 
 
-def choices(stage: Any, paths: list[str]) -> Iterator[tuple[Any, str, str, str]]:
-    """The unselected variants at and above some prims: prim path, set, variant, the selected one."""
-    for path in _prefixes(paths):
-        sets = stage.GetPrimAtPath(path).GetVariantSets()
-        for name in sets.GetNames():
-            selected = sets.GetVariantSelection(name)
-            for variant in sets.GetVariantSet(name).GetVariantNames():
-                if variant != selected:
-                    yield path, name, variant, selected
+def _choices(stage: Any, counts: Counts | None) -> Iterator[tuple[Any, str, str, str]]:
+    """The unselected variants of a stage: prim path, set, variant, the selected one."""
+    for prim in stage.Traverse():
+        for name in _sets(prim):
+            selected = prim.GetVariantSet(name).GetVariantSelection()
+            for variant in prim.GetVariantSet(name).GetVariantNames():
+                if variant != selected and (counts is None or counts(prim, name, variant)):
+                    yield prim.GetPath(), name, variant, selected
 
 
 def why_decided(path: Any, sets: Iterable[VariantSet]) -> str:
@@ -288,26 +290,26 @@ def _values_at(stage: Any, properties: Iterable[Any]) -> dict[Any, Any]:
     return found
 
 
-def each_choice(stage: Any) -> Iterator[tuple[str, Any]]:
+def each_choice(
+    stage: Any, shown: Sequence[str] = (), counts: Counts | None = None
+) -> Iterator[tuple[str, Any]]:
     """The stage as it is (title ""), then with one variant selected otherwise, each by its title in words.
 
-    Sets that only a variant shows are tried with that one selected.
+    Sets that only a variant shows are tried with that one selected. shown: these prims alone, with those
+    above and below them. counts: which variants are tried, by their prim, set and name.
     """
-    if not any(_sets(prim) for prim in stage.Traverse()):
+    if not shown and not any(_sets(prim) for prim in stage.Traverse()):
         return
-    session = Sdf.Layer.CreateAnonymous(".usda")
-    session.TransferContent(stage.GetSessionLayer())
-    trial = Usd.Stage.Open(stage.GetRootLayer(), session)
-    trial.SetEditTarget(session)
-    others = list(choices(trial, [str(prim.GetPath()) for prim in trial.Traverse()]))
-    if others:
-        yield "", trial
-        yield from _each_of(trial, others, set(), ())
+    trial = _bare_stage(stage, [*shown] or ["/"])
+    trial.SetEditTarget(trial.GetSessionLayer())
+    yield "", trial
+    yield from _each_of(trial, partial(_choices, trial, counts), set(), ())
 
 
 def _each_of(
-    trial: Any, others: Sequence[tuple[Any, str, str, str]], known: set[VariantSet], above: tuple[str, ...]
+    trial: Any, find: Callable[[], Iterator[Any]], known: set[VariantSet], above: tuple[str, ...]
 ) -> Iterator[tuple[str, Any]]:
+    others = [each for each in find() if each[:2] not in known]
     known = known | {(path, name) for path, name, _, _ in others}
     for path, name, variant, selected in others:
         chosen = trial.GetPrimAtPath(path).GetVariantSets().GetVariantSet(name)
@@ -315,8 +317,7 @@ def _each_of(
         words = (*above, f"variant '{variant}' of the variant set '{name}' on <{path}>")
         title = " and ".join(words)
         yield title[0].upper() + title[1:], trial
-        inner = choices(trial, [str(prim.GetPath()) for prim in trial.Traverse()])
-        yield from _each_of(trial, [each for each in inner if each[:2] not in known], known, words)
+        yield from _each_of(trial, find, known, words)
         chosen.SetVariantSelection(selected)
 
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Set
+from itertools import chain
 from typing import Any
 
-from pxr import Sdf
+from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.animation_binding import SOURCE
-from rigtri.formats.usd.composition.variants import SkeletonVariants, deciding_sets
+from rigtri.formats.usd.composition.animation_binding import SOURCE, named
+from rigtri.formats.usd.composition.layers import listed_items
+from rigtri.formats.usd.composition.shared_instances import SharedInstances
+from rigtri.formats.usd.composition.variants import VALUES, SkeletonVariants, deciding_sets, each_choice
 from rigtri.formats.usd.reading.animation_reader import clips, interpolation_of, read_animation
 from rigtri.formats.usd.reading.mesh_reader import blend_tracks
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.animation import Track
+
+_ARCS = ("references", "payload", "inheritPaths", "specializes")
 
 
 def owners(stage: Any, animation: str, tokens: Iterable[str], skeletons: Mapping[str, Set[str]]) -> list[str]:
@@ -44,6 +49,69 @@ def _decided(stage: Any, skeleton: str, animation: str) -> bool:
         return True
     bound = Sdf.Path(skeleton).AppendProperty(SOURCE)
     return any(animation in state.shown.get(bound, ()) for state in states)
+
+
+def elsewhere(stage: Any, instances: SharedInstances, told: Set[str]) -> dict[str, str]:
+    """The animations of unselected variants that no Skeleton plays there, and which variants, in words.
+
+    told: those that need no look.
+    """
+    known: set[Any] = set()
+    shown = []
+    for prim in (prim for prim in instances.prims() if prim.HasVariantSets()):
+        # Many references of one asset have the same variants.
+        specs = {(spec.layer, spec.path) for spec in prim.GetPrimStack() if spec.variantSets}
+        if not specs <= known and any(_may_animate(variant.primSpec) for variant in _variants(prim)):
+            shown.append(str(prim.GetPath()))
+        known |= specs
+    skeletons = list(chain.from_iterable(instances.skeletons.values()))
+    found: dict[str, str] = {}
+    for title, trial in each_choice(stage, shown, _may_play) if shown else ():
+        below = Usd.PrimRange.Stage(trial, Usd.TraverseInstanceProxies())
+        kinds = [(prim.GetTypeName(), prim) for prim in below if title]
+        players = [prim for kind, prim in kinds if kind == "Skeleton"]
+        # Variants of an animation do not decide what skeletons beside it are bound to.
+        players += [prim for prim in skeletons if not trial.GetPrimAtPath(prim.GetPath())]
+        played = {str(named(prim)[1]) for prim in players}
+        paths = [prim.GetPath() for kind, prim in kinds if kind == "SkelAnimation"]
+        here = {
+            str(path)
+            for path in paths
+            if _opinions(trial.GetPrimAtPath(path)) != _opinions(stage.GetPrimAtPath(path))
+        }
+        found |= dict.fromkeys(sorted(here - played - told - found.keys()), title[:1].lower() + title[1:])
+    return found
+
+
+def _variants(prim: Any, name: str = "", variant: str = "") -> Iterator[Any]:
+    """The opinions of a prim in its variants, or in one."""
+    for spec in prim.GetPrimStack():
+        for found in spec.variantSets.values():
+            if name in ("", found.name):
+                yield from (one for one in found.variants.values() if variant in ("", one.name))
+
+
+def _may_play(prim: Any, name: str, variant: str) -> bool:
+    return any(_may_animate(one.primSpec) for one in _variants(prim, name, variant))
+
+
+def _opinions(prim: Any) -> list[Any]:
+    """Where the arrays of an animation come from."""
+    return [(spec.layer, spec.path) for spec in (prim.GetPrimStack() if prim else ()) if _has_values(spec)]
+
+
+def _has_values(spec: Any) -> bool:
+    return any(name in spec.properties for name in VALUES)
+
+
+def _may_animate(spec: Any) -> bool:
+    """Whether there may be values of an animation in a prim: its own, or by a composition arc."""
+    below = (one.primSpec for found in spec.variantSets.values() for one in found.variants.values())
+    return (
+        _has_values(spec)
+        or any(listed_items(spec, arc) for arc in _ARCS)
+        or any(map(_may_animate, (*spec.nameChildren, *below)))
+    )
 
 
 def tracks_of(source: Source, animation: str, skeleton: str) -> tuple[Track, ...]:

@@ -26,7 +26,7 @@ from rigtri.formats.usd.reading.animation_reader import (
     interpolation_of,
     read_animation,
 )
-from rigtri.formats.usd.reading.loose_animations import owners
+from rigtri.formats.usd.reading.loose_animations import elsewhere, owners
 from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, read_skeleton
@@ -269,6 +269,15 @@ class _Reader:
                 "skeleton of another variant uses them. What joints or controls get they do not, axes or "
                 "motion. To edit one along, bind a skeleton to it (skel:animationSource) and run again "
                 "from the source."
+            )
+            self.warnings.append(Notice("unbound-animation", text))
+        told = {str(prim.GetPath()) for prim in prims}
+        if others := elsewhere(self.stage, self.instances, told):
+            shown = and_more([f"<{path}> ({where})" for path, where in others.items()], 3)
+            text = (
+                f"Variants that are not selected have {shown}, which no skeleton uses there: left as they "
+                "were. To edit one along, bind a skeleton to it in its variant (skel:animationSource) and "
+                "run again from the source."
             )
             self.warnings.append(Notice("unbound-animation", text))
 
