@@ -34,8 +34,9 @@ def test_a_shape_lies_within_its_size(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_lines_are_those_of_their_kind_size_and_colour_however_turned(kind: str) -> None:
     red = (1.0, 0.0, 0.0)
-    held = [drawn(kind, size=2.0, normal=normal, color=red).segments for normal in (AXES[1], AXES[5])]
-    for segments in held:
+    ways = [(AXES[1], None), (AXES[5], None), (AXES[1], AXES[3]), (AXES[3], AXES[2])]
+    for normal, ahead in ways:
+        segments = drawn(kind, size=2.0, normal=normal, color=red, ahead=ahead).segments
         lines = Lines(segments, red)
         assert lines.are(kind, 2.0, red)
         assert Lines(segments + 1e-5, red).are(kind, 2.0, red)  # float32
