@@ -42,14 +42,22 @@ def controls_and_poles(rig: Rig) -> frozenset[int]:
 def controls_at_work(rig: Rig, timeline: Timeline) -> frozenset[int]:
     """The controls and poles with keys in a timeline, and those posed at rest of joints without any there."""
     keyed = frozenset(track.node for track in timeline.clip.tracks)
-    found = set(keyed & controls_and_poles(rig))
+    return (keyed & controls_and_poles(rig)) | posed_in(rig, timeline)
+
+
+def posed_in(rig: Rig, timeline: Timeline) -> frozenset[int]:
+    """The controls posed at rest that stay so in a timeline: neither they nor their joints have keys."""
+    keyed = frozenset(track.node for track in timeline.clip.tracks)
+    posed = moved_at_rest(rig, skeleton_size(rig)) - keyed
+    return frozenset(node for node in posed if keyed.isdisjoint(joints_of(rig, [node])))
+
+
+def joints_of(rig: Rig, controls: Iterable[int]) -> frozenset[int]:
+    """The joints that controls are for: each one's own, and those of its limb."""
     records = rig.records(ControlRecord)
-    for node in moved_at_rest(rig, skeleton_size(rig)) - found:
-        record = records.get(node)
-        names = (record.joint, *record.chain) if record else ()
-        if keyed.isdisjoint(joint for joint in map(rig.known, names) if joint is not None):
-            found.add(node)
-    return frozenset(found)
+    found = (records[node] for node in controls if node in records)
+    names = (rig.known(name) for each in found for name in (each.joint, *each.chain))
+    return frozenset(joint for joint in names if joint is not None)
 
 
 def of_one_motion(rig: Rig, chosen: Sequence[Timeline], *, made: bool) -> Sequence[Timeline]:

@@ -129,6 +129,36 @@ def test_a_clip_that_does_not_have_a_pose_of_controls_at_rest_does_not_get_it(ke
     assert sampling.locals_at(baked, baked.clips[0], [0.5])[0, b, 3, 1] == 0.0
 
 
+def test_clips_that_are_not_baked_do_not_get_a_new_rest_pose() -> None:
+    """And a bake of them later is the same as one of all clips."""
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0))
+    rig = constrain(rig, options=ConstrainOptions(child="c", driver=("a",), maintain_offset=False))
+    turns = np.array([[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.6, 0.8]])
+    track = Track(rig.find("a"), "rotation", "LINEAR", np.array([0.0, 1.0]), turns)
+    rig = replace(rig, clips=(Clip("walk", (track,)), Clip("idle", (track,))))
+    once = bake(rig, options=BakeOptions(clip=("walk",)))
+    assert np.abs(once.world - rig.world).max() > 0.5
+    for time in ([0.0], [0.4], [1.0]):
+        before, after = (sampling.locals_at(each, each.clips[1], time) for each in (rig, once))
+        np.testing.assert_allclose(after, before, atol=1e-6)
+    later, every = (bake(each, options=BakeOptions()) for each in (once, rig))
+    np.testing.assert_allclose(*(sampling.locals_at(r, r.clips[1], [0.4]) for r in (later, every)), atol=1e-6)
+
+
+def test_a_control_that_is_posed_at_rest_stays_so_in_a_clip_that_is_not_baked() -> None:
+    """It is at work there, so a bake of that clip later, too, has its pose."""
+    rig = add_controls(
+        chain((0, 0, 0), (1, 0, 0), (2, 0, 0)), options=AddControlsOptions(joints=("b",), frame="joint")
+    )
+    translation = rig.translation.copy()
+    translation[rig.find("b_ctl")] += [0.0, 0.25, 0.0]
+    turns = np.array([[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.6, 0.8]])
+    track = Track(rig.find("c"), "rotation", "LINEAR", np.array([0.0, 1.0]), turns)
+    posed = replace(rig, translation=translation, clips=(Clip("walk", (track,)), Clip("idle", (track,))))
+    later = bake(bake(posed, options=BakeOptions(clip=("walk",))), options=BakeOptions())
+    assert sampling.locals_at(later, later.clips[1], [0.5])[0, rig.find("b"), 3, 1] == 0.25
+
+
 def test_an_ik_end_takes_the_end_of_the_limb_along() -> None:
     rig = rigged()
     hand = control(rig, "hand_L", "ik")

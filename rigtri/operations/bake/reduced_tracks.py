@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation.active_controls import NOTHING
+from rigtri.evaluation.active_controls import NOTHING, joints_of, posed_in
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.key_reduction import is_reduction_of, reduce_keys
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.sampling import key_times, sample
-from rigtri.evaluation.timelines import SAME_VALUE, Timeline, as_float32, put_tracks
+from rigtri.evaluation.timelines import SAME_VALUE, Timeline, as_float32, put_tracks, timelines
 from rigtri.maths.quaternions import make_continuous
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Interpolation, Path, Track
@@ -47,11 +47,14 @@ def reduced_tracks(
     return found
 
 
-def with_rest_held(rig: Rig, before: Rig, nodes: Sequence[int], chosen: Sequence[Timeline]) -> Rig:
+def with_rest_held(rig: Rig, before: Rig, nodes: Collection[int], chosen: Sequence[Timeline]) -> Rig:
     """The rig with keys of where nodes rested in ``before``, in timelines that have none of what has moved.
 
-    There `reduced_tracks` has left out what is at rest, and joints that IK moves turn alone.
+    There `reduced_tracks` has left out what is at rest, and joints that IK moves turn alone. Timelines that
+    were not ``chosen`` look as before, but for joints whose controls stay posed there: a bake of them would
+    move these joints to their new rest.
     """
+    baked = {timeline.members for timeline in chosen}
     was, now = PoseCache(before), PoseCache(rig)
     moved = [
         Track(node, path, "STEP", np.zeros(1), one)
@@ -59,9 +62,14 @@ def with_rest_held(rig: Rig, before: Rig, nodes: Sequence[int], chosen: Sequence
         for path, one, other in zip(PATHS, was.part(node), now.part(node), strict=True)
         if not np.array_equal(one, other)
     ]
-    for timeline in chosen:
+    for timeline in timelines(rig):
         start = key_times(timeline.clip)[:1]
-        fresh = [replace(t, times=start) for t in moved if timeline.track(t.node, t.path) is None]
+        posed = joints_of(rig, () if timeline.members in baked else posed_in(rig, timeline))
+        fresh = [
+            replace(t, times=start)
+            for t in moved
+            if t.node not in posed and timeline.track(t.node, t.path) is None
+        ]
         rig = put_tracks(rig, timeline, fresh) if len(start) else rig
     return rig
 
