@@ -6,12 +6,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from rigs import rig_of
+from rigs import chain, rig_of
 
 import rigtri
 from rigtri.export.drawing.primitives import Mark, as_json
-from rigtri.export.drawing.scene import follows
+from rigtri.export.drawing.scene import follows, limbs
 from rigtri.model.bindings import NodeConstraint
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 
 
 def test_a_mark_says_all_that_it_has_and_leaves_out_what_is_empty() -> None:
@@ -49,3 +50,12 @@ def test_lines_of_constraints_go_from_what_is_followed_to_what_follows() -> None
     own = tuple(NodeConstraint(kind, node, source, np.zeros(3)) for kind, node, source in kinds)
     rig = rigtri.constrain(replace(rig, node_constraints=own), child="b", driver=["c", "a"], type="point")
     assert list(follows(rig)) == [("aim", 2, 1), ("rotation", 0, 2), ("point", 2, 1), ("point", 0, 1)]
+
+
+def test_limbs_with_a_pole_vector_are_those_all_of_whose_joints_are_there() -> None:
+    line = chain((0, 0, 0), (1, 0.2, 0), (2, 0.1, 0), (3, 0, 0))
+    rig = add_polevector(line, options=AddPolevectorOptions(limb=(("a", "b", "d"),)))
+    (pole,) = rig.nodes_of("poleVector")
+    assert {limb: node for limb, node in limbs(rig).items() if node >= 0} == {(0, 1, 3): pole}
+    lost = replace(rig, names=tuple("x" if name == "b" else name for name in rig.names))
+    assert set(limbs(lost).values()) <= {-1}

@@ -25,7 +25,7 @@ from rigtri.files import temp_dirs
 from rigtri.formats import read as document
 from rigtri.formats.document import ReadOptions
 from rigtri.model.rig import Rig
-from rigtri.pipeline.rigspec.spec_init import plain_values, recognised_lines, starter
+from rigtri.pipeline.rigspec.spec_init import _quoted, plain_values, recognised_lines, starter
 from rigtri.recognition.layout import Character, Layout
 from rigtri.recognition.naming_schemes import Scheme
 from rigtri.recognition.recognise import recognise
@@ -421,3 +421,7 @@ def test_helpers_that_hang_from_no_joint_have_controls_that_the_root_control_car
     spec = plain_values(starter(rig_with([*MAN, *both(helpers)]), "man.glb"))
     (controls,) = (step for step in spec["steps"] if step["do"] == "add-controls")
     assert controls["exclude"] == ["knee_helper.L", "knee_helper.R"]
+
+
+def test_letters_that_cannot_be_seen_are_escapes_of_four_or_eight_digits() -> None:
+    assert _quoted('a"\u200b\uffff\U000e0001é') == '"a\\"\\u200b\\uffff\\U000e0001é"'

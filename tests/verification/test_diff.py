@@ -428,6 +428,8 @@ def test_entries_of_packages_are_compared(tmp_path: Path) -> None:
     two = tmp_path / "b.usdz"
     content = one.read_bytes()
     two.write_bytes(content.replace(b"notes\r\n", b"NOTES\r\n"))
+    told = lines(diff(planted(tmp_path / "c", ".usda"), one, verify=False))
+    assert "package: ~ container  .usda → .usdz" in told
     # The sums of the zip no longer fit, which nobody here asks for.
     assert lines(diff(one, two, verify=False))[0].startswith("package: ~ z/notes.txt  7 bytes, other ones")
     with zipfile.ZipFile(one) as package:

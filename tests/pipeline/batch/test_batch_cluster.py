@@ -537,3 +537,27 @@ def test_workers_run_nothing_that_lies_where_they_or_the_batch_work(
     subprocess.run([sys.executable, str(script), *given], cwd=pack, env=environment, check=True)
     assert (pack / "out" / "biped.glb").is_file()
     assert not [path for path in tmp_path.iterdir() if path.is_file()]
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "asked"),
+    [
+        ("s3://a/b.glb", "s3://out/b.glb", []),
+        ("s3://a/b.glb", "out/b.glb", ["out"]),
+        ("b.glb", "s3://out/b.glb", ["out", "b.glb"]),
+    ],
+)
+def test_workers_look_for_files_only_where_some_are_on_disk(
+    source: str, target: str, asked: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cluster, looked = object.__new__(dask.Cluster), list[str]()
+    cluster._at = "out"
+
+    def on_all_workers(seen: object, path: str) -> dict[str, bool]:
+        looked.append(os.path.basename(path))
+        return {"one": True}
+
+    monkeypatch.setattr(cluster, "_on_all_workers", on_all_workers)
+    cluster._look([Entry(source, target)], 1)
+    assert looked == asked
+    assert cluster._at == ("out" if asked else "")
