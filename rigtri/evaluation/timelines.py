@@ -56,7 +56,11 @@ class Timeline:
 def timelines(rig: Rig) -> list[Timeline]:
     """All that can be played, in the file's order; clips without tracks, and what is idle, are left out."""
     alone = [k for k, clip in enumerate(rig.clips) if not isinstance(clip.key, tuple)]
-    together = [k for k, clip in enumerate(rig.clips) if isinstance(clip.key, tuple)]
+    together = [
+        k
+        for k, clip in enumerate(rig.clips)
+        if isinstance(clip.key, tuple) and (not clip.idle or clip.without_idle.tracks)
+    ]
     found = [Timeline(rig.clips[k], (k,)) for k in alone if rig.clips[k].without_idle.tracks]
     for shown in _in_step(rig, together):
         # Defaults are seen only where no samples are, so they come first and samples go over them.

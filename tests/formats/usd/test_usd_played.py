@@ -14,15 +14,16 @@ from places import SAMPLES, slow
 from program import cli
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 from rigs import chain
-from usd_files import without_notes
+from usd_files import MESH, animation, save, scene, skeleton, without_notes, write
+from usd_files import read as read_text
 
 from rigtri.errors import DeviationError
 from rigtri.evaluation.sampling import sample
-from rigtri.evaluation.timelines import played_at_once, timelines
+from rigtri.evaluation.timelines import played_at_once, put_tracks, timelines
 from rigtri.formats import read
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.usd.document import UsdDocument
-from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.quaternions import IDENTITY, from_axis_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
@@ -115,6 +116,38 @@ def test_controls_move_joints_that_have_no_samples(still: Callable[[Any], None],
     again = tmp_path / "again.usda"
     cli("bake", out, "-o", again, "--to", "joints", code=0)
     assert again.read_bytes() == out.read_bytes()
+
+
+GRIP = """def Xform "Grip"
+{
+double3 xformOp:translate.timeSamples = { 0: (0, 0, 0), 6: (1, 0, 0) }
+uniform token[] xformOpOrder = ["xformOp:translate"]
+}"""
+FACE = """def SkelAnimation "Anim"
+{
+uniform token[] blendShapes = ["smile"]
+float[] blendShapeWeights.timeSamples = { 0: [0], 6: [1] }
+}"""
+
+
+@pytest.mark.parametrize("more", [{"source": ""}, {}], ids=["still", "face"])
+def test_new_motion_goes_where_it_is_played_not_into_a_clip_that_nothing_plays(
+    more: dict[str, str], tmp_path: Path
+) -> None:
+    source = save(tmp_path, scene(skeleton(**more), MESH, GRIP, animation("Idle"), *([] if more else [FACE])))
+    document = read_text(source)
+    (timeline,) = timelines(document.rig)
+    turn = Track(document.rig.find("b"), "rotation", "LINEAR", TIMES, np.array([IDENTITY, TURN]))
+    out = write(document, put_tracks(document.rig, timeline, [turn]), tmp_path / "out.usda")
+    stage, before = (Usd.Stage.Open(str(path)) for path in (out, source))
+    query = UsdSkel.Cache().GetSkelQuery(UsdSkel.Skeleton(stage.GetPrimAtPath("/Root/Skel")))
+    np.testing.assert_allclose(
+        np.array(query.ComputeJointLocalTransforms(6.0)[1])[0], (0, 1, 0, 0), atol=1e-6
+    )
+    now, was = (UsdSkel.Animation.Get(each, "/Root/Idle").GetRotationsAttr() for each in (stage, before))
+    assert [now.Get(time) for time in now.GetTimeSamples()] == [
+        was.Get(time) for time in was.GetTimeSamples()
+    ]
 
 
 def joint_poses(path: Path) -> np.ndarray:
