@@ -21,7 +21,7 @@ from rigtri.maths.quaternions import angle_between, from_axis_angle, normalise
 from rigtri.maths.vectors import cross, dot, length
 from rigtri.operations.add_socket import with_joint
 from rigtri.operations.body_pose import Directions
-from rigtri.operations.conform import ConformOptions
+from rigtri.operations.conform import ConformOptions, has_axes_of
 from rigtri.operations.option_kinds import StandardPose
 from rigtri.operations.orient_joints.standard_frames import godot_bones, standard_bones
 from rigtri.recognition.recognise import recognise
@@ -499,3 +499,20 @@ def test_a_body_that_leans_at_rest_below_a_turned_armature_stands_upright(tmp_pa
     assert across[0] / length(across) > 0.999
     cli("conform", out, "-o", tmp_path / "again.glb", "--to", "unity", code=0)
     assert (tmp_path / "again.glb").read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize("to", ["unity", "godot"])
+def test_bones_have_the_axes_of_the_skeleton_that_they_conform_to_and_of_no_other(to: str) -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    conformed = rigtri.conform(rig, to=to)
+    assert has_axes_of(conformed, to)
+    assert not has_axes_of(rig, to)
+    rotation = conformed.rotation.copy()
+    (shin,) = (
+        part.joint
+        for body in recognise(conformed).characters
+        for part in body.parts
+        if part.bone == "leftLowerLeg"
+    )
+    rotation[shin] = normalise(rotation[shin] + 0.05)
+    assert not has_axes_of(replace(conformed, rotation=rotation), to)
