@@ -146,7 +146,7 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         sure *= _UNNAMED if named else 1.0
     for which in (0, 1) if kind else ():
         before = limbs.pair.paths[which][: limbs.at[0]]
-        words = tuple(_words(body, limbs, kind))
+        words = tuple(_words(body, limbs, kind, four=not draft.shape.legs))
         yield Found("arm" if kind == "arm" else "leg", "", limbs.joints(which), before, sure, words, limbs)
 
 
@@ -189,7 +189,7 @@ def _lacks_hand(draft: Draft, limbs: Limbs) -> bool:
     return (whole and like_clavicles(draft.tree, limbs)) or not draft.tree.is_below(end, middle)
 
 
-def _words(body: Body | None, limbs: Limbs, kind: str) -> Iterator[str]:
+def _words(body: Body | None, limbs: Limbs, kind: str, *, four: bool) -> Iterator[str]:
     if limbs.kind == kind and limbs.named > 0:
         yield f"{NAMES}: words of limbs"
     yield "one of two alike, left and right"
@@ -197,7 +197,9 @@ def _words(body: Body | None, limbs: Limbs, kind: str) -> Iterator[str]:
         yield "two long bones that bend in the middle"
     if body is not None and limbs in (body.legs, body.arms):
         if kind == "leg":
-            yield "carries the body" if body.form == "biped" else "one of four that carry the body"
+            yield (
+                "one of four that carry the body" if four and body.form == "quadruped" else "carries the body"
+            )
         else:
             yield "is higher in the hierarchy than the legs"
     if limbs.fingers >= 2:

@@ -32,14 +32,16 @@ def many_legs(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> tuple[
     standing = Vector(*tree.rig.rules.up)
     if plane is None:
         return (), standing
-    even = [k for k in limbs if len(k.at) == 3 and k.kind in ("leg", "") and across(tree, k, plane)]
-    even = [k for k in even if k.quality > LEG and not any(k.pair.above in o.pair.nodes for o in even)]
+    # Legs of two joints, as of small spiders, are none without a name: so is the suspension of a car.
+    even = [k for k in limbs if across(tree, k, plane) and k.kind in ("leg", "")]
+    even = [k for k in even if (k.quality > LEG if len(k.at) == 3 else k.kind == "leg")]
+    even = [k for k in even if not any(k.pair.above in o.pair.nodes for o in even)]
     total, longest = Vector(), max((k.size for k in even), default=0.0)
     for k in even:
-        if k.size > SIMILAR * longest:
+        if k.size > SIMILAR * longest and len(k.at) == 3:
             total = total + k.starts - k.ends
     legs = (total - plane.normal * total.dot(plane.normal)).unit
-    up = standing if legs.dot(standing) > _STANDS else legs
+    up = standing if legs.dot(standing) > _STANDS or not any(legs) else legs
     for first in sorted(even, key=lambda k: -k.size) if len(even) > 2 else ():
         ground = lowest(tree, first, up)
         alike = [k for k in even if k.size > SIMILAR * first.size]

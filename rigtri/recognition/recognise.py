@@ -124,7 +124,7 @@ def _deforming(nodes: Sequence[int], poses: Poses) -> list[int]:
 def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:
     hind, front = pairs_of_limbs(draft, found)
     places = dict.fromkeys(map(id, hind), "hind ") | dict.fromkeys(map(id, front), "front ")
-    places = places if draft.four else _places_of_legs(draft, found)
+    places = places if draft.four and not draft.shape.legs else _places_of_legs(draft, found)
     for each in found:
         joints, bend = list(each.joints), each.joints if len(each.joints) == 3 else ()
         if bend and draft.tree.is_below(bend[1], bend[0]):

@@ -49,6 +49,18 @@ def test_legs_of_an_insect_that_are_only_counted_are_all_sure(pairs: int, joints
     assert sorted(legs(found)) == [("left", True)] * pairs + [("right", True)] * pairs
 
 
+@pytest.mark.parametrize("pairs", [3, 4, 5])
+def test_spiders_with_legs_of_two_joints_have_all_of_them(pairs: int) -> None:
+    """Before, some pairs were legs, and the body one on two legs or four that faced another way."""
+    body = [joint for joint in insect(pairs, 4, False, "leg{pair}_{joint}_{side}") if "_3_" not in joint[0]]
+    body = [joint for joint in body if "_4_" not in joint[0]]
+    (found,) = recognise(rig_with(body)).characters
+    assert found.form == "creature"
+    assert found.facing == (0.0, 0.0, 1.0)
+    assert sorted(legs(found)) == [("left", True)] * pairs + [("right", True)] * pairs
+    assert {chain.name for chain in found.chains if chain.kind == "leg"} == {"left leg", "right leg"}
+
+
 def test_feelers_beside_the_middle_are_no_abdomen() -> None:
     """Before, the trunk was as long in front as behind, and no side was given."""
     body = insect(3, 3, feelers=True, name="{side}{pair}{joint}")
