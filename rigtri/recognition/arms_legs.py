@@ -197,9 +197,7 @@ def _words(body: Body | None, limbs: Limbs, kind: str, *, four: bool) -> Iterato
         yield "two long bones that bend in the middle"
     if body is not None and limbs in (body.legs, body.arms):
         if kind == "leg":
-            yield (
-                "one of four that carry the body" if four and body.form == "quadruped" else "carries the body"
-            )
+            yield f"{'one of four that carry' if four and body.form == 'quadruped' else 'carries'} the body"
         else:
             yield "is higher in the hierarchy than the legs"
     if limbs.fingers >= 2:
