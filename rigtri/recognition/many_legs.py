@@ -46,7 +46,9 @@ def many_legs(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> tuple[
         ground = lowest(tree, first, up)
         alike = [k for k in even if k.size > SIMILAR * first.size]
         alike = [k for k in alike if abs(lowest(tree, k, up) - ground) < LEVEL * first.size]
-        least = min(tree.at[k].dot(up) for k in tree.nodes)
+        # A root on the ground is below knees, and below what they hang from.
+        over = tree.way(-1, first.pair.above)
+        least = min(tree.at[k].dot(up) for k in tree.nodes if k not in over)
         if len(alike) >= 3 and least > ground - LEVEL * first.size:
             return tuple(alike), up
     return (), standing
@@ -69,7 +71,7 @@ def ends_of_trunk(
     middle = [k for k in free if abs(plane.side_of(tree.at[k])) < _MIDDLE * tree.span]
     along = [(tree.at[k] - starts).dot(ahead) for k in middle]
     front, back = max([*along, 0.0]), -min([*along, 0.0])
-    if front + back > 0.0:
+    if front + back > _MIDDLE * tree.span:
         longer = (back - front) / (_LONGER * (front + back))
         yield 1.5 * max(-1.0, min(1.0, longer)), "the abdomen is behind"
     size = max(each.size for each in legs)

@@ -49,16 +49,28 @@ def test_legs_of_an_insect_that_are_only_counted_are_all_sure(pairs: int, joints
     assert sorted(legs(found)) == [("left", True)] * pairs + [("right", True)] * pairs
 
 
+@pytest.mark.parametrize("root", [False, True])
 @pytest.mark.parametrize("pairs", [3, 4, 5])
-def test_spiders_with_legs_of_two_joints_have_all_of_them(pairs: int) -> None:
+def test_spiders_with_legs_of_two_joints_have_all_of_them(pairs: int, *, root: bool) -> None:
     """Before, some pairs were legs, and the body one on two legs or four that faced another way."""
     body = [joint for joint in insect(pairs, 4, False, "leg{pair}_{joint}_{side}") if "_3_" not in joint[0]]
     body = [joint for joint in body if "_4_" not in joint[0]]
+    if root:  # on the ground, below all knees
+        body = [("root", "", (0, 0, 0)), *((name, over or "root", at) for name, over, at in body)]
     (found,) = recognise(rig_with(body)).characters
     assert found.form == "creature"
     assert found.facing == (0.0, 0.0, 1.0)
     assert sorted(legs(found)) == [("left", True)] * pairs + [("right", True)] * pairs
     assert {chain.name for chain in found.chains if chain.kind == "leg"} == {"left leg", "right leg"}
+
+
+def test_noise_of_a_trunk_of_one_joint_is_no_abdomen() -> None:
+    """What names call left decides. Before, 0.002 of a leg told surely which end was behind."""
+    body = insect(4, 3, False, "leg{pair}_{joint}_{side}")
+    turned = [(name, over, (-x, y, -z)) for name, over, (x, y, z) in body if name not in ("abdomen", "head")]
+    trunk = [("root", "", (0, 0, -0.002)), ("thorax", "root", (0, 0.35, 0.001))]
+    (found,) = recognise(rig_with([*trunk, *turned[1:]])).characters
+    assert found.facing == pytest.approx((0, 0, -1), abs=0.01)
 
 
 def test_feelers_beside_the_middle_are_no_abdomen() -> None:
