@@ -11,9 +11,10 @@ from places import slow
 from program import cli
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 from second_opinions import usd_errors
-from usd_files import MESH, animation, read, save, scene, skeleton, skinned
+from usd_files import MESH, animation, read, save, scene, skeleton, skinned, write
 
-from rigtri.model.metadata import ControlRecord
+from rigtri.model.metadata import ConstraintRecord, ControlRecord
+from rigtri.operations.rename_joints import renamed
 
 SUBLAYERED = "#usda 1.0\n(\n    subLayers = [@./hero.usda@]\n)\n"
 INSTANCED = '#usda 1.0\ndef "A" (references = @./hero.usda@\ninstanceable = true)\n{\n}\n'
@@ -80,6 +81,18 @@ def test_strip_leaves_the_rig_of_an_asset_and_names_its_layer(tmp_path: Path) ->
 
 def referenced(name: str, file: str = "hero.usda", more: str = "", body: str = "") -> str:
     return f'def "{name}" (references = @./{file}@ {more}) {{\n{body}\n}}\n'
+
+
+def test_rigs_find_renamed_joints_of_two_characters_with_the_same_names(tmp_path: Path) -> None:
+    hero, rig, shot = (tmp_path / f"{name}.usda" for name in ("hero", "rig", "shot"))
+    hero.write_text(scene(skeleton(), animation(), MESH))
+    cli("constrain", hero, "-o", rig, "--child", "Skin", "--driver", "b", code=0)
+    shot.write_text("#usda 1.0\n" + referenced("A", "rig.usda") + referenced("B", "rig.usda"))
+    document = read(shot)
+    names = {node: "knee" for node, name in enumerate(document.rig.names) if name == "b"}
+    after = read(write(document, renamed(document.rig, names), tmp_path / "out.usda")).rig
+    driven = [record.drivers for record in after.records(ConstraintRecord).values()]
+    assert [after.names[after.find(drivers[0])] for drivers in driven] == ["knee", "knee"]
 
 
 def shown(path: Path) -> dict[tuple[str, float], Any]:

@@ -54,7 +54,7 @@ def portable(rig: Rig, metadata: Metadata, skeleton: str = "") -> dict[str, Any]
         key = () if node is None else parts(rig.keys[node])
         if node is None or name == rig.names[node] or key[:1] != ("joint",) or skeleton not in ("", key[1]):
             return name
-        return rig.labels[node].removeprefix(f"{key[1]}:")
+        return str(key[2])  # labels keep the names that joints had
 
     return dict(with_references(metadata, token))
 
