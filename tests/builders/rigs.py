@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -42,7 +43,7 @@ def rig_of(
     )
 
 
-def chain(*positions: tuple[float, float, float], names: str = "abcdefgh") -> Rig:
+def chain(*positions: tuple[float, float, float], names: Sequence[str] = "abcdefgh") -> Rig:
     """Joints of one skin, each under the one before, with axes along the world's."""
     points = np.array(positions, dtype=np.float64)
     translation = np.diff(points, axis=0, prepend=np.zeros((1, 3)))

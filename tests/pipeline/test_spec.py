@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import click
@@ -16,6 +17,8 @@ import pytest
 from places import ROOT, SAMPLES, files_of_all_kinds, leave_out_refused, slow
 from program import cli
 from pydantic import ValidationError
+from pydantic_core import PydanticCustomError
+from rigs import chain
 from ruamel.yaml import YAML
 from second_opinions import validator
 
@@ -31,7 +34,7 @@ from rigtri.pipeline.rigspec.errors import SpecError
 from rigtri.pipeline.rigspec.load import load
 from rigtri.pipeline.rigspec.models.spec import STEP_MODELS
 from rigtri.pipeline.rigspec.models.steps import StepModel
-from rigtri.pipeline.rigspec.models.values import UNKNOWN
+from rigtri.pipeline.rigspec.models.values import UNKNOWN, _before
 from rigtri.pipeline.rigspec.spec_init import starter
 from rigtri.pipeline.steps import applied
 from rigtri.report import Notice
@@ -708,3 +711,23 @@ def test_the_page_on_specs_names_every_operation() -> None:
     (listed,) = re.findall(r"^`do` names an operation: (.*?)\. Its options", text, re.M | re.S)
     named = set(re.findall(r"`([a-z-]+)`", listed))
     assert named == set(OPERATIONS), "docs/specs.md, Steps: name them all"
+
+
+@pytest.mark.parametrize(
+    ("text", "known"),
+    [
+        ("hand", True),
+        ("hand=0,0,1", True),
+        ("a=b", True),
+        ("a=b=0,0,1", True),
+        ("a", False),
+        ("a=0,0,1", False),
+    ],
+)
+def test_a_node_before_an_equals_sign_may_have_one_in_its_name(text: str, known: bool) -> None:
+    info: Any = SimpleNamespace(context=chain((0, 0, 0), (1, 0, 0), names=["hand", "a=b"]))
+    if known:
+        assert _before(text, info) == text
+    else:
+        with pytest.raises(PydanticCustomError, match="'a'"):
+            _before(text, info)
