@@ -194,6 +194,7 @@ def test_bones_follow_controls_in_blender_as_in_rigtri(
     assert max(ik) <= IK
 
 
+@pytest.mark.ci
 def test_a_flat_leg_follows_its_control_in_blender_as_in_rigtri(tmp_path: Path) -> None:
     path = tmp_path / "flat.glb"
     limb = ("--ik", "thigh", "shin", "foot")

@@ -242,6 +242,7 @@ def test_an_edit_of_one_file_imports_nothing_for_temporary_files(samples: Path, 
     )
 
 
+@pytest.mark.ci
 def test_reasons_to_leave_a_test_out_are_messages_that_there_are() -> None:
     """`.ci/run` fails for a reason that it does not know: who words a message anew does it there, too."""
     said = " ".join(

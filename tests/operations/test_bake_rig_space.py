@@ -65,6 +65,7 @@ def asset(tmp_path: Path) -> Path:
     return keyed
 
 
+@pytest.mark.ci
 def test_a_rig_in_an_uneven_scale_bakes_as_it_does_alone(asset: Path, tmp_path: Path) -> None:
     above = shot(tmp_path, asset.name)
     pull(asset)

@@ -429,6 +429,7 @@ def test_a_pole_below_the_group_rests_where_the_other_world_has_it_below_a_turne
     assert (found.scale[pole] == 1).all()
 
 
+@pytest.mark.ci
 def test_bones_of_controls_below_a_scaled_armature_have_keys_in_its_unit() -> None:
     """As Blender exports a character below a node with a scale of 0.5: before, 0.3 of the size off."""
     plain = read(SAMPLES / "biped.glb").rig

@@ -240,6 +240,7 @@ def readers(rig: Rig) -> dict[str, str]:
     return {n["name"]: n["driver"] for n in rig.metadata.values() if n["type"] == "poseReader"}
 
 
+@pytest.mark.ci
 def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path: Path) -> None:
     def read_twice(rig: Rig, report: Report) -> Rig:
         for name, target in (("bend", (0, 1, 0)), ("tw", (1, 0, 0)), ("bend_L", (0, 0, 1)), ("", (1, 1, 0))):
@@ -412,6 +413,7 @@ def test_mirrored_spaces_warn_of_keys_that_count_from_elsewhere(
     assert said == told
 
 
+@pytest.mark.ci
 def test_a_mirrored_constraint_warns_of_weights_that_switch_in_clips(samples: Path) -> None:
     """Keys are motion, and stay on their side; before, nothing said so."""
     rig = add_controls(read(samples / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
@@ -443,6 +445,7 @@ def test_a_pole_vector_whose_limb_moves_in_clips_stays_where_it_rests(keyed: str
     assert all("limb moves in step" in text for text in said)
 
 
+@pytest.mark.ci
 def test_mirror_tells_of_controls_that_were_there_and_take_a_pose(samples: Path) -> None:
     rig = _controlled(samples)
     rotation, report = rig.rotation.copy(), Report()

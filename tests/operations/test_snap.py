@@ -208,6 +208,7 @@ def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
         np.testing.assert_array_equal(sampling.sample(now, [time]), sampling.sample(was, [time]))
 
 
+@pytest.mark.ci
 def test_an_ik_end_that_follows_a_constraint_is_reported() -> None:
     rig = posed_by_ik()
     hand = rig.title(control(rig, "hand_L", "ik"))

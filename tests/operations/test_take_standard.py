@@ -186,6 +186,7 @@ def test_a_body_that_lies_at_rest_and_stands_in_its_clips_stands() -> None:
     assert degrees_apart(pointing(home, "walk", keys), pointing(edited, "walk", keys)) < 0.01
 
 
+@pytest.mark.ci
 def test_ik_bones_of_another_body_are_told_and_follow_again() -> None:
     report = Report()
     home = take_clips(other_body("unreal"), from_=biped("unreal"), report=report)

@@ -350,6 +350,7 @@ def test_a_character_on_standard_input_gets_the_same_rig(tmp_path: Path) -> None
     assert 'for "standard input"' in piped.with_suffix(".rig.yaml").read_text("utf-8")
 
 
+@pytest.mark.ci
 def test_a_scheme_of_ones_own_names_limbs_for_auto(tmp_path: Path) -> None:
     scheme = tmp_path / "studio.toml"
     scheme.write_text('title = "Our studio"\nlike = "bones"\nmarks = "shin"\n')
@@ -387,6 +388,7 @@ def test_limbs_that_have_twist_joints_of_rigtri_keep_them(suffix: str, tmp_path:
     assert again.read_bytes() == built.read_bytes()
 
 
+@pytest.mark.ci
 def test_a_spec_that_somebody_has_edited_is_not_replaced_unasked(tmp_path: Path) -> None:
     line = ("auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--overwrite")
     spec = tmp_path / "out.rig.yaml"

@@ -82,6 +82,7 @@ def test_who_sits_with_legs_stretched_ahead_has_up_along_the_trunk() -> None:
         assert stands_right(case.truth.characters[0], character) is not False, number
 
 
+@pytest.mark.ci
 def test_toons_with_feet_as_long_as_their_legs_are_not_turned_round() -> None:
     assert surely_wrong(oddities.toon, range(20)) == []
     turned = []

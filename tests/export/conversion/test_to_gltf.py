@@ -141,6 +141,7 @@ def test_materials_lenses_and_extras_come_home(home: tuple[Path, Path]) -> None:
     assert [clip["name"] for clip in back["animations"]] == ["wave hand", "nod"]
 
 
+@pytest.mark.ci
 def test_verify_compares_the_two_formats(home: tuple[Path, Path], tmp_path: Path) -> None:
     source, back = home
     there = source.with_name("there.usdz")

@@ -129,6 +129,7 @@ def test_a_name_is_on_the_disk_before_it_is_put_down_as_done(
     assert all(one[1] == other[1] for one, other in zip(steps[::2], steps[1::2], strict=True))
 
 
+@pytest.mark.ci
 def test_only_what_has_changed_is_done_again(batch: Batch, samples: Path) -> None:
     text = json.loads((samples / "biped.gltf").read_text())
     text["images"] = [{"uri": "skin.png"}]
