@@ -1,4 +1,4 @@
-"""Hands with fingers, feet with toes, and limbs beyond two arms and two legs."""
+"""Hands with fingers, and feet with toes."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ from itertools import combinations
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
-from rigtri.recognition.arms_legs import Found, named_side
-from rigtri.recognition.body_shape import Body
+from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES, Kind
-from rigtri.recognition.limb_pairs import Limbs
+from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES
 from rigtri.recognition.limb_triples import thumb_of
 from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
 
@@ -32,8 +30,6 @@ _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: PHALANGES}
 _LONG = 1.2
 # Toes that reach less further ahead, as a part of the lower leg, reach as far.
 _AS_FAR = 1e-4
-# A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
-_SIZE, _QUALITY = 0.35, 0.3
 # What no hand has, where names tell of it.
 _OF_BODIES = frozenset(["skull", "tail"])
 # A hand alone has no more joints than this, and a finger: a metacarpal, three bones, an end.
@@ -271,54 +267,6 @@ def _in_order(
     along = (end - start).unit
     others = [chain for _, chain in sorted(row, key=lambda each: (each[0] - start).dot(along))]
     return list(zip(FINGERS, [thumb, *others], strict=False)) if thumb else [("", chain) for chain in others]
-
-
-def lay_others(draft: Draft, found: Sequence[Found]) -> None:
-    """Wings and further limbs: pairs that nothing else has taken."""
-    body = draft.shape.body
-    if body is None or not found:
-        return
-    size = max((k.size for k in (body.legs, body.arms) if k is not None), default=0.0)
-    taken = set(draft.taken) | {joint for each in found for joint in (*each.before, *each.joints)}
-    trunk = draft.tree.way(-1, draft.chest if draft.chest >= 0 else draft.hips) if found else []
-    for limbs in draft.shape.limbs:
-        nodes = limbs.pair.nodes
-        names = [draft.tree.rig.names[k] for k in nodes]
-        wing = any("wing" in roles_in_name(name) for name in names)
-        if taken & nodes or not (wing or (limbs.pair.above in trunk and limbs.size > _SIZE * size)):
-            continue
-        if not wing and (len(limbs.at) < 3 or limbs.quality < _QUALITY or _is_worn(names)):
-            continue
-        if not any(draft.poses.moves_points(k) for k in nodes):
-            continue  # controls
-        taken |= nodes
-        for which, path in enumerate(limbs.pair.paths):
-            joints = _of_wing(draft, limbs, path) if wing else limbs.joints(which)
-            side = named_side(draft, path, limbs.pair.paths[1 - which]) or draft.side_of(path)
-            bend = joints if len(joints) == 3 else ()
-            kind: Kind = "wing" if wing else _kind(draft, body, limbs, size)
-            words = (NAMES,) if wing else ("one more pair that bends in the middle",)
-            sure = 0.9 if wing else 0.6
-            draft.add_chain(kind, kind, side, path, sure, words, bend)
-
-
-def _of_wing(draft: Draft, limbs: Limbs, path: Sequence[int]) -> tuple[int, ...]:
-    """Where a wing bends: by its shape, but in no feather; before one, in the first three joints."""
-    bones = [node for node in path if "feather" not in roles_in_name(draft.tree.rig.names[node])]
-    joints = tuple(path[k] for k in limbs.at)
-    return joints if set(joints) <= set(bones) or len(bones) < 3 else tuple(bones[:3])
-
-
-def _is_worn(names: Sequence[str]) -> bool:
-    apart = {"twist", "control", "attachment", "helper", "tail", "ear"}
-    return any(apart.intersection(roles_in_name(name)) for name in names)
-
-
-def _kind(draft: Draft, body: Body, limbs: Limbs, size: float) -> Kind:
-    """A further leg where it ends as low as the legs do."""
-    if body.legs is None:
-        return "limb"
-    return "leg" if abs((limbs.ends - body.legs.ends).dot(draft.up)) < 0.2 * size else "limb"
 
 
 def lay_hands(draft: Draft) -> bool:

@@ -14,7 +14,8 @@ from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
 from rigtri.recognition.evidence_against import doubted
-from rigtri.recognition.hands_feet import lay_ends, lay_hands, lay_others
+from rigtri.recognition.further_limbs import lay_further_limbs
+from rigtri.recognition.hands_feet import lay_ends, lay_hands
 from rigtri.recognition.joint_tree import Tree, joints_of, segments_of
 from rigtri.recognition.layout import (
     BENDS,
@@ -102,7 +103,7 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     _add_limbs(draft, found)
     lay_trunk(draft, found)
     lay_ends(draft, found)
-    lay_others(draft, found)
+    lay_further_limbs(draft, found)
     return draft
 
 

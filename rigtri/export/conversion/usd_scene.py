@@ -107,9 +107,8 @@ class _Reader:
 
     def _omit(self) -> None:
         """Leave out rigtri's own rig, guides and what is not there for everybody."""
-        scene, rig = self.scene, self.scene.rig
+        scene, rig, guides = self.scene, self.scene.rig, 0
         scene.omit_built()
-        guides = 0
         for node, key in enumerate(rig.keys):
             prim = self.stage.GetPrimAtPath(rig.labels[node]) if key[0] == "prim" else None  # type: ignore[index]
             if prim and (prim.IsAbstract() or not prim.IsDefined() or not prim.IsActive()):

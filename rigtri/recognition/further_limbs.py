@@ -1,0 +1,63 @@
+"""Wings, and limbs beyond two arms and two legs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rigtri.recognition.arms_legs import Found, named_side
+from rigtri.recognition.body_shape import Body
+from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.layout import NAMES, Kind
+from rigtri.recognition.limb_pairs import Limbs
+from rigtri.recognition.naming_schemes import roles_in_name
+
+# A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
+_SIZE, _QUALITY = 0.35, 0.3
+
+
+def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
+    """Wings and further limbs: pairs that nothing else has taken."""
+    body = draft.shape.body
+    if body is None or not found:
+        return
+    size = max((k.size for k in (body.legs, body.arms) if k is not None), default=0.0)
+    taken = set(draft.taken) | {joint for each in found for joint in (*each.before, *each.joints)}
+    trunk = draft.tree.way(-1, draft.chest if draft.chest >= 0 else draft.hips) if found else []
+    for limbs in draft.shape.limbs:
+        nodes = limbs.pair.nodes
+        names = [draft.tree.rig.names[k] for k in nodes]
+        wing = any("wing" in roles_in_name(name) for name in names)
+        if taken & nodes or not (wing or (limbs.pair.above in trunk and limbs.size > _SIZE * size)):
+            continue
+        if not wing and (len(limbs.at) < 3 or limbs.quality < _QUALITY or _is_worn(names)):
+            continue
+        if not any(draft.poses.moves_points(k) for k in nodes):
+            continue  # controls
+        taken |= nodes
+        for which, path in enumerate(limbs.pair.paths):
+            joints = _of_wing(draft, limbs, path) if wing else limbs.joints(which)
+            side = named_side(draft, path, limbs.pair.paths[1 - which]) or draft.side_of(path)
+            bend = joints if len(joints) == 3 else ()
+            kind: Kind = "wing" if wing else _kind(draft, body, limbs, size)
+            words = (NAMES,) if wing else ("one more pair that bends in the middle",)
+            sure = 0.9 if wing else 0.6
+            draft.add_chain(kind, kind, side, path, sure, words, bend)
+
+
+def _of_wing(draft: Draft, limbs: Limbs, path: Sequence[int]) -> tuple[int, ...]:
+    """Where a wing bends: by its shape, but in no feather; before one, in the first three joints."""
+    bones = [node for node in path if "feather" not in roles_in_name(draft.tree.rig.names[node])]
+    joints = tuple(path[k] for k in limbs.at)
+    return joints if set(joints) <= set(bones) or len(bones) < 3 else tuple(bones[:3])
+
+
+def _is_worn(names: Sequence[str]) -> bool:
+    apart = {"twist", "control", "attachment", "helper", "tail", "ear"}
+    return any(apart.intersection(roles_in_name(name)) for name in names)
+
+
+def _kind(draft: Draft, body: Body, limbs: Limbs, size: float) -> Kind:
+    """A further leg where it ends as low as the legs do."""
+    if body.legs is None:
+        return "limb"
+    return "leg" if abs((limbs.ends - body.legs.ends).dot(draft.up)) < 0.2 * size else "limb"
