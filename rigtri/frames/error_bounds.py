@@ -105,7 +105,7 @@ class LeverArm:
         """No less than `_of_points`: how far the corners reach of the box of what each joint moves."""
         reach = np.zeros(len(self._rig))
         for mesh in self._meshes:
-            if mesh.skin is None or mesh.morphs.size:
+            if mesh.skin is None or mesh.morphs.size or not mesh.joints.shape[1]:
                 _own(self._rig, self._world, mesh, reach)
             else:
                 skin = self._rig.skins[mesh.skin]

@@ -312,8 +312,9 @@ def test_points_that_no_joint_moves_count_as_reach_of_their_node(skin: int | Non
     rig = chain((0, 0, 0), (3, 0, 0), (3, 4, 0))
     none = {"joints": np.zeros((2, 0), np.int64), "weights": np.zeros((2, 0))}
     body = Mesh("body", 2, np.array([[0.0, 0, 0], [0.0, 12, 0]]), skin=skin, **none)
-    reach = LeverArm(replace(rig, content=Content(read_outlines=lambda: [body]))).exact
-    assert np.allclose(reach / reach[2], [19 / 12, 16 / 12, 1])
+    found = LeverArm(replace(rig, content=Content(read_outlines=lambda: [body])))
+    assert np.allclose(found.exact / found.exact[2], [19 / 12, 16 / 12, 1])
+    assert np.allclose(found.at_most, found.exact, rtol=0.002)  # nothing is scaled
 
 
 @pytest.mark.parametrize("seed", range(8))

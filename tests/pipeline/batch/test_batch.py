@@ -525,3 +525,17 @@ def test_a_manifest_is_opened_as_its_reader_may(
     assert manifest_lookup._mode(path) == ("mode=rw" if file and folder else "mode=ro&immutable=1")
     path.with_name(f"{path.name}-wal").write_bytes(b"frames")
     assert manifest_lookup._mode(path) == ("mode=rw" if file and folder else "mode=ro")
+
+
+def test_manifests_of_other_parts_and_of_the_whole_are_found_beside_ones_own(tmp_path: Path) -> None:
+    names = ["m.sqlite", "m-1-of-3.sqlite", "m-2-of-3.sqlite", "n-1-of-3.sqlite", "m-3-of-3.json"]
+    for name in names:
+        (tmp_path / name).touch()
+    (tmp_path / "m-3-of-3.sqlite").mkdir()
+    whole = tmp_path / "m.sqlite"
+    others = [path.name for path in manifest_lookup.others_of(whole, tmp_path / "m-2-of-3.sqlite")]
+    assert others == ["m.sqlite", "m-1-of-3.sqlite"]
+    assert [path.name for path in manifest_lookup.others_of(whole, whole)] == [
+        "m-1-of-3.sqlite",
+        "m-2-of-3.sqlite",
+    ]
