@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import ARM, HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import ARM, HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with, without
 
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
@@ -191,7 +191,7 @@ def test_what_is_ahead_of_legs_is_measured_along_the_ground() -> None:
 
 def test_a_shin_whose_end_moves_a_whole_further_bone_ends_no_leg() -> None:
     """Joints that a game leaves out far away: their skin moves with the joint before."""
-    short = [joint for joint in MAN if joint[0].partition(".")[0] not in ("foot", "toe")]
+    short = without(MAN, "foot", "toe")
     middles = both([("half.L", "thigh.L", (0.1, 0.73, 0.0))])
     short = [(name, f"half{name[4:]}" if name.startswith("shin") else over, at) for name, over, at in short]
     joints = [*(k for k in short if "shin" not in k[0]), *middles, *(k for k in short if "shin" in k[0])]

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import FINGERS, HORSE, MAN, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import FINGERS, HORSE, MAN, TRUNK, Joint, both, line, rig_with, without
 
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
@@ -71,7 +71,7 @@ def test_a_leg_without_a_foot_is_not_surely_bent_at_its_thigh(names: str) -> Non
     """Before, hip, thigh and shin were surely taken for thigh, shin and foot."""
     first, second, third = names.split()
     leg = line(f"{first}.L {second}.L {third}.L", "hips", (0, 1, 0), (0.1, 0.95, 0), (0.1, 0.5, 0.02))
-    joints = [joint for joint in MAN if joint[0].partition(".")[0] not in ("thigh", "shin", "foot", "toe")]
+    joints = without(MAN, "thigh", "shin", "foot", "toe")
     _, limbs = sure_limbs([*joints, *both(leg)], named=True)
     assert not any("leg" in name for name in limbs)
 
@@ -188,9 +188,7 @@ SPLIT_THIGH = line(
 
 def test_a_thigh_of_two_bones() -> None:
     """Before, legs without names surely began at the second bone, and so those with names were not sure."""
-    legs = ("thigh", "shin", "foot", "toe")
-    joints = [joint for joint in [*MAN, *FINGERS] if joint[0].partition(".")[0] not in legs]
-    joints += both(SPLIT_THIGH)
+    joints = without([*MAN, *FINGERS], "thigh", "shin", "foot", "toe") + both(SPLIT_THIGH)
     _, limbs = sure_limbs(joints, named=False)
     assert set(limbs) == {"left arm", "right arm"}
     _, limbs = sure_limbs(joints, named=True)
@@ -402,9 +400,7 @@ def test_an_arm_of_three_numbered_joints_and_a_hand_begins_with_a_clavicle() -> 
         (0.45, 1.4, -0.03),
         (0.7, 1.4, 0),
     )
-    rest = [
-        joint for joint in MAN if joint[0].split(".")[0] not in ("clavicle", "upper_arm", "forearm", "hand")
-    ]
+    rest = without(MAN, "clavicle", "upper_arm", "forearm", "hand")
     _, limbs = sure_limbs([*rest, *both(arm)], named=True)
     assert limbs["left arm"] == "arm1.L arm2.L hand.L"
     assert limbs["right arm"] == "arm1.R arm2.R hand.R"
@@ -501,9 +497,7 @@ def test_of_pieces_of_one_bone_the_first_begins_a_limb(bent: float) -> None:
         (0.57, 1.45, -0.005),
         (0.7, 1.45, 0),
     )
-    rest = [
-        joint for joint in MAN if joint[0].split(".")[0] not in ("clavicle", "upper_arm", "forearm", "hand")
-    ]
+    rest = without(MAN, "clavicle", "upper_arm", "forearm", "hand")
     _, limbs = sure_limbs([*rest, *both(arm)], named=True)
     assert limbs.get("left arm") in (None, "upper_arm.L.01 forearm.L.01 hand.L")
 
@@ -520,6 +514,6 @@ def test_a_leg_that_ends_at_its_knee_is_not_sure() -> None:
         (0.1, 0.1, -0.02),
         (0.1, 0.02, 0.12),
     )
-    rest = [joint for joint in MAN if joint[0].split(".")[0] not in ("thigh", "shin", "foot", "toe")]
+    rest = without(MAN, "thigh", "shin", "foot", "toe")
     _, limbs = sure_limbs([*rest, *both(leg)], named=False)
     assert "thigh1.L thigh2.L shin1.L" not in limbs.values()

@@ -13,10 +13,10 @@ import numpy as np
 
 from rigtri.evaluation.zero_pose import ControlsAtZero, FkControl
 from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reoriented_constraints import axes_compared
 from rigtri.maths.quaternions import conjugate, multiply, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import Constraint, constraints_of
-from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 
 # Cosines whose squares are this near to 0 and 1 are of axes along axes: offsets are float32.
@@ -28,8 +28,7 @@ _ANY = np.array([[1.0, 2.0, 3.0]])
 def scales_given(rig: Rig, scales: ScaleTable) -> tuple[ScaleTable, dict[int, int]]:
     """The scales, with those that controls and constraints give; and what gives one, by node."""
     rules = [rule for rule in constraints_of(rig).values() if rule.kind == "parent"]
-    outputs = (output for reader in rig.records(PoseReaderRecord).values() for output in reader.outputs)
-    grown = {rig.known(output.joint) for output in outputs if output.scale is not None}
+    grown = {one.node for one in axes_compared(rig) if one.kind == "grown"}
     controlled, found = bool(rig.nodes_of("control")), dict[int, int]()
     while True:
         if controlled:
@@ -43,7 +42,7 @@ def scales_given(rig: Rig, scales: ScaleTable) -> tuple[ScaleTable, dict[int, in
         scales, found = scales.with_rows(dict.fromkeys(drivers, _ANY)), {**drivers, **found}
 
 
-def _odd_between(rig: Rig, rule: Constraint, uneven: Container[int | None]) -> int:
+def _odd_between(rig: Rig, rule: Constraint, uneven: Container[int]) -> int:
     """A node between a child's parent and its drivers whose scale is not uniform, else −1."""
     above = rig.path_to_root(int(rig.parents[rule.child]))
     for driver in rule.drivers:

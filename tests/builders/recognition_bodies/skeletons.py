@@ -34,6 +34,11 @@ def line(names: str, above: str, *places: Place) -> list[Joint]:
     return list(zip(words, [above, *words], places, strict=False))
 
 
+def without(joints: Iterable[Joint], *words: str) -> list[Joint]:
+    """The joints but for those whose names are one of these words before a dot."""
+    return [joint for joint in joints if joint[0].partition(".")[0] not in words]
+
+
 def both(joints: Iterable[Joint]) -> list[Joint]:
     """Joints of the left, ``.L``, at +x, and their twins."""
     left = list(joints)

@@ -51,7 +51,7 @@ def _decided(stage: Any, skeleton: str, animation: str) -> bool:
     return any(animation in state.shown.get(bound, ()) for state in states)
 
 
-def elsewhere(stage: Any, instances: SharedInstances, told: Set[str]) -> dict[str, str]:
+def of_other_variants(stage: Any, instances: SharedInstances, told: Set[str]) -> dict[str, str]:
     """The animations of unselected variants that no Skeleton plays there, and which variants, in words.
 
     told: those that need no look.

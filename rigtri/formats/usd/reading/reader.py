@@ -26,7 +26,7 @@ from rigtri.formats.usd.reading.animation_reader import (
     interpolation_of,
     read_animation,
 )
-from rigtri.formats.usd.reading.loose_animations import elsewhere, owners
+from rigtri.formats.usd.reading.loose_animations import of_other_variants, owners
 from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, read_skeleton
@@ -272,7 +272,7 @@ class _Reader:
             )
             self.warnings.append(Notice("unbound-animation", text))
         told = {str(prim.GetPath()) for prim in prims}
-        if others := elsewhere(self.stage, self.instances, told):
+        if others := of_other_variants(self.stage, self.instances, told):
             shown = and_more([f"<{path}> ({where})" for path, where in others.items()], 3)
             text = (
                 f"Variants that are not selected have {shown}, which no skeleton uses there: left as they "
