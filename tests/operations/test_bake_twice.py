@@ -11,6 +11,7 @@ from baked_rigs import WHOLE, control
 from places import SAMPLES, slow
 from rigs import rig_of
 
+import rigtri
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.key_reduction import is_reduction_of
@@ -117,6 +118,23 @@ def test_joints_that_share_an_array_are_read_at_each_others_times() -> None:
     assert seen.undone(seen.rig, plain).clips[0] is clip
     alone = read(SAMPLES / "biped.glb").rig
     assert with_shared_times(alone).rig is alone
+
+
+def test_ik_that_is_posed_keeps_its_limb_from_constraints_once_the_limb_has_keys() -> None:
+    """In a clip that moves something else, a posed IK control is at work until its limb has keys."""
+    rig = rigtri.add_controls(read(SAMPLES / "tpose.glb").rig, whole_character=True)
+    rig = rigtri.constrain(rig, type="point", child="forearm_L", driver=("head",), maintain_offset=False)
+    end, place = control(rig, "hand_L", "ik"), rig.translation.copy()
+    place[end] = (-0.1, -0.05, 0.02)
+    nod = Track(control(rig, "head", "fk"), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0.6, 0.0, 0.8]]))
+    once = rigtri.bake(replace(rig, translation=place, clips=(Clip("nod", (nod,)),)))
+    hand = once.find("hand_L")
+    there, again = (
+        sampling.worlds(each, sampling.locals_at(each, each.clips[0], [0.0]))[0, hand]
+        for each in (once, rigtri.bake(once))
+    )
+    np.testing.assert_allclose(again, there, atol=1e-6)
+    assert end in {track.node for track in once.clips[0].tracks}
 
 
 # --- keys whose choice rounding turns

@@ -55,7 +55,13 @@ from rigtri.operations.bake.dependents import (
     rivets_and_readers,
     rivets_of_constraints,
 )
-from rigtri.operations.bake.reduced_tracks import is_still_valid, key_counts, reduced_tracks, with_rest_held
+from rigtri.operations.bake.reduced_tracks import (
+    is_still_valid,
+    key_counts,
+    posed_ends,
+    reduced_tracks,
+    with_rest_held,
+)
 from rigtri.operations.bake.unbaked import UNBAKED, refuse_replaced
 from rigtri.operations.bake.warnings import fidelity, refuse_overstretch, warn_of_result
 from rigtri.operations.operation import operation
@@ -122,13 +128,8 @@ class _Baker:
         self.solvers: dict[frozenset[int] | None, Solver] = {}
         self.reference = ControlsAtZero(rig)
         follows = options.to == "joints" and (rivets_and_readers(rig) or twist_joints(rig))
-        if not (
-            self.reference.fk
-            or self.reference.limbs
-            or self.reference.roots
-            or constraints_of(rig)
-            or follows
-        ):
+        own = self.reference
+        if not (own.fk or own.limbs or own.roots or constraints_of(rig) or follows):
             raise GeometryError(
                 "There is nothing to bake: the file has no controls and no constraints of rigtri. "
                 "Add some with: rigtri add-controls IN -o OUT --whole-character; or, if a program has "
@@ -284,6 +285,7 @@ class _Baker:
                 room=room.get((track.node, track.path), track.times),
             )
         ]
+        fresh += posed_ends(self.rig, timeline, solver.limbs, fresh)
         self.rig = put_tracks(self.rig, timeline, fresh)
         self.report.added.append(self._record(timeline, solver, samples, tracks, nodes))
 

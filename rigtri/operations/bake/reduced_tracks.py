@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from rigtri.evaluation.active_controls import NOTHING, joints_of, posed_in
 from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.key_reduction import is_reduction_of, reduce_keys
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.sampling import key_times, sample
@@ -72,6 +73,19 @@ def with_rest_held(rig: Rig, before: Rig, nodes: Collection[int], chosen: Sequen
         ]
         rig = put_tracks(rig, timeline, fresh) if len(start) else rig
     return rig
+
+
+def posed_ends(rig: Rig, timeline: Timeline, limbs: Sequence[Ik], keyed: Iterable[Track]) -> list[Track]:
+    """Keys of the pose of IK controls that are at work in a timeline because neither they nor their limbs
+    have keys there: where limbs get keys, IK would else let go of them in the next bake, to constraints."""
+    posed, moved = posed_in(rig, timeline), {track.node for track in keyed}
+    return [
+        Track(node, path, "STEP", key_times(timeline.clip)[:1], one)
+        for limb in limbs
+        for node in sorted(posed.intersection((limb.limb.control, *limb.limb.pivots)))
+        if not moved.isdisjoint(limb.sets)
+        for path, one in zip(PATHS[:2], PoseCache(rig).part(node)[:2], strict=True)
+    ]
 
 
 def _track(node: int, path: Path, times: Floats, held: Floats, values: Floats, bound: float) -> Track:
