@@ -193,6 +193,15 @@ def test_what_rigtri_has_built_and_motion_that_only_controls_have_is_reported(
     assert "only controls" in cli("convert", built, "-o", out, "--overwrite", "--strict", code=5).stderr
 
 
+@pytest.mark.ci
+def test_verify_compares_a_rig_with_what_convert_made_of_its_character(samples: Path, tmp_path: Path) -> None:
+    """There are more controls than joints, and USD gets none of them."""
+    rigged, there = tmp_path / "rigged.glb", tmp_path / "there.usda"
+    rigtri.write(rigtri.add_controls(rigtri.read(samples / "biped.glb"), whole_character=True), rigged)
+    rigtri.convert(rigged, there)
+    assert cli("verify", rigged, there, "--json").json["deviation"] < 1e-6
+
+
 def test_what_usd_cannot_say_is_listed_and_strict_refuses_it(everything: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.usda"
     done = cli("convert", everything, "-o", out, "--json")
