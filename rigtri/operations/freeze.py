@@ -60,12 +60,20 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
     rig = _converted(rig, options, report)
     joints = _joints(rig)
     nodes, below = _nodes(rig, joints), rig.at_or_below(joints)
+    fixed = [node for node in nodes if node in rig.rules.fixed]
+    nodes = [node for node in nodes if node not in rig.rules.fixed]
     if options.rotates:
         rig = _without_rotation(rig, [node for node in nodes if not below[node]], report)
     if options.scales:
         rig = _without_scale(rig, nodes, below, options, report)
         _warn_keyed(rig, [node for node in nodes if not below[node]], report)
-    _warn_instances(rig, options, report)
+    for node in _unfrozen(rig, fixed, below, options):
+        text = f"{rig.title(node)} is not frozen: {rig.rules.fixed[node]}"
+        report.warn("not-frozen", text, geometry=True)
+    if left := _unfrozen(rig, sorted(rig.rules.instances), below, options):
+        names = and_more([rig.title(node) for node in left], 6)
+        text = f"{names}: what is below instances is the same in all, so they keep what rotation "
+        report.warn("not-frozen", f"{text}and scale they have relative to the first", geometry=True)
     if len(report.joints) > known:
         warn_unread(rig, report)
         rig = _with_plain_meshes(rig, before)
@@ -132,7 +140,7 @@ def _nodes(rig: Rig, joints: Booleans) -> list[int]:
     found = rig.with_ancestors(np.flatnonzero(joints).tolist())
     found.update(np.flatnonzero(rig.at_or_below(joints) & (rig.attachment < 0)).tolist())
     ours = {node for node in rig.own if not joints[node]}
-    return sorted(found - ours - set(rig.rules.fixed) - rig.rules.data_nodes)
+    return sorted(found - ours - rig.rules.data_nodes)
 
 
 def _without_rotation(rig: Rig, nodes: list[int], report: Report) -> Rig:
@@ -181,9 +189,10 @@ def _without_scale(
     own, uneven = _scales(rig)
     inside = np.zeros(len(rig), dtype=bool)
     inside[nodes] = True
-    counts = inside.copy()
+    # Also what keeps its scale counts for the nodes below it.
+    counts = np.ones(len(rig), dtype=bool)
     if options.only is not None:
-        counts &= ~below if options.only == "above" else below
+        counts = ~below if options.only == "above" else below
     total = np.ones(len(rig))
     # A frame whose axes are mirrored in the world has a scale of -1 there.
     sign = np.where(_mirrored(rig, report), -1.0, 1.0)
@@ -227,18 +236,14 @@ def _warn_keyed(rig: Rig, above: Collection[int], report: Report) -> None:
         report.warn("not-frozen", f"The scale of {names} has keys in clips, and stays", geometry=True)
 
 
-def _warn_instances(rig: Rig, options: FreezeOptions, report: Report) -> None:
-    """Warn of instances that stand otherwise than the first of their prototype, with which they share all."""
-    axes, sizes = orthonormal_axes(rig.normalised_world), length(rig.world[:, :3, :3])
-    left = [
-        rig.title(node)
-        for node in rig.rules.instances
-        if (options.rotates and np.abs(axes[node] - np.eye(3)).max() > ALIGNED)
-        or (options.scales and options.only != "joints" and np.abs(sizes[node] - 1.0).max() > SAME_SCALE)
-    ]
-    if left:
-        text = f"{and_more(left, 6)}: what is below instances is the same in all, so they keep what rotation "
-        report.warn("not-frozen", f"{text}and scale they have relative to the first", geometry=True)
+def _unfrozen(rig: Rig, nodes: list[int], below: Booleans, options: FreezeOptions) -> list[int]:
+    """Those of the nodes that have rotation or scale left in the world, of what was to be frozen."""
+    axes, sizes = orthonormal_axes(rig.normalised_world[nodes]), length(rig.world[nodes, :3, :3])
+    inside = below[nodes]
+    rotated = options.rotates & ~inside & (np.abs(axes - np.eye(3)).max(axis=(1, 2)) > ALIGNED)
+    counts = {"above": ~inside, "joints": inside}.get(options.only or "", True)
+    scaled = options.scales & counts & (np.abs(sizes - 1.0).max(axis=1) > SAME_SCALE)
+    return [node for node, left in zip(nodes, rotated | scaled, strict=True) if left]
 
 
 def _scales(rig: Rig) -> tuple[Floats, Booleans]:

@@ -154,6 +154,30 @@ def test_a_scale_above_joints_that_has_keys_is_named() -> None:
     assert "biped has keys in clips" in report.warnings[0].text
 
 
+def test_what_keeps_its_scale_for_an_extension_is_named_and_counts_for_what_is_below_it() -> None:
+    rig, report, again = rigtri.read(SAMPLES / "biped.glb"), Report(), Report()
+    top, arm, scale = rig.find("biped"), rig.find("upper_arm_L"), rig.scale.copy()
+    scale[top] = 0.01
+    scaled = replace(rig, scale=scale, source=None, rules=replace(rig.rules, fixed={arm: "it collides"}))
+    once = rigtri.freeze(scaled, report=report)
+    assert [warning.text for warning in report.warnings] == ["upper_arm_L is not frozen: it collides"]
+    others = [node for node in np.flatnonzero(rig.is_joint).tolist() if node != arm]
+    assert abs(length(once.world[others, :3, :3]) - 1.0).max() < 1e-6
+    rigtri.freeze(once, report=again)
+    assert not again.joints
+
+
+def test_a_socket_below_a_prop_keeps_scale_1_in_a_second_run() -> None:
+    rig = rigtri.add_socket(rigtri.read(SAMPLES / "biped.glb"), name="tip", on="hand_L")
+    rig = rig.insert_above({rig.find("tip"): "prop"})
+    attachment, scale, again = rig.attachment.copy(), rig.scale.copy(), Report()
+    prop = rig.find("prop")
+    attachment[prop], scale[prop], scale[rig.find("biped")] = 0, 3.0, 0.01
+    once = rigtri.freeze(replace(rig, attachment=attachment, scale=scale, source=None))
+    rigtri.freeze(once, report=again)
+    assert not again.joints
+
+
 @pytest.mark.parametrize(("more", "left"), [("", {}), ("int version = 5", {"Blender": {"version": 5}})])
 def test_a_root_that_holds_no_turn_is_not_noted_as_blenders_own(
     more: str, left: dict[str, Any], tmp_path: Path
