@@ -7,15 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
+import known_outputs
 import pytest
 from baked_files import keyed_file, rigged_file
 from gltf_files import glb_bytes, glb_parts
 from places import SAMPLES, ci, slow
-from program import cli
+from program import Ran, cli
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.formats import read
@@ -77,7 +78,7 @@ CASES = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Made:
     """What a command makes of its source."""
 
@@ -86,12 +87,21 @@ class Made:
     source: Path
     result: Path
 
-    def again(self, source: Path, folder: Path, *more: str) -> Path:
-        """Run the command once more, on another source or in another folder."""
+    def run(self, source: Path, folder: Path, *more: str) -> Ran:
+        """Run the command, on another source or in another folder, too."""
         out = folder / self.result.name
         ran = cli(self.command, source, "-o", out, *self.words, *more, "--no-verify", "--json", code=0)
         validator("report").validate(ran.json)
-        return out
+        return ran
+
+    def again(self, source: Path, folder: Path, *more: str) -> Path:
+        self.run(source, folder, *more)
+        return folder / self.result.name
+
+    @cached_property
+    def ran(self) -> Ran:
+        """How it has made the result."""
+        return self.run(self.source, self.result.parent)
 
 
 # The README's command runs each law in one of these, operation by operation the one and the other.
@@ -130,7 +140,7 @@ def _made(command: str, suffix: str, folder: Path) -> Made:
     keyed = keyed_file(name, place / "keyed" / f"keyed{suffix}") if "{keyed}" in case.options else None
     words = tuple(case.options.format(keyed=keyed).split())
     first = Made(command, words, source, place / "result" / f"out{suffix}")
-    first.again(source, first.result.parent)
+    assert first.ran
     return first
 
 
@@ -150,6 +160,15 @@ def test_every_pose_looks_as_before(made: Made) -> None:
 @cases()
 def test_a_second_run_changes_no_byte(made: Made, tmp_path: Path) -> None:
     assert made.again(made.result, tmp_path).read_bytes() == made.result.read_bytes()
+
+
+@cases()
+def test_its_report_and_result_are_what_they_were(
+    made: Made, folder: Path, tmp_path: Path, pytestconfig: pytest.Config
+) -> None:
+    text = known_outputs.texts(made.ran, made.result.parent, folder)
+    name = f"{made.command}{made.result.suffix}"
+    known_outputs.check("operations.json", name, {"all": text}, tmp_path, pytestconfig)
 
 
 def _with_namesakes(source: Path, out: Path) -> Path:
