@@ -87,3 +87,23 @@ def test_what_commands_print_and_write_is_what_it_was(
         if run == "orient-joints" and places["OUT"].exists():
             places["OUT"].rename(oriented)
     known_outputs.check("outputs.json", name, found, tmp_path, pytestconfig)
+
+
+ALONE = {
+    "explain": "explain 0,140,0 25,140,-5 50,140,0 --json",
+    "behind": "explain 0,140,0 -15,150,-5 50,140,0",
+    "beyond": "explain 0,1,0 2,1.5,-0.25 1,1,0",
+    "straight": "explain 0,0,0 1,1,0 3,3,0",
+    "new": "make-limb -o new.gltf --points 0,140,0 25,140,-5 50,140,-1 --name arm --json",
+}
+
+
+def test_what_is_made_of_points_alone_is_what_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, pytestconfig: pytest.Config
+) -> None:
+    found = dict[str, str]()
+    for run, words in ALONE.items():
+        (tmp_path / run).mkdir()
+        monkeypatch.chdir(tmp_path / run)
+        found[run] = known_outputs.texts(cli(*words.split()), tmp_path / run)
+    known_outputs.check("outputs.json", "points", found, tmp_path, pytestconfig)

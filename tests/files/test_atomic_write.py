@@ -660,3 +660,47 @@ def test_a_companion_that_is_there_is_left_and_another_file_is_not_replaced(
         else:
             with pytest.raises(UsageError, match="exists and is another file"):
                 staged.add(Companion("a.bin", content))
+
+
+@pytest.mark.parametrize(
+    ("replaced", "orphan", "follower", "kept"),
+    [
+        (False, False, False, []),
+        (True, False, False, ["a.bin", "out.gltf"]),
+        (False, True, False, ["out.gltf"]),
+        (False, False, True, ["out.gltf", "out.log"]),
+        (True, True, True, ["a.bin", "out.gltf", "out.log"]),
+    ],
+)
+def test_what_is_to_be_done_after_the_rename_is_known_to_the_next_run(
+    replaced: bool,
+    orphan: bool,
+    follower: bool,
+    kept: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A run that is killed at the rename leaves the old output under another name, and nobody else does."""
+    final, buffer = tmp_path / "out.gltf", "out.rigtri-0123abcd.bin"
+    final.write_text(f'{{"uri": "{buffer}"}}' if orphan else "{}")
+    for name in ("a.bin", "out.log", buffer):
+        (tmp_path / name).write_bytes(b"old")
+    seen: list[str] = []
+
+    def commit(part: Path, place: Path, **how: bool) -> None:
+        atomic_write.commit(part, place, **how)
+        if place == final:
+            seen.extend(sorted(path.name for path in tmp_path.glob(".*.kept-*")))
+
+    monkeypatch.setattr(staged_output, "commit", commit)
+    output = StagedOutput(final, overwrite=True)
+    output.part.write_text('{"new": 1}')
+    if replaced:
+        output.add(Companion("a.bin", b"new"))
+    if follower:
+        output.follow(tmp_path / "out.log", b"new")
+    output.finish()
+    assert seen == [f".{name}.kept-{os.getpid()}" for name in kept]
+    assert (tmp_path / buffer).exists() != orphan
+    left = [path.name for path in tmp_path.iterdir() if path.name != buffer]
+    assert sorted(left) == ["a.bin", "out.gltf", "out.log"]

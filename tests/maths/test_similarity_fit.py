@@ -113,3 +113,26 @@ def test_points_at_one_place_have_no_size_to_fit(about_origin: bool) -> None:
         fit = fit_similarity(theirs, ours, about_origin=about_origin)
         assert np.isfinite(fit.matrix).all()
         assert_allclose(np.linalg.norm(fit.matrix[:3, :3], axis=1), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("about_origin", "ratio", "scale", "found"),
+    [
+        (False, None, 1.2, 1.2),
+        (True, None, 1.2, 1.0),  # another pose of the same size
+        (True, None, 1 / 1.2, 1.0),
+        (True, None, 1.3, 1.3),
+        (True, None, 1 / 1.3, 1 / 1.3),
+        (True, 1.2, 1.2, 1.2),  # it is known
+        (False, 1.2, 1.2, 1.2),
+        (True, 1.00005, 1.00005, 1.0),
+        (False, None, 1.00005, 1.0),
+        (False, None, 1.0002, 1.0002),
+        (False, None, 1 / 1.0002, 1 / 1.0002),
+    ],
+)
+def test_nearly_one_size_is_one_by_how_much_is_known(
+    about_origin: bool, ratio: float | None, scale: float, found: float
+) -> None:
+    fit = fit_similarity(POINTS, POINTS * scale, about_origin=about_origin, ratio=ratio)
+    assert fit.matrix[0, 0] == pytest.approx(found, abs=1e-9)

@@ -270,6 +270,26 @@ def test_poles_do_not_flip_when_a_limb_passes_straight(hinge: tuple[float, float
     assert apart(rig, home, "bend", times) < BOUND
 
 
+def test_a_pole_turns_to_where_a_limb_bends_to_by_and_by() -> None:
+    """The limb bends 40° beside where it bends at rest, by ever more of its length."""
+    rig = chain((0, 0, 0), (1, 0.2, 0), (2, -0.4, 0))
+    rig = add_controls(rig, options=AddControlsOptions(ik=(("a", "b", "c"),)))
+    pole = next(node for node, note in rig.metadata.items() if note["type"] == "poleVector")
+    heights = np.array([0.0, 0.01, 0.02, 0.04, 0.06, 0.08, 0.1, 0.15, 0.3])
+    times, aside = np.arange(len(heights), dtype=float), np.array([0.0, *np.cos(np.radians([40, 50]))])
+    middle = heights[:, np.newaxis] * aside + [1.0, 0.0, 0.0]
+    tracks = (
+        Track(1, "translation", "LINEAR", times, middle),
+        Track(2, "translation", "LINEAR", times, [3.0, 0.0, 0.0] - middle),
+    )
+    up = bake(replace(rig, clips=(Clip("bends", tracks),)), options=BakeOptions(to="controls"))
+    world = sampling.worlds(up, sampling.locals_at(up, up.clip("bends"), times))
+    _, y, z = (world[:, pole, 3, :3] - middle).T
+    # Up to a sine of 0.02, about half of the height, as the bone turns; from 0.15 on as the limb bends.
+    expected = [0.0, -0.4, -0.7, -1.5, -1.7, -0.8, 0.9, 8.0, 30.5]
+    np.testing.assert_allclose(np.degrees(np.arctan2(z, y)), expected, atol=0.1)
+
+
 def test_a_clip_of_one_key_and_a_control_of_uneven_scale_have_a_meaning() -> None:
     rig = add_controls(rigged(), options=AddControlsOptions(joints=("head",), frame="joint"))
     head = control(rig, "head", "fk")
