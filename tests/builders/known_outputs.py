@@ -36,7 +36,12 @@ def texts(ran: Ran, folder: Path, *places: Path) -> str:
     whole = "\n".join(found)
     for place in (folder, *places):
         whole = whole.replace(str(place), "")
-    return _NUMBER.sub(_rounded, whole)
+    return rounded(whole)
+
+
+def rounded(text: str) -> str:
+    """A text with four digits of each number; 0 for less than 1e-4, which may be noise."""
+    return _NUMBER.sub(_rounded, text)
 
 
 def check(path: str, name: str, found: Mapping[str, str], folder: Path, config: pytest.Config) -> None:

@@ -109,7 +109,7 @@ def _identifier(layer: Any, asset: str, where: str, path: Path, allow_external: 
         return str(Sdf.Layer.CreateIdentifier(identifier, arguments))
     if not allow_external and lies_outside(resolved, path):
         raise _outside(asset, where)
-    file = _outer(resolved)
+    file = layer_content.outer_file(resolved)
     if file.exists() and not (file.is_file() or file.is_dir()):
         raise FileError(f"{where} asks for '{asset}', which is a device or a pipe. Put a plain file there")
     return str(Sdf.Layer.CreateIdentifier(identifier, arguments))
@@ -135,7 +135,7 @@ def lies_outside(resolved: str, path: Path) -> bool:
 
     Links count by what they lead to; but ``path`` itself is the file that the user named.
     """
-    file = Path(os.path.realpath(_outer(resolved)))
+    file = Path(os.path.realpath(layer_content.outer_file(resolved)))
     return not file.is_relative_to(path.parent.resolve()) and file != path.resolve()
 
 
@@ -154,7 +154,7 @@ def texture(asset: Any, path: Path, *, allow_external: bool) -> bytes:
                 f"{name} lies outside the folder of the file; "
                 "if you trust it, allow this with --allow-external-paths"
             )
-        if not _outer(resolved).is_file():
+        if not layer_content.outer_file(resolved).is_file():
             raise FileError(f"{name} is a folder, a device or a pipe")
     content = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved))
     if content is None:
@@ -214,7 +214,7 @@ def files(stage: Any, path: Path) -> Iterator[tuple[Path, str]]:
     used = [layer for layer in stage.GetUsedLayers(True) if layer not in opened]
     for layer in (*opened, *used):
         if layer.realPath:
-            yield _outer(layer.realPath), f"a layer of {path}"
+            yield layer_content.outer_file(layer.realPath), f"a layer of {path}"
     for layer in (*opened, *used):
         if layer.realPath:
             yield from ((file, f"a file that {layer.identifier} refers to") for file in _named(layer))
@@ -232,15 +232,10 @@ def _named(layer: Any) -> list[Path]:
 
     layers.rename_assets(layer, collect)
     found.update(_absolute(layer, asset) for asset, _, _ in asset_paths(layer, variables))
-    return sorted(_outer(name) for name in found if name)
+    return sorted(layer_content.outer_file(name) for name in found if name)
 
 
 def _absolute(layer: Any, asset: str) -> str:
     """Where an asset path leads; one that leads nowhere may soon be there, beside the layer."""
     name = str(layer.ComputeAbsolutePath(asset))
-    return name if Path(name).is_absolute() else str(_outer(layer.realPath).parent / asset)
-
-
-def _outer(name: str) -> Path:
-    """A file, or the package it is in: ``[`` may also stand in the name of a folder."""
-    return Path(Ar.SplitPackageRelativePathOuter(name)[0])
+    return name if Path(name).is_absolute() else str(layer_content.outer_file(layer.realPath).parent / asset)

@@ -32,7 +32,7 @@ _KINDS = (("brackets", b"([", b")]", MOST_BRACKETS), ("braces", b"{", b"}", MOST
 
 def check(identifier: str) -> None:
     """FileError for a damaged crate, and a text with too deep brackets; of a package, for all its entries."""
-    file = Path(Ar.SplitPackageRelativePathOuter(Sdf.Layer.SplitIdentifier(identifier)[0])[0])
+    file = outer_file(Sdf.Layer.SplitIdentifier(identifier)[0])
     if not file.is_file() or not file.stat().st_size:
         return
     if file.suffix.lower() == ".usdz":
@@ -42,6 +42,11 @@ def check(identifier: str) -> None:
         # Not closed by hand: the traceback of an error may still hold a part of it.
         content = memoryview(mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ))
     (tables.check if _is_crate(content) else _check_brackets)(content, str(file))
+
+
+def outer_file(name: str) -> Path:
+    """A file, or the package it is in: ``[`` may also stand in the name of a folder."""
+    return Path(Ar.SplitPackageRelativePathOuter(name)[0])
 
 
 def _is_crate(content: memoryview) -> bool:

@@ -62,6 +62,22 @@ def read_source(
         return _Reader(path, stage, options, list(warnings), played=played).read()
 
 
+# What is said of animations that no skeleton plays.
+_IDLE = (
+    "No skeleton plays {} in the selected variants. Names, axes, rest and size of joints change in them, "
+    "too; new motion, such as that of controls, they do not get."
+)
+_OF_NONE = (
+    "No skeleton uses {} in the selected variants: left as they were, unless a skeleton of another variant "
+    "uses them. What joints or controls get they do not, axes or motion. To edit one along, bind a skeleton "
+    "to it (skel:animationSource) and run again from the source."
+)
+_OF_VARIANTS = (
+    "Variants that are not selected have {}, which no skeleton uses there: left as they were. To edit one "
+    "along, bind a skeleton to it in its variant (skel:animationSource) and run again from the source."
+)
+
+
 class _Reader:
     """One pass over a stage."""
 
@@ -257,29 +273,12 @@ class _Reader:
             for user in users:
                 skeleton = self.skeletons[user]
                 self.skeletons[user] = replace(skeleton, unbound=(*skeleton.unbound, path))
-        if joined:
-            text = (
-                f"No skeleton plays {and_more(joined, 3)} in the selected variants. Names, axes, rest and "
-                "size of joints change in them, too; new motion, such as that of controls, they do not get."
-            )
-            self.warnings.append(Notice("unbound-animation", text))
-        if left:
-            text = (
-                f"No skeleton uses {and_more(left, 3)} in the selected variants: left as they were, unless a "
-                "skeleton of another variant uses them. What joints or controls get they do not, axes or "
-                "motion. To edit one along, bind a skeleton to it (skel:animationSource) and run again "
-                "from the source."
-            )
-            self.warnings.append(Notice("unbound-animation", text))
         told = {str(prim.GetPath()) for prim in prims}
-        if others := of_other_variants(self.stage, self.instances, told):
-            shown = and_more([f"<{path}> ({where})" for path, where in others.items()], 3)
-            text = (
-                f"Variants that are not selected have {shown}, which no skeleton uses there: left as they "
-                "were. To edit one along, bind a skeleton to it in its variant (skel:animationSource) and "
-                "run again from the source."
-            )
-            self.warnings.append(Notice("unbound-animation", text))
+        others = of_other_variants(self.stage, self.instances, told)
+        shown = [f"<{path}> ({where})" for path, where in others.items()]
+        for text, found in ((_IDLE, joined), (_OF_NONE, left), (_OF_VARIANTS, shown)):
+            if found:
+                self.warnings.append(Notice("unbound-animation", text.format(and_more(found, 3))))
 
     def _resting(self, clips: Sequence[Clip]) -> dict[int, Resting]:
         """What animations have no value for at times, when UsdSkel shows rest poses and no blend shapes."""
