@@ -121,7 +121,7 @@ class UsdDocument:
             self._hidden = output.hidden(edit.edits)
             routed = {*map(id, edit.opinions)} != {*map(id, edit.values)}
             inside = any(instance_of(stage, value.prim) is not None for value in edit.values)
-            if routed or inside or output.is_sublayer:
+            if routed or inside or output.is_sublayer or edit.expected:
                 edit.expected.check(output.composed(part)[0], [*edit.prepared, *edit.values])
         self._notices += [notice for notice in edit.notices if notice not in self._notices]
         return ()

@@ -11,7 +11,7 @@ from pxr import Usd
 from test_usd_variants import TALL, apart, choosing, edited, over, selecting, variant_set
 from usd_files import MESH, animation, save, scene, skeleton, skinned
 
-from rigtri.formats.usd.composition.variants import each_choice
+from rigtri.formats.usd.composition.variants import each_choice, in_words
 
 HERO = scene(skeleton(), animation(), MESH)
 BODY = 'def "Body" (references = @./parts/hero.usda@</Root>)\n{\n%s\n}'
@@ -132,6 +132,6 @@ def test_sets_within_a_variant_are_tried_with_it(tmp_path: Path) -> None:
     inner = 'def Xform "In" (\nvariants = {\nstring kind = "p"\n}\nprepend variantSets = "kind"\n)\n{\n%s\n}'
     text = scene(variant_set("lod", hi="", lo=inner % variant_set("kind", p="", q='def Cube "Proxy"\n{\n}')))
     stage = Usd.Stage.Open(str(save(tmp_path, choosing(text, lod="hi"))))
-    lower = "Variant 'lo' of the variant set 'lod' on </Root>"
+    lower = "variant 'lo' of the variant set 'lod' on </Root>"
     inner = f"{lower} and variant 'q' of the variant set 'kind' on </Root/In>"
-    assert [title for title, _ in each_choice(stage)] == ["", lower, inner]
+    assert [in_words(chosen) for chosen, _ in each_choice(stage)] == ["", lower, inner]

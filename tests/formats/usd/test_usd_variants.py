@@ -393,12 +393,75 @@ def test_joints_are_renamed_in_animations_that_other_variants_bind(tmp_path: Pat
     cli("rename-joints", source, "-o", out, "--name", "b=knee", code=0)
     for variant in "ab":
         assert apart(source, out, {"clip": variant}) < 1e-9
-    # What only another variant has cannot be read.
+
+
+@pytest.mark.parametrize(
+    ("edit", "token"),
+    [(["rename-joints", "--name", "b=knee"], "a/knee/c"), (["add-root", "--above", "a"], "root/a/b/c")],
+)
+def test_joints_get_other_paths_in_animations_that_each_variant_has_for_itself(
+    edit: list[str], token: str, tmp_path: Path
+) -> None:
     clips = {name: f"{animation(clip)}\n{BINDINGS[name]}" for name, clip in (("a", "Anim"), ("b", "Run"))}
     text = scene(skeleton(source=""), MESH, variant_set("clip", **clips))
-    source = save(tmp_path, choosing(text, clip="a"), "inside.usda")
+    source, out = save(tmp_path, choosing(text, clip="a")), tmp_path / "out.usda"
+    cli(edit[0], source, "-o", out, *edit[1:], code=0)
+    for variant, clip in (("a", "Anim"), ("b", "Run")):
+        assert apart(source, out, {"clip": variant}) < 1e-9
+        assert (
+            token
+            in selecting(out, "/Root", {"clip": variant}).GetAttributeAtPath(f"/Root/{clip}.joints").Get()
+        )
+
+
+def test_joints_are_renamed_in_variants_that_list_others(tmp_path: Path) -> None:
+    """A joint is known by its path, else by its name; one that only another variant has keeps its own."""
+    shorter = skeleton(source="").replace('"a", "a/b", "a/b/c"', '"b", "b/c", "b/d"')
+    bodies = {"a": skeleton(source=""), "b": shorter}
+    source = save(tmp_path, choosing(scene(MESH, variant_set("body", **bodies)), body="a"))
+    out, back = tmp_path / "out.usda", tmp_path / "back.usda"
+    cli("rename-joints", source, "-o", out, "--name", "b=knee", "--save-map", tmp_path / "map.json", code=0)
+    for variant, tokens in (("a", ["a", "a/knee", "a/knee/c"]), ("b", ["knee", "knee/c", "knee/d"])):
+        assert apart(source, out, {"body": variant}) < 1e-9
+        stage = selecting(out, "/Root", {"body": variant})
+        assert list(stage.GetAttributeAtPath("/Root/Skel.joints").Get()) == tokens
+    cli("rename-joints", out, "-o", back, "--map", tmp_path / "map.json", "--inverse", code=0)
+    assert back.read_bytes() == source.read_bytes()
+    clash = shorter.replace('"b/d"', '"knee"')
+    save(tmp_path, choosing(scene(MESH, variant_set("body", a=bodies["a"], b=clash)), body="a"))
     printed = cli("rename-joints", source, "-o", tmp_path / "no.usda", "--name", "b=knee", code=3).output
-    assert "</Root/Anim.joints> is not the same in all variants of 'clip' on </Root>" in printed
+    assert (
+        "In variant 'b' of the variant set 'body' on </Root>, </Root/Skel> would have two joints 'knee'"
+        in printed
+    )
+
+
+def test_joints_are_renamed_in_the_influences_of_every_variant(tmp_path: Path) -> None:
+    orders = {
+        name: over("Skin", f"uniform token[] skel:joints = [{order}]")
+        for name, order in (
+            ("a", '"a", "a/b", "a/b/c"'),
+            ("b", '"a/b", "a", "a/b/c"'),
+            ("c", '"a/b/c", "a/b", "a"'),
+        )
+    }
+    orders["none"] = over("Skin", "")
+    source = save(
+        tmp_path, choosing(scene(skeleton(), animation(), MESH, variant_set("hat", **orders)), hat="b")
+    )
+    for edit in (["rename-joints", "--name", "b=knee"], ["add-root", "--above", "a"]):
+        cli(edit[0], source, "-o", tmp_path / "out.usda", *edit[1:], "--overwrite", code=0)
+        for variant in orders:
+            assert apart(source, tmp_path / "out.usda", {"hat": variant}) < 1e-9
+    both = choosing(
+        scene(skeleton(), animation(), MESH, *(variant_set(n, a="", **{n: orders["b"]}) for n in "xy")),
+        x="a",
+        y="a",
+    )
+    printed = cli(
+        "rename-joints", save(tmp_path, both), "-o", tmp_path / "no.usda", "--name", "b=z", code=3
+    ).output
+    assert "and other variant sets bind </Root/Skin> each by other joints" in printed
 
 
 def test_a_root_is_added_above_joints_of_animations_that_other_variants_bind(tmp_path: Path) -> None:

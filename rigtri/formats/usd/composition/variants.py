@@ -10,21 +10,16 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.animation_binding import SOURCE, idle_above
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import time_samples
-from rigtri.formats.usd.composition.value_types import BIND
 from rigtri.model.dataclass import dataclass
 
 # What of a skeleton and its animation decides how they look.
 VALUES = ("joints", "bindTransforms", "restTransforms", "translations", "rotations", "scales")
-# What says where a thing is and how large, besides transforms.
-_PLACES = (*VALUES, "points", "positions", "clippingRange", "focusDistance", BIND)
-# Prims that are there: a deactivated one still has a path.
-_SHOWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # More ways than this to show one skeleton are more than anyone can look through.
 LIMIT = 64
 
@@ -51,11 +46,14 @@ class VariantState:
     @property
     def title(self) -> str:
         """The variants that are chosen otherwise than in the file, in words."""
-        words = [
-            f"variant '{variant}' of the variant set '{name}' on <{path}>"
-            for (path, name), variant in self.chosen.items()
-        ]
-        return " and ".join(words) or "the selected variants"
+        return in_words(self.chosen) or "the selected variants"
+
+
+def in_words(chosen: Mapping[VariantSet, str]) -> str:
+    """Variants in words; "" for none."""
+    return " and ".join(
+        f"variant '{each}' of the variant set '{s}' on <{p}>" for (p, s), each in chosen.items()
+    )
 
 
 def variants_of(stage: Any, skeleton: str, animations: Iterable[str]) -> Iterator[SkeletonVariants]:
@@ -120,7 +118,7 @@ class SkeletonVariants:
                 chosen = {**state.chosen, of: variant}
                 key = frozenset(chosen.items())
                 other = known.get(key) or self._look(chosen)
-                if not _differing(state.shown, other.shown) and not other.selected.keys() - state.selected:
+                if not differing(state.shown, other.shown) and not other.selected.keys() - state.selected:
                     self.alike.setdefault(id(state), []).append(other)
                     continue
                 steps.append((state, other, of))
@@ -150,7 +148,7 @@ class SkeletonVariants:
                     found[id(state)] = self._origins_of(every)
                     idle[id(state)] = {path for path in every if idle_above(self.stage, path.GetPrimPath())}
             hidden = idle[id(one)] | idle[id(other)]
-            for path in _differing(found[id(one)], found[id(other)]) - hidden:
+            for path in differing(found[id(one)], found[id(other)]) - hidden:
                 self.depends.setdefault(path, set()).update(sets)
 
     def _look(self, chosen: Mapping[VariantSet, str]) -> VariantState:
@@ -186,13 +184,22 @@ class SkeletonVariants:
             if path.name == SOURCE:
                 found[path] = tuple(map(str, _targets(prim))) if prim else ()
             elif prim and (attribute := prim.GetAttribute(path.name)) and attribute.HasAuthoredValue():
-                found[path] = _origin(attribute)
+                found[path] = origin(attribute)
         return found
 
 
-def split_by(variants: SkeletonVariants, names: Sequence[str] = (*VALUES, SOURCE)) -> str:
-    """Which variant set decides what a skeleton's joints are or do, of these names; "" if none does."""
-    path = min((each for each in variants.depends if each.name in names), default=None)
+def split_by(
+    variants: SkeletonVariants, names: Sequence[str] = (*VALUES, SOURCE), *, listed: bool = True
+) -> str:
+    """Which variant set decides what a skeleton's joints are or do, of these names; "" if none does.
+
+    listed: whether it counts which joints an animation lists.
+    """
+    own = Sdf.Path(variants.skeleton)
+    named = (each for each in variants.depends if each.name in names)
+    path = min(
+        (each for each in named if listed or each.name != "joints" or each.GetPrimPath() == own), default=None
+    )
     if path is None:
         return ""
     prim, name = min(variants.depends[path])
@@ -258,7 +265,7 @@ def deciding_sets(stage: Any, skeleton: str, prims: Iterable[str]) -> dict[Any, 
         for variant in (each for each in chosen.GetVariantNames() if each != selected):
             selections[name] = variant
             if (prim := shown.GetPrimAtPath(skeleton)) and prim.GetTypeName() == "Skeleton":
-                there = _values_at(shown, _differing(before, _decisive(shown)))
+                there = _values_at(shown, differing(before, _decisive(shown)))
                 selections[name] = selected
                 here = _values_at(shown, there)
                 for attribute in (each for each, values in there.items() if values != here[each]):
@@ -275,7 +282,7 @@ def _decisive(stage: Any) -> Origins:
             found[prim.GetPath().AppendProperty(SOURCE)] = tuple(_targets(prim))
         for attribute in prim.GetAuthoredAttributes():
             if attribute.GetName() in VALUES or attribute.GetName().startswith(("xformOp", "rigtri:")):
-                found[attribute.GetPath()] = _origin(attribute)
+                found[attribute.GetPath()] = origin(attribute)
     return found
 
 
@@ -292,8 +299,8 @@ def _values_at(stage: Any, properties: Iterable[Any]) -> dict[Any, Any]:
 
 def each_choice(
     stage: Any, shown: Sequence[str] = (), counts: Counts | None = None
-) -> Iterator[tuple[str, Any]]:
-    """The stage as it is (title ""), then with one variant selected otherwise, each by its title in words.
+) -> Iterator[tuple[Mapping[VariantSet, str], Any]]:
+    """The stage as it is, then with one variant selected otherwise, each with what is chosen.
 
     Sets that only a variant shows are tried with that one selected. shown: these prims alone, with those
     above and below them. counts: which variants are tried, by their prim, set and name.
@@ -302,60 +309,30 @@ def each_choice(
         return
     trial = _bare_stage(stage, [*shown] or ["/"])
     trial.SetEditTarget(trial.GetSessionLayer())
-    yield "", trial
-    yield from _each_of(trial, partial(_choices, trial, counts), set(), ())
+    yield {}, trial
+    yield from _each_of(trial, partial(_choices, trial, counts), set(), {})
 
 
 def _each_of(
-    trial: Any, find: Callable[[], Iterator[Any]], known: set[VariantSet], above: tuple[str, ...]
-) -> Iterator[tuple[str, Any]]:
+    trial: Any, find: Callable[[], Iterator[Any]], known: set[VariantSet], above: Mapping[VariantSet, str]
+) -> Iterator[tuple[Mapping[VariantSet, str], Any]]:
     others = [each for each in find() if each[:2] not in known]
     known = known | {(path, name) for path, name, _, _ in others}
     for path, name, variant, selected in others:
         chosen = trial.GetPrimAtPath(path).GetVariantSets().GetVariantSet(name)
         chosen.SetVariantSelection(variant)
-        words = (*above, f"variant '{variant}' of the variant set '{name}' on <{path}>")
-        title = " and ".join(words)
-        yield title[0].upper() + title[1:], trial
-        yield from _each_of(trial, find, known, words)
+        here = {**above, (path, name): variant}
+        yield here, trial
+        yield from _each_of(trial, find, known, here)
         chosen.SetVariantSelection(selected)
 
 
-def why_placed_otherwise(stage: Any) -> str:
-    """Which unselected variant has skeletons, points, transforms or prims of its own; "" if none.
-
-    One that only leaves prims out has nothing that would be placed otherwise.
-    """
-    before: Origins = {}
-    for title, trial in each_choice(stage):
-        found = _placing(trial)
-        if not title:
-            before = found
-            continue
-        prims = {path: trial.GetPrimAtPath(path.GetPrimPath()) for path in _differing(before, found)}
-        there = {path for path, prim in prims.items() if prim and _SHOWN(prim)}
-        if there:
-            return f"{title} has <{min(there)}> of its own. Give each variant a file of its own"
-    return ""
-
-
-def _placing(stage: Any) -> Origins:
-    """What says where things are and how large: the origins of such attributes, and the types of prims."""
-    found: Origins = {}
-    for prim in Usd.PrimRange.Stage(stage, _SHOWN):
-        if prim.IsA(UsdGeom.Xformable):
-            found[prim.GetPath()] = str(prim.GetTypeName())
-        for attribute in prim.GetAuthoredAttributes():
-            if attribute.GetName() in _PLACES or attribute.GetName().startswith("xformOp"):
-                found[attribute.GetPath()] = _origin(attribute)
-    return found
-
-
-def _differing(one: Origins, other: Origins) -> set[Any]:
+def differing(one: Origins, other: Origins) -> set[Any]:
+    """What comes from elsewhere in one than in the other."""
     return {path for path in {*one, *other} if one.get(path) != other.get(path)}
 
 
-def _origin(attribute: Any) -> Any:
+def origin(attribute: Any) -> Any:
     """The opinions that give an attribute its samples and its default, as places in layers."""
     samples: tuple[Any, ...] = ()
     default: tuple[Any, ...] = ()

@@ -23,20 +23,36 @@ class Expected:
 
     def __init__(self) -> None:
         self._states: list[tuple[SkeletonVariants, VariantState, Sequence[Setting]]] = []
+        self._whole: set[Any] = set()
 
-    def add(self, variants: SkeletonVariants, state: VariantState, settings: Sequence[Setting]) -> None:
-        """Expect ``settings`` when a state is chosen."""
+    def __bool__(self) -> bool:
+        return bool(self._states)
+
+    def add(
+        self,
+        variants: SkeletonVariants,
+        state: VariantState,
+        settings: Sequence[Setting],
+        *,
+        whole: bool = False,
+    ) -> None:
+        """Expect ``settings`` when a state is chosen; whole: other edits of these attributes say nothing."""
         self._states.append((variants, state, settings))
+        self._whole |= {each.path for each in settings} if whole else set()
 
     def check(self, stage: Any, edits: Sequence[Edit]) -> None:
         """FileError, naming layer and path, for a value that another opinion hides."""
         # The last of several edits of one attribute counts.
         last = {edit.path: edit for edit in edits if isinstance(edit, Setting) and edit.name in VALUES}
-        _check(stage, list(last.values()), "")
+        _check(stage, [edit for path, edit in last.items() if path not in self._whole], "")
+        wanted: dict[Any, tuple[SkeletonVariants, VariantState, dict[Any, Setting]]] = {}
         for variants, state, settings in self._states:
+            key = (variants.skeleton, variants.animation, frozenset(state.chosen.items()))
+            wanted.setdefault(key, (variants, state, {}))[2].update((each.path, each) for each in settings)
+        for variants, state, last_there in wanted.values():
             again = SkeletonVariants(stage, variants.skeleton, variants.animation, explore=False)
             again.choose(state.chosen)
-            _check(again.stage, settings, f"In {state.title}, ")
+            _check(again.stage, list(last_there.values()), f"In {state.title}, ")
 
 
 def _check(stage: Any, settings: Sequence[Setting], where: str) -> None:

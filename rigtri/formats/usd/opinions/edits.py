@@ -18,7 +18,7 @@ from rigtri.formats.usd.reading.metadata_attributes import PREFIX
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
 
-_BINDING = "SkelBindingAPI"
+BINDING = "SkelBindingAPI"
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,12 +195,12 @@ def _bind(path: str, name: str, targets: Sequence[str]) -> list[Edit]:
         relation.targetPathList.ClearEditsAndMakeExplicit()
         relation.targetPathList.explicitItems = list(targets)
 
-    return [Binding(Sdf.Path(path), edit, name), apply_schema(path, _BINDING)]
+    return [Binding(Sdf.Path(path), edit, name), apply_schema(path, BINDING)]
 
 
 def binding_schema(prim: Any) -> list[Edit]:
     """The schema without which UsdSkel sees no opinion on how a prim is bound; none where it has that."""
-    return [] if _BINDING in prim.GetAppliedSchemas() else [apply_schema(prim.GetPath(), _BINDING)]
+    return [] if BINDING in prim.GetAppliedSchemas() else [apply_schema(prim.GetPath(), BINDING)]
 
 
 def free_path(parent: Any, name: str, taken: Callable[[Any], Any]) -> Any:

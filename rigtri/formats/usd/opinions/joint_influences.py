@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
-from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_locked
+from rigtri.formats.usd.composition.stage import DEFAULT, refuse, tokens_of, why_locked
 from rigtri.formats.usd.composition.value_types import usable
-from rigtri.formats.usd.composition.variants import each_choice
-from rigtri.formats.usd.opinions.edits import Edit, Setting, binding_schema, set_tokens
+from rigtri.formats.usd.composition.variants import SkeletonVariants, VariantState, each_choice, in_words
+from rigtri.formats.usd.opinions.edits import (
+    BINDING,
+    Edit,
+    Setting,
+    apply_schema,
+    binding_schema,
+    set_tokens,
+)
+from rigtri.formats.usd.opinions.variant_paths import inside_variants
 from rigtri.formats.usd.reading.mesh_reader import Bindings, weighted
 from rigtri.formats.usd.reading.source import Source
+from rigtri.model.dataclass import dataclass
 from rigtri.report import Notice
 from rigtri.text import and_more
 
@@ -23,30 +33,94 @@ WEIGHTS = "primvars:skel:jointWeights"
 Renaming = Mapping[str, Callable[[str], str]]
 
 
+@dataclass(frozen=True, eq=False)
+class _Order:
+    """The joint order of meshes: the prim that gives it or gets it, by the new tokens.
+
+    place: where it comes from, "" for the skeleton. changed: whether it must be written. unbound: whether the
+    prim lacks the schema without which UsdSkel would not see it. locked: why it cannot be written outside of
+    variants.
+    """
+
+    prim: Any
+    tokens: Sequence[str]
+    place: str
+    changed: bool
+    unbound: bool
+    locked: str
+
+    def edits(self, at: Any) -> list[Edit]:
+        """What writes it, at a path that may lie within variants."""
+        schema = [apply_schema(at, BINDING)] if self.unbound else []
+        return [replace(edit, prim=self.prim) for edit in (*schema, set_tokens(at, ORDER, self.tokens))]
+
+
+# What each prim that gives or gets an order has when variants are chosen; () for those of the file.
+_Orders = dict[Any, dict[tuple[Any, ...], _Order]]
+
+
 def influence_edits(source: Source, renaming: Renaming, *, grown: bool = True) -> list[Edit]:
     """The joint order of every mesh that is bound to a skeleton of renamed joints, by the new tokens.
 
     Indices stay as they are: where the skeleton has grown, a mesh without an order of its own gets the one
-    that they were counted in. FileError where the order cannot be edited.
+    that they were counted in. What variants decide is written in each. FileError where it cannot be edited.
     """
-    orders: dict[str, list[str]] = {}
-    schemas: list[Edit] = []
-    for path, query in source.bindings.every:
+    found: _Orders = {}
+    _add_orders(found, (), source.bindings, source, renaming, grown=grown)
+    for chosen, trial in each_choice(source.stage):
+        if chosen:
+            bindings = Bindings(SharedInstances(trial))
+            _add_orders(found, tuple(chosen.items()), bindings, source, renaming, grown=grown)
+    return [edit for orders in found.values() for edit in _order_edits(source.stage, orders)]
+
+
+def _add_orders(
+    found: _Orders, chosen: Any, bindings: Bindings, source: Source, renaming: Renaming, *, grown: bool
+) -> None:
+    for path, query in bindings.every:
         if path not in renaming or not query.HasJointInfluences():
             continue
-        prim, old = _author(query.GetPrim()), source.skeletons[path].tokens
-        if prim is not None:
-            old = tuple(map(str, prim.GetAttribute(ORDER).Get(DEFAULT)))
+        author = _author(query.GetPrim())
+        prim = author or query.GetPrim()
+        old = source.skeletons[path].tokens if author is None else tokens_of(author, ORDER)
         new = list(map(renaming[path], old))
-        if new == list(old) if prim is not None else not grown:
-            continue
-        edited = prim or query.GetPrim()
-        refuse(why_locked(edited, (ORDER,)))
-        at = str(edited.GetPath())
-        schemas += binding_schema(edited) if at not in orders else []
-        if orders.setdefault(at, new) != new:
-            raise FileError(f"<{at}>.{ORDER} is for two skeletons whose joints are renamed differently.")
-    return [*schemas, *(set_tokens(at, ORDER, order) for at, order in orders.items())]
+        changed = grown if author is None else new != list(old)
+        place = "" if author is None else _places(author, ORDER)
+        unbound, locked = bool(binding_schema(prim)), why_locked(prim, (ORDER,))
+        order = _Order(prim.GetPath(), new, place, changed, unbound, locked)
+        known = found.setdefault(order.prim, {}).setdefault(chosen, order)
+        if known.tokens != new and changed:
+            raise FileError(
+                f"<{order.prim}>.{ORDER} is for two skeletons whose joints are renamed differently."
+            )
+
+
+def _order_edits(stage: Any, orders: Mapping[tuple[Any, ...], _Order]) -> Iterator[Edit]:
+    """What writes the orders of one prim, where one variant set decides them in each of its variants."""
+    base = orders.get(())
+    place = base.place if base else None
+    own = [chosen for chosen, order in orders.items() if order.place != place]
+    if not own:
+        if base and base.changed:
+            refuse(base.locked)
+            yield from base.edits(base.prim)
+        return
+    sets = {chosen[0][0] for chosen in own}
+    inner = [c for c in own if c[1:] and (c[:-1] not in orders or orders[c[:-1]].place != orders[c].place)]
+    if len(sets) > 1 or inner:
+        title = in_words(dict((inner or own)[0]))
+        raise FileError(
+            f"V{title[1:]} and other variant sets bind <{orders[own[0]].prim}> each by other joints, which "
+            "get other paths. Give each variant a file of its own."
+        )
+    ((above, name),) = sets
+    selected = stage.GetPrimAtPath(above).GetVariantSet(name).GetVariantSelection()
+    for chosen, order in orders.items():
+        variant = dict(chosen).get((above, name), selected if not chosen else None)
+        if order.changed and len(chosen) < 2 and variant is not None:
+            variants = SkeletonVariants(stage, str(order.prim), "", explore=False)
+            state = VariantState(dict(chosen), {(above, name): variant}, {})
+            yield from order.edits(inside_variants(order.prim, {(above, name)}, state, variants))
 
 
 def _author(prim: Any) -> Any:
@@ -59,38 +133,13 @@ def _author(prim: Any) -> Any:
     return None
 
 
-def why_bound_otherwise(stage: Any, skeleton: str, *, grown: bool = True) -> str:
-    """Which unselected variant has a mesh that `influence_edits` cannot bind to a skeleton; "" if none.
-
-    Such a mesh has an order of joints of its own, which no edit of the selected variants reaches, or needs
-    one where the skeleton has grown.
-    """
-    before: dict[str, str] = {}
-    for title, trial in each_choice(stage):
-        queries = Bindings(SharedInstances(trial)).of({skeleton})
-        after = {
-            str(q.GetPrim().GetPath()): _places(q.GetPrim(), ORDER) for q in queries if q.HasJointInfluences()
-        }
-        if not title:
-            before = after
-            continue
-        for mesh, order in after.items():
-            missed = order not in before.values() if order else grown
-            if before[mesh] != order if mesh in before else missed:
-                return (
-                    f"{title} binds <{mesh}> to <{skeleton}> otherwise, by joints that get other paths. Give "
-                    "each variant a file of its own"
-                )
-    return ""
-
-
 def check_moves_nothing(stage: Any, skeleton: str, tokens: Sequence[str], gone: Collection[str]) -> None:
     """FileError where an unselected variant has points that the joints ``gone`` move, or counts past them."""
     before: dict[str, str] = {}
-    for title, trial in each_choice(stage):
+    for chosen, trial in each_choice(stage):
         queries = Bindings(SharedInstances(trial)).of({skeleton})
         after = {str(q.GetPrim().GetPath()): _places(q.GetPrim(), ORDER, INDICES, WEIGHTS) for q in queries}
-        if not title:
+        if not chosen:
             before = after
             continue
         for query in queries:
@@ -103,7 +152,7 @@ def check_moves_nothing(stage: Any, skeleton: str, tokens: Sequence[str], gone: 
             if lost := [token for token in moving if token in gone or order.index(token) > first]:
                 names = and_more([f"'{token.rpartition('/')[2]}'" for token in lost], 3)
                 raise FileError(
-                    f"A joint of <{skeleton}> cannot be removed: {title[0].lower()}{title[1:]} has <{mesh}>, "
+                    f"A joint of <{skeleton}> cannot be removed: {in_words(chosen)} has <{mesh}>, "
                     f"which {names} {'moves' if len(lost) == 1 else 'move'}. Leave out the joints that it "
                     "needs (--exclude), or give each variant a file of its own."
                 )

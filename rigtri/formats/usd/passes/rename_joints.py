@@ -7,18 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import refuse, tokens_of
-from rigtri.formats.usd.composition.variants import split_by, variants_of
+from rigtri.formats.usd.composition.variants import variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
-from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
+from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names
+from rigtri.formats.usd.opinions.joint_lists import JointLists
 from rigtri.formats.usd.opinions.skeleton_edits import bound_in, joint_names
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
-from rigtri.formats.usd.reading.joint_tokens import renamed_token
+from rigtri.formats.usd.reading.joint_tokens import renamer
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.skeleton_reader import nearest_listed
 from rigtri.formats.usd.reading.source import Source
@@ -34,18 +34,18 @@ def rename_joints(edit: UsdEdit) -> None:
     source, names = edit.source, _names(edit.source, edit.rig)
     if not names:
         return
-    renaming: Renaming = {path: partial(renamed_token, names=each) for path, each in names.items()}
+    renaming: Renaming = {path: renamer(source.skeletons[path].tokens, each) for path, each in names.items()}
     for path, renamed in renaming.items():
         _check(source, path, renamed)
-    played = {path: _played(source, path, demanded=path in renaming) for path in source.skeletons}
-    influences = influence_edits(source, renaming, grown=False)
+    lists = JointLists(source, renaming)
+    played = {path: _played(source, path) for path in source.skeletons}
     edits = [
-        *_skeleton_edits(source, renaming),
-        *_animation_edits(source, renaming, played),
-        *influences,
+        *lists.settings([*_skeleton_edits(source, renaming), *_animation_edits(source, renaming, played)]),
+        *influence_edits(source, renaming, grown=False),
     ]
     edit.notices += stale_names(source, renaming, edits)
     edit.prepare(edits)
+    lists.expect(edit.expected)
     edit.rig = replace(edit.rig, keys=_keys(source, edit.source, edit.rig))
 
 
@@ -79,21 +79,15 @@ def _check(source: Source, path: str, renamed: Callable[[str], str]) -> None:
             f"<{path}>: joint '{skeleton.tokens[moved[0]]}' is not a path of names, so it has no parent in "
             "UsdSkel; new names would give it one, and move it. Give joints paths first, parent/child"
         )
-    if path not in source.animations:
-        refuse(why_bound_otherwise(source.stage, path, grown=False))
 
 
-def _played(source: Source, path: str, *, demanded: bool) -> set[str]:
-    """The animations of a skeleton in all variants that the stage has.
-
-    demanded: FileError where variants list joints, each its own, also in animations that only some have.
-    """
+def _played(source: Source, path: str) -> set[str]:
+    """The animations of a skeleton in all variants that the stage has."""
     skeleton = source.skeletons[path]
     found = set(skeleton.every_animation)
     if path in source.animations:
         return found
     for variants in variants_of(source.stage, path, skeleton.animations):
-        refuse(split_by(variants, ["joints"]) if demanded else "")
         found |= bound_in(variants)
     return found
 

@@ -13,18 +13,23 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from pxr import Sdf
+from pxr import Sdf, Usd, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.composition.stage import refuse
+from rigtri.formats.usd.composition.value_types import BIND
 from rigtri.formats.usd.composition.variants import (
     VALUES,
+    Origins,
     SkeletonVariants,
     VariantState,
+    differing,
+    each_choice,
+    in_words,
+    origin,
     variants_of,
-    why_placed_otherwise,
 )
 from rigtri.formats.usd.opinions.composition_check import Expected, agree
 from rigtri.formats.usd.opinions.edits import Binding, Edit, Setting
@@ -42,6 +47,10 @@ from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 
+# What says where a thing is and how large, besides transforms.
+_PLACES = (*VALUES, "points", "positions", "clippingRange", "focusDistance", BIND)
+# Prims that are there: a deactivated one still has a path.
+_SHOWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # A rest pose that is farther from the one in new axes, as a share of its largest number, is another one.
 SAME_REST = 1e-6
 _REST = ("translation", "rotation", "scale", "matrix", "has_matrix")
@@ -58,7 +67,7 @@ def route_variants(edit: UsdEdit) -> None:
     resized = edit.rig.pending.conversion is not None or _resized(edit)
     if resized:
         # Other variants would have to be sized and placed as the selected ones are.
-        refuse(why_placed_otherwise(source.stage), _UNSIZED)
+        refuse(_why_placed_otherwise(source.stage), _UNSIZED)
     changing: list[tuple[Skeleton, SkeletonVariants]] = []
     for skeleton in source.skeletons.values():
         about = {Sdf.Path(path) for path in (skeleton.path, *skeleton.animations)}
@@ -87,6 +96,36 @@ def _resized(edit: UsdEdit) -> bool:
     # New axes exchange the scales of a joint, and leave noise.
     old, new = (np.sort(np.abs(each.scale[: len(before)]), axis=1) for each in (before, rig))
     return placed or bool(rig.pending.bind_sizes) or bool((np.abs(new - old) > SAME_SIZE * old).any())
+
+
+def _why_placed_otherwise(stage: Any) -> str:
+    """Which unselected variant has skeletons, points, transforms or prims of its own; "" if none.
+
+    One that only leaves prims out has nothing that would be placed otherwise.
+    """
+    before: Origins = {}
+    for chosen, trial in each_choice(stage):
+        found = _placing(trial)
+        if not chosen:
+            before = found
+            continue
+        prims = {path: trial.GetPrimAtPath(path.GetPrimPath()) for path in differing(before, found)}
+        if there := [path for path, prim in prims.items() if prim and _SHOWN(prim)]:
+            title = f"V{in_words(chosen)[1:]}"
+            return f"{title} has <{min(there)}> of its own. Give each variant a file of its own"
+    return ""
+
+
+def _placing(stage: Any) -> Origins:
+    """What says where things are and how large: the origins of such attributes, and the types of prims."""
+    found: Origins = {}
+    for prim in Usd.PrimRange.Stage(stage, _SHOWN):
+        if prim.IsA(UsdGeom.Xformable):
+            found[prim.GetPath()] = str(prim.GetTypeName())
+        for attribute in prim.GetAuthoredAttributes():
+            if attribute.GetName() in _PLACES or attribute.GetName().startswith("xformOp"):
+                found[attribute.GetPath()] = origin(attribute)
+    return found
 
 
 class _Reorientation:

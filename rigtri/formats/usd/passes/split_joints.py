@@ -19,7 +19,8 @@ from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.composition.stage import refuse, tokens_of
 from rigtri.formats.usd.composition.variants import VALUES, split_by, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
-from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
+from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names
+from rigtri.formats.usd.opinions.joint_lists import JointLists
 from rigtri.formats.usd.opinions.skeleton_edits import (
     bound_in,
     is_decided,
@@ -116,11 +117,13 @@ def split_joints(edit: UsdEdit) -> None:
         _check(source, splits, path, decisive, _INSTEAD if frames else "")
     holders = {path: split.holders for path, split in splits.items()}
     renaming = {path: partial(split_token, holders=each) for path, each in holders.items()}
-    influences = influence_edits(source, renaming)
-    edits = [*_skeleton_edits(source, splits), *_animation_edits(source, splits), *influences]
-    edits += _edits_in_variants(source, splits)
+    lists = JointLists(source, renaming)
+    edits = [*_skeleton_edits(source, splits), *_animation_edits(source, splits)]
+    edits = lists.settings([*edits, *_edits_in_variants(source, splits)])
+    edits += influence_edits(source, renaming)
     edit.notices += stale_names(source, renaming, edits)
     edit.prepare(edits)
+    lists.expect(edit.expected)
     edit.rig = _aligned(edit.source, edit.rig)
 
 
@@ -182,9 +185,8 @@ def _check(
     refuse(skeleton.locked)
     if skeleton.path not in source.animations:  # not an animation that stands in for its skeleton
         for variants in variants_of(source.stage, path, skeleton.animations):
-            if why := split_by(variants, decisive):
+            if why := split_by(variants, decisive, listed=False):
                 raise FileError(f"{why}{instead}.")
-        refuse(why_bound_otherwise(source.stage, path))
     played = [source.animations[path] for path in skeleton.every_animation if path in source.animations]
     for theirs, other in product(played, source.skeletons.values()):
         if theirs.path in other.every_animation:

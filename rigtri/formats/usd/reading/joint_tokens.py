@@ -6,7 +6,9 @@ token below takes the step in between.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 
 
 def child_token(parent: str, name: str) -> str:
@@ -30,15 +32,33 @@ def split_token(token: str, holders: Mapping[str, str]) -> str:
     return "/".join(steps)
 
 
-def renamed_token(token: str, names: Mapping[str, str]) -> str:
+def renamed_token(token: str, names: Mapping[str, str], elsewhere: Mapping[str, str] | None = None) -> str:
     """A token with other names for joints. names: by the token of each joint its new name.
+
+    elsewhere: by their old names those of joints whose tokens are not in ``names``.
 
     >>> renamed_token("A/B/C", {"A": "X", "A/B/C": "Z"})
     'X/B/Z'
+    >>> renamed_token("B/C", {"A": "X", "A/B": "B", "A/B/C": "Z"}, {"C": "Z"})
+    'B/Z'
     """
-    steps = token.split("/")
+    steps, elsewhere = token.split("/"), elsewhere or {}
     passed = ["/".join(steps[: k + 1]) for k in range(len(steps))]
-    return "/".join(names.get(way, step) for way, step in zip(passed, steps, strict=True))
+    return "/".join(
+        names.get(way, elsewhere.get(step, step)) for way, step in zip(passed, steps, strict=True)
+    )
+
+
+def renamer(tokens: Sequence[str], names: Mapping[str, str]) -> Callable[[str], str]:
+    """What becomes of a joint's token, also where another variant lists other joints.
+
+    There joints are known by their paths, else by names that no two of ``tokens`` have.
+    """
+    steps = [token.split("/") for token in tokens]
+    listed = {"/".join(each[: k + 1]): each[k] for each in steps for k in range(len(each))} | dict(names)
+    count = Counter(each[-1] for each in steps)
+    elsewhere = {old: new for token, new in names.items() if count[old := token.rpartition("/")[2]] == 1}
+    return partial(renamed_token, names=listed, elsewhere=elsewhere)
 
 
 def unsplit(tokens: Sequence[str], holders: Collection[str]) -> list[str]:

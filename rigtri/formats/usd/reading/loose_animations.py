@@ -12,7 +12,13 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.composition.animation_binding import SOURCE, named
 from rigtri.formats.usd.composition.layers import listed_items
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
-from rigtri.formats.usd.composition.variants import VALUES, SkeletonVariants, deciding_sets, each_choice
+from rigtri.formats.usd.composition.variants import (
+    VALUES,
+    SkeletonVariants,
+    deciding_sets,
+    each_choice,
+    in_words,
+)
 from rigtri.formats.usd.reading.animation_reader import clips, interpolation_of, read_animation
 from rigtri.formats.usd.reading.mesh_reader import blend_tracks
 from rigtri.formats.usd.reading.source import Source
@@ -66,9 +72,9 @@ def of_other_variants(stage: Any, instances: SharedInstances, told: Set[str]) ->
         known |= specs
     skeletons = list(chain.from_iterable(instances.skeletons.values()))
     found: dict[str, str] = {}
-    for title, trial in each_choice(stage, shown, _may_play) if shown else ():
+    for chosen, trial in each_choice(stage, shown, _may_play) if shown else ():
         below = Usd.PrimRange.Stage(trial, Usd.TraverseInstanceProxies())
-        kinds = [(prim.GetTypeName(), prim) for prim in below if title]
+        kinds = [(prim.GetTypeName(), prim) for prim in below if chosen]
         players = [prim for kind, prim in kinds if kind == "Skeleton"]
         # Variants of an animation do not decide what skeletons beside it are bound to.
         players += [prim for prim in skeletons if not trial.GetPrimAtPath(prim.GetPath())]
@@ -79,7 +85,7 @@ def of_other_variants(stage: Any, instances: SharedInstances, told: Set[str]) ->
             for path in paths
             if _opinions(trial.GetPrimAtPath(path)) != _opinions(stage.GetPrimAtPath(path))
         }
-        found |= dict.fromkeys(sorted(here - played - told - found.keys()), title[:1].lower() + title[1:])
+        found |= dict.fromkeys(sorted(here - played - told - found.keys()), in_words(chosen))
     return found
 
 
