@@ -79,8 +79,8 @@ def rescale(rig: Rig, size: Floats) -> Rig:
         clips=clips,
         metadata=_rescaled_metadata(rig, size),
         bound=tuple(
-            replace(one, vector=one.vector / size[one.node])
-            if size[one.node] != 1.0 and not one.is_direction
+            replace(one, vector=one.vector / (np.sign if one.is_direction else np.array)(size[one.node]))
+            if size[one.node] != 1.0
             else one
             for one in rig.bound
         ),

@@ -31,7 +31,9 @@ from rigtri.model.bindings import Bound
 from rigtri.model.rig import Rig
 from rigtri.operations.options.freeze import FreezeOptions
 from rigtri.report import Report
+from rigtri.verification.compare.attachments import compare_attached
 from rigtri.verification.compare.compare import verify
+from rigtri.verification.compare.correspondence import match
 
 SCALED = {"root": (100.0, 100.0, 100.0), "elbow": (0.5, 0.5, 0.5)}
 OPS = """{
@@ -349,6 +351,18 @@ def test_radii_of_colliders_stay_and_the_warning_has_the_factor() -> None:
     (kept,) = (warning.text for warning in report.warnings if warning.code == "radius-kept")
     assert "Colliders at head keep their radii" in kept
     assert kept.endswith("multiply them by 0.5")
+
+
+@pytest.mark.parametrize("size", [0.5, -1.0])
+def test_a_plane_that_collides_faces_as_before_and_its_normal_has_length_1(size: float) -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    scale = rig.scale.copy()
+    scale[int(rig.levels[0][0])] = size
+    normal = Bound(rig.find("head"), np.array([0.0, 0.6, 0.8]), is_direction=True)
+    scaled = replace(rig, scale=scale, bound=(normal,), source=None)
+    out = rigtri.freeze(scaled)
+    assert not compare_attached(scaled, out, match(scaled, out, by_key=True))
+    assert np.allclose(length(out.bound[0].vector), 1.0)
 
 
 @pytest.mark.parametrize(
