@@ -84,13 +84,17 @@ def _is_end(rig: Rig, node: int) -> bool:
 
 
 def sockets(rig: Rig) -> set[int]:
-    """The joints that are there to hold something, by their names and by what is known of the body.
+    """What is there to hold something: joints, by their names and by what is known of the body, and nodes.
 
-    And those that engines look for by name, to solve IK for hands and feet.
+    And joints that engines look for by name, to solve IK for hands and feet. A node below joints that is none
+    and marks no end, such as an empty that was parented to a bone, has no other use.
     """
     layout = recognise(rig)
+    bare = rig.at_or_below(rig.is_joint)
+    bare[sorted(rig.with_ancestors(np.flatnonzero(rig.is_joint).tolist()))] = False
     found = {p.joint for c in layout.characters for p in c.parts if p.role == "attachment"}
     named = {name for bones in IK_BONES.values() for name in bones}
+    found |= {node for node in np.flatnonzero(bare).tolist() if not _is_end(rig, node)}
     return found | {
         k for k, name in enumerate(rig.names) if name in named or "attachment" in roles_in_name(name)
     }

@@ -98,6 +98,31 @@ def test_sockets_stay_in_every_run_and_ends_go() -> None:
     assert not {"wpn", "weapon_socket"} & set(rigtri.prune_joints(once, ends=True, sockets=True).names)
 
 
+def test_an_empty_below_a_joint_without_weight_is_a_socket_and_a_joint_that_a_skin_calls_its_skeleton_goes(
+    tmp_path: Path,
+) -> None:
+    """The skeleton is not above the joints that stay, so without it the skin says as much."""
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    count, head = len(gltf["nodes"]), next(node for node in gltf["nodes"] if node["name"] == "head")
+    names = ("gun", "muzzle", "spare", "spare_end", "between", "idle")
+    below = {"gun": [count + 1], "spare": [count + 3], "between": [count + 5]}
+    gltf["nodes"] += [{"name": name} | ({"children": below[name]} if name in below else {}) for name in names]
+    head["children"] = [*head.get("children", []), count, count + 2, count + 4]
+    joints = [count, count + 2, count + 5]
+    gltf["skins"][0]["joints"] += joints
+    gltf["skins"][0] |= {"skeleton": count + 5}
+    del gltf["skins"][0]["inverseBindMatrices"]
+    source.write_bytes(glb_bytes(gltf, binary))
+    cli("prune-joints", source, "-o", out, code=0)
+    written = glb_json(out)
+    left = {node["name"] for node in written["nodes"]}
+    assert left.intersection(names) == {"gun", "muzzle", "between"}
+    assert "skeleton" not in written["skins"][0]
+    cli("prune-joints", source, "-o", out, "--overwrite", "--sockets", code=0)
+    assert not {"gun", "muzzle", "idle"} & {node["name"] for node in glb_json(out)["nodes"]}
+
+
 def test_a_joint_of_another_program_that_is_called_a_socket_stays() -> None:
     rig = rigtri.add_socket(rigtri.read(SAMPLES / "biped.usda"), name="weapon_socket", on="hand_L")
     rig = replace(rig, metadata={})

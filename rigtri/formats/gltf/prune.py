@@ -74,6 +74,9 @@ def _detach(draft: CopyOnWrite, nodes: Collection[int]) -> None:
                 owned[key] = [node for node in inside if node not in nodes]
                 if not owned[key]:
                     owned.pop(key)
+    for number, skin in enumerate(gltf.get("skins", [])):
+        if skin.get("skeleton") in nodes:  # not above the joints that stay, so it says nothing of these
+            draft.edit("skins", number).pop("skeleton")
     for number, animation in enumerate(gltf.get("animations", [])):
         channels = animation.get("channels", [])
         lost = {k for k, c in enumerate(channels) if c.get("target", {}).get("node") in nodes}

@@ -57,7 +57,7 @@ def _vectors(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Floats, F
 
 
 def _seen(bound: Bound, world: Floats) -> Floats:
-    """The vector in the world; a direction keeps the length that it has in the file, whatever scale is there."""
+    """The vector in the world; a direction keeps the length that it has in the file."""
     seen = np.asarray(bound.vector @ world[bound.node, :3, :3])
     return seen * (length(bound.vector) / length(seen)) if bound.is_direction else seen
 
