@@ -178,7 +178,7 @@ def _binds(builder: Builder, world: Mapping[str, tuple[Floats, Floats]]) -> int:
     for axes, position in world.values():
         matrix = np.eye(4)
         matrix[:3, :3], matrix[3, :3] = axes, position
-        rows.append(np.linalg.inv(matrix).reshape(16))
+        rows.append(np.round(np.linalg.inv(matrix), 12).reshape(16) + 0.0)
     return builder.accessor(rows)
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from places import GOLDENS
+from places import GOLDENS, ROOT
 from program import Ran
 
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d*\.?\d+(?:[eE][-+]?\d+)?(?![\w.])")
@@ -34,7 +34,7 @@ def texts(ran: Ran, folder: Path, *places: Path) -> str:
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     found += (f"{path.relative_to(folder).as_posix()}\n{_content(path)}" for path in files)
     whole = "\n".join(found)
-    for place in (folder, *places):
+    for place in (folder, *places, ROOT):
         whole = whole.replace(str(place), "")
     return rounded(whole)
 
