@@ -37,17 +37,18 @@ def run_edit(
     options: dict[str, Any],
     summary: Callable[[Report], str],
     besides: Callable[[Report], None] = lambda report: None,
+    more: Callable[[], dict[str, Any]] = dict,
 ) -> Outcome:
     """Run an edit with a command's shared options; print and write its report.
 
     besides: writes what the command writes more. All files are there before anything is printed: where
-    that fails, only the words are lost.
+    that fails, only the words are lost. more: for the report, as of `run`.
     """
     from rigtri.pipeline.edit import edit_file
 
     _check_format(values)
     request = replace(edit_request(values), ahead=click.get_current_context().obj)
-    return run(name, values, lambda report: edit_file(request, step, report), options, summary, besides)
+    return run(name, values, lambda report: edit_file(request, step, report), options, summary, besides, more)
 
 
 def run(

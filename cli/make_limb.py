@@ -67,13 +67,16 @@ def spread(args: list[str]) -> list[str]:
 def _run(ctx: click.Context, values: dict[str, Any]) -> None:
     step = step_of("make-limb", MakeLimbOptions, values)
     given = given_options(ctx)
+    of_report: dict[str, Any] = {}
     with temp_dirs.folder() as folder:
         if values["source"] is None:
             values["source"] = _blank(Path(folder), values)
+            of_report["source"] = None
         else:
             new = {"--up-axis": "up_axis", "--meters-per-unit": "meters_per_unit"}
             refuse_given(new, "is for new files, without IN")
-        run_edit("make-limb", values | {"empty": True}, step, given, summary)
+        values["empty"] = True
+        run_edit("make-limb", values, step, given, summary, more=lambda: of_report)
 
 
 def _blank(folder: Path, values: dict[str, Any]) -> str:
