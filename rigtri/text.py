@@ -70,6 +70,15 @@ def shortened(name: str, most: int) -> str:
     return f"{name[: most - 1 - end]}…{name[len(name) - end :]}"
 
 
+def cut(text: str, most: int | None) -> str:
+    """The beginning of a text that is longer; None for any length.
+
+    >>> cut("abcd", 4), cut("abcde", 4), cut("abcde", None)
+    ('abcd', 'abc…', 'abcde')
+    """
+    return text if most is None or len(text) <= most else text[: max(1, most - 1)] + "…"
+
+
 def and_more(names: Iterable[object], most: int = 6) -> str:
     """The first of some names, and how many more there are.
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Direction, Layout
-from rigtri.text import columns, plain_lines
+from rigtri.text import columns, cut, plain_lines
 
 _AXES = {
     (1, 0, 0): "+x",
@@ -65,7 +65,7 @@ def _chains(rig: Rig, character: Character, width: int | None) -> list[str]:
     lines = columns(rows)
     unsure = any(not chain.is_sure for chain in character.chains)
     mark = [f"? below {CONFIDENT}: shown, and left alone by what works on recognised limbs"] if unsure else []
-    return [_cut(line, width) for line in [*lines, *mark]]
+    return [cut(line, width) for line in [*lines, *mark]]
 
 
 def _shown(rig: Rig, chain: Chain) -> str:
@@ -91,11 +91,7 @@ def _joints(rig: Rig, character: Character, width: int | None) -> list[str]:
     for part in character.parts:
         sure, why = f"{part.confidence:.2f}", "; ".join(part.evidence)
         rows.append((rig.title(part.joint), part.bone or "-", part.role, sure, why))
-    return [_cut(line, width) for line in columns(rows)]
-
-
-def _cut(line: str, width: int | None) -> str:
-    return line if width is None or len(line) <= width else line[: max(1, width - 1)] + "…"
+    return [cut(line, width) for line in columns(rows)]
 
 
 def as_json(rig: Rig, layout: Layout) -> dict[str, Any]:

@@ -114,6 +114,14 @@ def test_joints_that_share_an_array_are_read_at_each_others_times() -> None:
     head, hand = (track.values for track in seen.rig.clips[0].tracks)
     np.testing.assert_allclose(sampling.sample(one, [1.0])[0], head[2], atol=1e-7)
     np.testing.assert_allclose(hand, turns[[0, 0, 1, 1]], atol=1e-7)
+    # Who is left out neither gets nor gives any; weights and nodes of no skin share none.
+    mesh = Track(int(np.flatnonzero(~rig.is_joint)[0]), "rotation", "LINEAR", np.array([0.0, 2.0]), turns)
+    blink = Track(rig.find("hand_L"), "weights", "LINEAR", np.array([0.0, 3.0]), np.zeros((2, 1)))
+    more = replace(clip, tracks=(one, other, mesh, blink))
+    apart = with_shared_times(replace(rig, clips=(more,)), without=[rig.find("hand_L")])
+    assert [track.times.tolist() for track in apart.rig.clips[0].tracks] == [[0, 4], [0, 1], [0, 2], [0, 3]]
+    together = with_shared_times(replace(rig, clips=(more,))).rig.clips[0].tracks
+    assert [len(track.times) for track in together] == [4, 4, 2, 2]
     plain = replace(rig, clips=(clip,))
     assert seen.undone(seen.rig, plain).clips[0] is clip
     alone = read(SAMPLES / "biped.glb").rig

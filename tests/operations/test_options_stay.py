@@ -11,7 +11,7 @@ from typing import Any
 import known_outputs
 import numpy as np
 import pytest
-from baked_rigs import rigged, with_keyed_controls
+from baked_rigs import rigged
 from places import SAMPLES
 from posed_bodies import Pose, posed_body
 
@@ -41,7 +41,6 @@ RIGS: dict[str, Callable[[], Rig]] = {
     "small": cache(lambda: rigtri.add_controls(_read("flat_ik.glb"), limbs="auto")),
     "moved": cache(lambda: rigtri.bake(RIGS["small"](), to="controls")),
     "rigged": rigged,
-    "keyed": with_keyed_controls,
 }
 # Operation → options, each with the characters that have them: one run for each.
 RUNS: dict[str, list[tuple[str, dict[str, Any]]]] = {
@@ -118,7 +117,7 @@ RUNS: dict[str, list[tuple[str, dict[str, Any]]]] = {
         ("small", {"to": "controls"}),
         ("small", {"to": "controls", "soft": 0.9, "fps": 12}),
         ("small", {"to": "controls", "stretch": True, "between": 0.001}),
-        ("moved keyed", {"to": "joints"}),
+        ("moved", {"to": "joints"}),
         ("moved", {"to": "joints", "fps": 12}),
     ],
     "constrain": [
@@ -148,15 +147,15 @@ RUNS: dict[str, list[tuple[str, dict[str, Any]]]] = {
         ("biped", {"mode": "orientation", "joints": ["hand_L"]}),
         ("biped usd", {"what": ["joints"], "plane": "yz", "plane_at": 0.1}),
     ],
-    "take_pose": [("biped usd", {"at": "walk@0.5"}), ("keyed", {"at": "walk@0.3", "evaluate": True})],
+    "take_pose": [("biped usd", {"at": "walk@0.5"}), ("moved", {"at": "step@0.3", "evaluate": True})],
     "rename_joints": [("biped", {"to": "unreal"}), ("biped body", {"to": "mixamo", "prefix": "x_"})],
     "root_motion": [("rooted", {"mode": "remove"}), ("rooted", {"yaw": True, "axis": "z"})],
     "set_rest": [("biped body", {"pose": "apose"}), ("biped", {"pose": "walk@0.5"})],
     "snap": [
-        ("keyed", {"to": "ik", "at": ["walk@0.5"], "limbs": "auto"}),
-        ("keyed", {"to": "fk", "at": ["walk@0.2"], "limb": [ARM]}),
+        ("moved", {"to": "ik", "at": ["step@0.5"], "limbs": "auto"}),
+        ("moved", {"to": "fk", "at": ["step@0.2"], "limbs": "auto"}),
     ],
-    "strip": [("rigged keyed", {}), ("keyed", {"discard_motion": True})],
+    "strip": [("rigged moved", {}), ("moved", {"discard_motion": True})],
     "conform": [("biped", {"to": "vrm"}), ("body", {"to": "mixamo", "facing": "+z"})],
 }
 

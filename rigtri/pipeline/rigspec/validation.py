@@ -11,6 +11,7 @@ from rigtri.errors import did_you_mean
 from rigtri.operations.registry import OPERATIONS
 from rigtri.pipeline.rigspec.errors import Fault
 from rigtri.pipeline.rigspec.positions import Keys, Tree
+from rigtri.text import cut
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -180,5 +181,4 @@ def step_models() -> dict[str, type[StepModel]]:
 
 
 def _short(value: Any) -> str:
-    text = json.dumps(value, ensure_ascii=False, default=str)
-    return text if len(text) <= 60 else text[:57] + "…"
+    return cut(json.dumps(value, ensure_ascii=False, default=str), 60)
