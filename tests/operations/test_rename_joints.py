@@ -158,6 +158,8 @@ def test_a_map_of_others_and_a_name_that_is_taken_are_refused(tmp_path: Path) ->
     assert "No joint that --map renames is named 'Bip01'" in cli(*words, "--map", names, code=4).stderr
     names.write_text(json.dumps({"names": {"Bip01": "hips", "Bip01 Spine": "spine_01"}}))
     assert "1 of 2 have their new names already" in cli(*words, "--map", names, code=0).stderr
+    names.write_text(json.dumps({"names": {"Bip01": "hand_L", "Bip02": "head"}}))
+    assert "others are not here" not in cli(*words, "--map", names, "--overwrite", code=0).stderr
     ran = cli(*words, "--overwrite", "--name", "head=body", code=2)
     assert "another node is called so" in ran.stderr
 

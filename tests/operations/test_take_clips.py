@@ -24,7 +24,7 @@ from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.formats import read
 from rigtri.maths.matrices import inverse
 from rigtri.maths.matrices import multiply as matrices
-from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Interpolation, Track, key_values
 from rigtri.model.animation import Path as Property
@@ -688,6 +688,23 @@ def test_angles_of_usd_prims_describe_rotations_badly_where_two_axes_nearly_meet
     ours = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, far))
     edited = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, turned))
     assert take_clips(ours, from_=with_raw(edited)) is not ours
+
+
+@pytest.mark.parametrize("spin", [0.0, 0.7, 1.5, -2.5])
+def test_the_noise_of_angles_is_by_the_cosine_of_the_middle_one(spin: float) -> None:
+    """Ten bits of float32 over it, 1.2e-3 for a cosine of 1e-3, however the other two are."""
+    rig = rig_of().with_nodes(["locator"], [0], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    told, _ = beside(1e-3)
+    told = multiply(from_axis_angle([0.0, 0.0, 1.0], spin), told)
+    x, y, z = to_axes(told[0])[0]
+    assert np.hypot(x, y) / np.linalg.norm([x, y, z]) == pytest.approx(1e-3, rel=1e-3)
+    assert abs(y) == pytest.approx(1e-3 * abs(np.sin(spin)), rel=1e-3)
+    for share, same in ((0.7, True), (1.5, False)):
+        turn = from_axis_angle([1.0, 0.0, 0.0], share * 10 * 2.0**-23 / 1e-3)
+        noisy, times = np.stack([told[0], multiply(turn, told[1])]), np.array([0.0, 1.0])
+        ours = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, told))
+        edited = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, noisy))
+        assert (take_clips(ours, from_=with_raw(edited)) is ours) == same
 
 
 @pytest.mark.ci
