@@ -34,8 +34,8 @@ from rigtri.operations.options.pose import PoseOptions as PoseOptions
 from rigtri.operations.solver_warnings import solver_warnings
 from rigtri.report import Report
 
-# Types of nodes of ours that a written pose leaves where they are.
-_KEPT = ("control", "offset", "poleVector", "group", "constraintWeight")
+# Types of nodes of ours that a new rest pose leaves where they are: motion is counted from there.
+KEPT = ("control", "offset", "poleVector", "group", "constraintWeight")
 
 
 def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> PoseCache:
@@ -120,7 +120,7 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     pose that is no numbers.
     """
     posed = pose_of(rig, options, report)
-    kept = {*driven_joints(rig), *rig.nodes_of(*_KEPT)}
+    kept = {*driven_joints(rig), *rig.nodes_of(*KEPT)}
     parts = {node: posed.part(node) for node in sorted(set(posed.parts) - kept)}
     for node, now in parts.items():
         if not all(np.isfinite(each).all() for each in now):

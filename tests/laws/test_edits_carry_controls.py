@@ -169,6 +169,17 @@ def test_a_strip_refuses_to_lose_motion_of_controls(tmp_path: Path) -> None:
     assert len(rigtri.strip(moved, discard_motion=True)) == len(rigtri.strip(rig))
 
 
+def test_a_strip_sees_motion_of_controls_in_an_armature_of_any_scale() -> None:
+    """Half a degree, in a hundredth, as files that were FBX have it."""
+    rig = rigtri.read(SAMPLES / "tpose.glb")
+    rig = rescale(rig, np.where(rig.is_joint, 0.01, 1.0))
+    rig = rigtri.add_controls(rig, joints=("forearm_L",))
+    turned = rig.rotation.copy()
+    turned[rig.find("forearm_L_ctl")] = (0.0, 0.0, 0.00436, np.sqrt(1.0 - 0.00436**2))
+    with pytest.raises(GeometryError, match="at rest as its own keys do not"):
+        rigtri.strip(replace(rig, rotation=turned))
+
+
 def test_new_axes_are_refused_where_ik_makes_much_of_a_scale_that_is_not_quite_uniform() -> None:
     """An arm that is all but folded, and a noise of 1.5e-5 in the scale of its upper bone."""
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), whole_character=True)

@@ -509,8 +509,16 @@ def test_blocks_of_frames_change_no_bit(block: int) -> None:
 def test_a_constraint_on_a_joint_of_a_limb_that_ik_moves_is_warned_of() -> None:
     rig = rigged()
     rule = ConstrainOptions(type="orient", child="hand_L", driver=(("head", 1.0),))
-    rig = bake(constrain(rig, options=rule), options=BakeOptions(to="controls"))
+    rig, report = constrain(rig, options=rule), Report()
+    baked = bake(rig, options=BakeOptions(fps=24.0))
+    bake(baked, options=BakeOptions(to="controls", fps=24.0), report=report)
+    assert not report.warnings
+    rig = bake(rig, options=BakeOptions(to="controls", fps=24.0), report=report)
+    (notice,) = {n for n in report.warnings if "walk" in n.text}
+    assert notice.text.startswith(
+        "'hand_L' follows a constraint in clip 'walk', which does nothing once IK moves"
+    )
     report = Report()
-    bake(rig, options=BakeOptions(), report=report)
+    bake(rig, options=BakeOptions(fps=24.0), report=report)
     (notice,) = {n for n in report.warnings if n.code == "constraint-overruled" and "walk" in n.text}
     assert notice.text.startswith("'hand_L' does not follow its constraints in walk@0, where IK moves")

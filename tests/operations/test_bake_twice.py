@@ -145,6 +145,33 @@ def test_ik_that_is_posed_keeps_its_limb_from_constraints_once_the_limb_has_keys
     assert end in {track.node for track in once.clips[0].tracks}
 
 
+@pytest.mark.parametrize(
+    ("child", "kind"),
+    [("forearm_L_pole", "point"), ("hand_L_ik_ctl_offset", "orient"), ("forearm_R_ctl_offset", "parent")],
+)
+def test_what_controls_count_from_stays_where_a_constraint_takes_it_away(child: str, kind: str) -> None:
+    """Offset groups and pole vectors follow constraints in clips; at rest in the file they stay."""
+    rig = rigtri.add_controls(read(SAMPLES / "tpose.glb").rig, whole_character=True)
+    rig = rigtri.constrain(rig, type=kind, child=child, driver=("head",), maintain_offset=False)
+    turned = Track(
+        control(rig, "hips", "fk"), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0.6, 0.0, 0.8]])
+    )
+    chest = Track(
+        control(rig, "chest", "fk"), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0.6, 0.0, 0.8]])
+    )
+    once = rigtri.bake(replace(rig, clips=(Clip("turn", (turned, chest)),)))
+    twice = rigtri.bake(once)
+    for at in ([0.0], None):
+        there, again = (
+            sampling.worlds(each, sampling.locals_at(each, each.clips[0], at)) if at else each.world
+            for each in (once, twice)
+        )
+        np.testing.assert_allclose(again, there, atol=1e-6)
+    node = rig.find(child)
+    np.testing.assert_array_equal(once.local[node], rig.local[node])
+    assert node in {track.node for track in once.clips[0].tracks}
+
+
 # --- keys whose choice rounding turns
 
 

@@ -62,12 +62,12 @@ from rigtri.operations.bake.reduced_tracks import (
     reduced_tracks,
     with_rest_held,
 )
-from rigtri.operations.bake.unbaked import UNBAKED, refuse_replaced
+from rigtri.operations.bake.unbaked import UNBAKED, refuse_replaced, warn_overruled
 from rigtri.operations.bake.warnings import fidelity, refuse_overstretch, warn_of_result
 from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
 from rigtri.operations.options.bake import BakeOptions as BakeOptions
-from rigtri.operations.pose import at_rest
+from rigtri.operations.pose import KEPT, at_rest
 from rigtri.operations.rigtri_nodes import readdressed, with_record
 from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warnings
 from rigtri.operations.take_clips.ik_switches import ik_ends
@@ -296,18 +296,18 @@ class _Baker:
         bounds = [self._bound(node, path) for path in PATHS]
         return reduced_tracks(timeline, times, held, node, parts, rest, bounds=bounds, size=self.size)
 
-    def _rest(self, start: Rig) -> None:
+    def _rest(self, rig: Rig) -> None:
         """Joints at rest where controls at rest were moved, and where constraints put their children."""
-        rig = start
         solver = self._solver(moved_at_rest(rig, self.size))
         if not solver.steps:
             return
         posed = solver.run({})
         self.report.extend(solver_warnings(solver, posed, lambda _: "the rest pose"))
-        moved = [node for node in solver.sets if rig.type_of(node) != "twist"]
-        moves, _ = self.bounds
-        least = np.minimum(moves, NOTHING * self.size)
-        self.rig, found = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)
+        # A limb without FK controls turns from where its joints rest to where its pole vector does.
+        bare = {limb.pole for limb in self.reference.limbs if self.reference.fk.keys().isdisjoint(limb.chain)}
+        kept = {*rig.nodes_of(*KEPT, "twist")} - bare
+        parts = {node: posed.parts[node] for node in solver.sets if node not in kept}
+        self.rig, found = at_rest(self.rig, parts, np.minimum(self.bounds[0], NOTHING * self.size))
         if found:
             chosen = chosen_timelines(self.rig, self.options.clip)
             self.rig = with_rest_held(self.rig, rig, found, chosen)
@@ -316,17 +316,16 @@ class _Baker:
     # --- to controls
 
     def _to_controls(self, timeline: Timeline) -> None:
-        reference = self.reference
         # A joint that only the root control carries keeps its own keys; that control gets none.
-        carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
+        carrying = {own.control for own in self.reference.roots if own.joint not in self.reference.fk}
         # What an animator has put on pivots of feet stays there, and the IK control counts from it.
-        pivots = frozenset(node for limb in reference.limbs for node in limb.pivots)
+        pivots = frozenset(node for limb in self.reference.limbs for node in limb.pivots)
         moved = controls_at_work(self.rig, timeline) | moved_at_rest(self.rig, self.size)
         solver = self._solver(self.movers - carrying - (pivots - moved))
         # So does what is on a root control: what is below it counts from that, unless it makes all of it
         # flat.
         flat = {t.node for t in timeline.clip.tracks if t.path == "scale" and not key_values(t).all()}
-        kept = {own.control for own in reference.roots} - flat
+        kept = {own.control for own in self.reference.roots} - flat
         made = (self.movers | solver.offsets).difference(kept, pivots)
         timing = self._times_from(timeline, {(node, path) for node in made for path in PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
@@ -352,6 +351,7 @@ class _Baker:
 
         with as_share(_SAMPLED, 1):
             found = solve_controls(solver, sample_parts(self.rig, clip, times), keep)
+        warn_overruled(self.rig, timeline, solver, self.report)
         before, self.rig = self.rig, put_tracks(self.rig, timeline, tracks)
         if not self.options.discard_motion:
             bound = max(self.options.between, UNBAKED)

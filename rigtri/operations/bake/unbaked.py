@@ -18,6 +18,7 @@ from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
+from rigtri.report import Report
 
 # A joint whose position, as a share of the size, or whose axes differ by more at its own keys from what
 # controls do has motion that is not baked. A bake to controls holds keys ten times as well.
@@ -93,6 +94,28 @@ def refuse_replaced(before: Rig, after: Rig, timeline: Timeline, size: float, bo
     _refuse(_difference(Solver(before, driven), old, posed, f"in clip '{timeline.name}'", size, bound))
 
 
+def warn_overruled(rig: Rig, timeline: Timeline, solver: Solver, report: Report) -> None:
+    """A warning for each joint that a constraint moves in a clip as its own keys do not, and IK will instead.
+
+    solver: with the controls that get keys. rig: as it was before.
+    """
+    now = Solver(rig, controls_at_work(rig, timeline))
+    nodes = sorted(solver.overruled - now.overruled)
+    if not nodes:
+        return
+    sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
+    kept, posed, size = PoseCache(rig, sampled), now.run(sampled), skeleton_size(rig)
+    for node in nodes:
+        if _deviation(kept, posed, node, size) > UNBAKED:
+            name = rig.title(node)
+            text = (
+                f"'{name}' follows a constraint in clip '{timeline.name}', which does nothing once IK moves "
+                "its limb: controls get the motion of its own keys. Take what the constraint does to the "
+                "joints first, with rigtri bake --to joints"
+            )
+            report.warn("constraint-overruled", text, joint=name, geometry=True)
+
+
 def _times(rig: Rig, clip: Clip) -> Floats:
     """The times, (f,), of the keys of joints, and of all others before those and after them."""
     every = key_times(clip)
@@ -135,6 +158,8 @@ def _joints(rig: Rig, nodes: Iterable[int]) -> list[int]:
 
 
 def _deviation(own: PoseCache, posed: PoseCache, node: int, size: float) -> float:
-    """How far a node is from where its own keys have it: its position by the size, or its axes."""
-    off = np.abs(posed.world(node) - own.world(node)).max(axis=0)
-    return float(np.nan_to_num(max(off[3, :3].max() / size, off[:3, :3].max()), nan=np.inf))
+    """How far a node is from where its own keys have it: its position by the size, or its axes by theirs."""
+    kept = own.world(node)
+    off = np.abs(posed.world(node) - kept).max(axis=0)
+    axes = off[:3, :3].max() / (np.abs(kept[:, :3, :3]).max() or 1.0)
+    return float(np.nan_to_num(max(off[3, :3].max() / size, axes), nan=np.inf))
