@@ -139,7 +139,7 @@ def _joints(rig: Rig, options: RootMotionOptions) -> tuple[int, int]:
             raise GeometryError(
                 f"There are {len(found)} characters here: name one's hips ({titles}) with --hips"
             )
-        (hips,) = found
+        hips = found[0] if options.to is not None else _mover(rig, found[0])
     above = [node for node in rig.path_to_root(hips)[1:] if rig.is_joint[node]]
     root = rig.find(options.to) if options.to is not None else (above or [-1])[0]
     if root < 0 or root not in rig.path_to_root(hips)[1:]:
@@ -150,6 +150,20 @@ def _joints(rig: Rig, options: RootMotionOptions) -> tuple[int, int]:
             "between them. Remove it in a DCC, or give others with --to or --hips"
         )
     return hips, root
+
+
+def _mover(rig: Rig, hips: int) -> int:
+    """The joint whose keys carry the body below its root: hips, or one above them, such as Bip01 of Biped."""
+    path = [node for node in rig.path_to_root(hips) if rig.is_joint[node]]
+    moving = {
+        track.node
+        for clip in rig.clips
+        for track in clip.tracks
+        if track.path == "translation" and not rests(track, rig)
+    }
+    if len(path) > 1 and path[-1] in moving:  # it has what it is to get, as after a first run
+        return path[-2]
+    return next((node for node in reversed(path[:-1]) if node in moving), hips)
 
 
 def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOptions, report: Report) -> Clip:

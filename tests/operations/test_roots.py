@@ -13,6 +13,7 @@ import numpy as np
 import pygltflib
 import pytest
 from crowds import crowd
+from gltf_files import glb_bytes, glb_parts
 from morphs import arm_usd
 from pairs import pair
 from places import SAMPLES, first
@@ -179,6 +180,30 @@ def test_motion_over_the_ground_goes_to_the_root(rooted: Path, tmp_path: Path) -
     assert np.ptp(places(rigtri.read(still), "hips")[:, [0, 2]], axis=0).max() < 1e-4
     cli("root-motion", out, "-o", still, "--overwrite", "--mode", "remove", "--clip", clip.name, code=0)
     assert np.ptp(places(rigtri.read(still), "hips")[:, [0, 2]], axis=0).max() < 1e-4, "the root's own, too"
+
+
+def test_a_joint_that_carries_the_hips_gives_its_motion_to_the_root(rooted: Path, tmp_path: Path) -> None:
+    """As Bip01 of 3ds Max, which has all of the motion, below a root that was added."""
+    gltf, binary = glb_parts(rooted)
+    names = [node["name"] for node in gltf["nodes"]]
+    hips, top = names.index("hips"), gltf["nodes"][names.index("root")]
+    top["children"] = [len(names) if child == hips else child for child in top["children"]]
+    gltf["nodes"].append({"name": "Bip01", "children": [hips]})
+    skin = gltf["skins"][0]
+    skin["joints"].append(len(names))
+    del skin["inverseBindMatrices"]
+    for animation in gltf["animations"]:
+        for target in (channel["target"] for channel in animation["channels"]):
+            if (target["node"], target["path"]) == (hips, "translation"):
+                target["node"] = len(names)
+    (tmp_path / "in.glb").write_bytes(glb_bytes(gltf, binary))
+    rig = rigtri.read(tmp_path / "in.glb")
+    moved = rigtri.root_motion(rig)
+    assert np.ptp(places(moved, "root")[:, [0, 2]], axis=0).max() > 0.01
+    assert np.allclose(places(moved, "head"), places(rig, "head"), atol=1e-6)
+    again = Report()
+    rigtri.root_motion(moved, report=again)
+    assert not again.added
 
 
 def walking_in_a_curve(rig: Rig) -> Rig:

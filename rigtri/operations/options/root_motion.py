@@ -25,5 +25,7 @@ class RootMotionOptions(OneCharacter):
     yaw: bool = option(False, help="Also move the hips' yaw to the root.")
     axis: CoordinateAxis | None = option(None, help="Only along this axis of the ground. [both]")
     clip: Clips = option((), group="how")
-    hips: Node | None = option(None, help="The joint whose motion is taken. [the hips of the body]")
+    hips: Node | None = option(
+        None, help="The joint whose motion is taken. [the hips, or what carries them below the root]"
+    )
     to: Node | None = option(None, help="The joint that gets its motion. [the one above the hips]")
