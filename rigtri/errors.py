@@ -84,8 +84,9 @@ class AmbiguousNameError(RigtriError):
     exit_code = 4
 
     def __init__(self, kind: str, name: str, addresses: Sequence[str]) -> None:
+        plural = f"{kind}es" if kind.endswith("sh") else f"{kind}s"
         super().__init__(
-            f"{len(addresses)} {kind}s are named '{name}': {_quoted(addresses[:6])}. "
+            f"{len(addresses)} {plural} are named '{name}': {_quoted(addresses[:6])}. "
             "Say which one by its index or path, e.g. "
             f"'{addresses[0]}'."
         )

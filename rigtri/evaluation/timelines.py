@@ -135,6 +135,7 @@ def chosen_timelines(rig: Rig, patterns: Sequence[str]) -> list[Timeline]:
 
 def matching_clips(rig: Rig, pattern: str) -> set[int]:
     """The numbers of the clips that a glob matches, by name or ``#NUMBER``; a clip's own name is no glob."""
+    pattern = rig.clip_name(pattern)
     named = any(clip.name == pattern for clip in rig.shown_clips)
     return {
         k

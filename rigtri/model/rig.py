@@ -284,10 +284,22 @@ class Rig(NodeNames):
 
     def clip(self, name: str) -> Clip:
         """The clip called ``name`` (or ``#index``). Raises NameNotFoundError."""
+        name = self.clip_name(name)
         for number, clip in enumerate(self.shown_clips):
             if name in (clip.name, f"#{number}") and clip in self.clips:  # or its joints stand still
                 return clip
         raise NameNotFoundError("clip", name, [clip.name for clip in self.shown_clips])
+
+    def clip_name(self, name: str) -> str:
+        """The name of the clip whose path ends so, where one alone that moves joints at hand does."""
+        ends = [
+            clip.name
+            for clip in self.clips
+            if clip.name[:1] == "/"
+            and clip.name.endswith(f"/{name}")
+            and any(self.is_joint[track.node] for track in clip.tracks)
+        ]
+        return ends[0] if len(ends) == 1 else name
 
     @cached_property
     def shown_clips(self) -> tuple[Clip, ...]:

@@ -17,7 +17,7 @@ from rigs import chain, random_rig, rig_of
 from rigtri.errors import AmbiguousNameError, GeometryError, NameNotFoundError
 from rigtri.maths.matrices import compose
 from rigtri.maths.quaternions import from_axis_angle
-from rigtri.model.animation import Clip
+from rigtri.model.animation import Clip, Track
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.limb import Limb
 from rigtri.model.pending_edits import PendingEdits
@@ -164,6 +164,20 @@ def with_matrices(*matrices: Any) -> Rig:
 
 PLACED = compose(np.array([4.0, 5, 6]), from_axis_angle(np.array([0.0, 0, 1]), 0.7), np.array([2.0, -3, 4]))
 SHEARED = np.array([[1.0, 0, 0, 0], [0.5, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+
+
+def test_the_end_of_a_path_names_a_clip_where_one_alone_moves_joints_at_hand() -> None:
+    rig = chain((0, 0, 0), (0, 1, 0))
+    clips = [
+        Clip(f"/{who}/walk", (Track(node, "scale", "STEP", np.zeros(1), np.ones((1, 3))),))
+        for node, who in enumerate(("Ann", "Bob"))
+    ]
+    rig = replace(rig, clips=tuple(clips))
+    one = Skin("", np.array([1]), np.eye(4)[np.newaxis])
+    assert replace(rig, skins=(one,)).clip("walk").name == "/Bob/walk"
+    with pytest.raises(NameNotFoundError, match="No clip is named 'walk'"):
+        replace(rig, skins=(one, replace(one, joints=np.array([0])))).clip("walk")
+    assert "2 meshes are named" in str(AmbiguousNameError("mesh", "Hat", ["#1", "#2"]))
 
 
 def test_a_matrix_is_taken_apart_where_a_clip_is_to_move_its_node() -> None:
