@@ -9,6 +9,7 @@ from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.passes.add_joints import add_joints
 from rigtri.formats.usd.passes.confine_keys import confine_keys
 from rigtri.formats.usd.passes.find_changes import find_changes
+from rigtri.formats.usd.passes.keep_followers import keep_followers
 from rigtri.formats.usd.passes.keep_splines import keep_splines
 from rigtri.formats.usd.passes.key_xforms import key_xforms
 from rigtri.formats.usd.passes.limit_weights import limit_weights
@@ -54,6 +55,7 @@ PASSES: tuple[Pass, ...] = (
     # What the rig has no longer goes last; until then the rig has it again.
     remove_joints,
     *VALUES,
+    keep_followers,
     write_binding,
     write_skin_weights,
     limit_weights,

@@ -13,6 +13,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 from second_opinions import usd_errors
 from usd_files import MESH, animation, read, save, scene, skeleton, skinned, write
 
+import rigtri
 from rigtri.model.metadata import ConstraintRecord, ControlRecord
 from rigtri.operations.rename_joints import renamed
 
@@ -233,3 +234,23 @@ def test_influences_above_controls_do_not_move_their_curves(tmp_path: Path) -> N
     assert not {Sdf.Path(path) for path in skinned(stage, Usd.TimeCode(3))} & curves.keys()
     assert {UsdGeom.Imageable(p).ComputePurpose() for p in curves.values()} == {"guide"}
     assert not usd_errors(out) - usd_errors(source)
+
+
+@pytest.mark.parametrize("character", ["Root", "Two"])
+def test_a_skeleton_that_is_composed_from_another_rests_as_it_did(character: str, tmp_path: Path) -> None:
+    text = scene(skeleton(), animation(), MESH) + 'def "Two" (references = </Root>)\n{\n}\n'
+    source, out = save(tmp_path, text), tmp_path / "out.usda"
+    cli("set-rest", source, "-o", out, "--pose", "Anim@5", "--character", character, code=0)
+    before, after = (Usd.Stage.Open(str(path)) for path in (source, out))
+    for name in ("Root", "Two"):
+        was, now = (s.GetAttributeAtPath(f"/{name}/Skel.restTransforms").Get() for s in (before, after))
+        assert (was == now) == (name != character)
+
+
+def test_joints_below_a_new_root_are_below_it_too_where_paths_skip_levels(tmp_path: Path) -> None:
+    text = scene(skeleton(), animation(), MESH).replace('"a', '"x/a')
+    rig = rigtri.add_root(rigtri.read(save(tmp_path, text)), name="x", above="a")
+    rigtri.write(rigtri.add_socket(rig, name="ik", on="x"), tmp_path / "out.usda")
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    listed = ["x/x", "x/x/a", "x/x/a/b", "x/x/a/b/c", "x/x/ik"]
+    assert list(stage.GetAttributeAtPath("/Root/Skel.joints").Get()) == listed

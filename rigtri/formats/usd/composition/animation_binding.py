@@ -37,7 +37,7 @@ def bound_animation(prim: Any, warnings: list[Notice], *, demanded: bool = True)
     if not why:
         raise FileError(
             f"Skeleton <{prim.GetPath()}> is bound to the animation <{target}>, which is not there. "
-            "Put the layer that holds it beside the file, or remove the binding."
+            "Add the layer that has it to the stage (subLayers, references), or remove the binding."
         )
     text = f"<{holder.GetPath()}> is bound to the animation <{target}>, which UsdSkel passes over: {why}. "
     text += "It is left as it is."

@@ -100,8 +100,8 @@ def _identifier(layer: Any, asset: str, where: str, path: Path, allow_external: 
     resolved = str(resolver.Resolve(identifier))
     if not resolved and _SCHEME.match(asset):
         raise FileError(
-            f"{where} asks for '{asset}'; rigtri fetches nothing, and no Ar resolver opens it. Put the layer "
-            "beside this one, or set up the resolver of your site (PXR_PLUGINPATH_NAME)."
+            f"{where} asks for '{asset}'; rigtri fetches nothing, and no Ar resolver opens it. Set up the "
+            "resolver of your site (PXR_PLUGINPATH_NAME), or refer to a copy of that file by its path."
         )
     if not resolved:
         return ""  # what is not there is reported when the stage is composed

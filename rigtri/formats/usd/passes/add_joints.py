@@ -81,8 +81,14 @@ def _append(source: Source, skeleton: Skeleton, rig: Rig, nodes: Sequence[int]) 
     tokens = dict(zip(skin.joints[:count].tolist(), skeleton.tokens, strict=True))
     row_of = dict(zip(tokens, range(count), strict=True))
     for node in nodes:
-        row_of[node] = row_of.get(int(rig.parents[node]), 0)
-        tokens[node] = child_token(tokens.get(int(rig.parents[node]), ""), rig.names[node])
+        parent = int(rig.parents[node])
+        row_of[node] = row_of.get(parent, 0)
+        # A root is still to come; what its other children have above them in their paths stays below it.
+        beside = (
+            token for k, token in tokens.items() if rig.parents[k] == parent and rig.keys[k] is not None
+        )
+        above = tokens[parent] if parent in tokens else next(beside, "").rpartition("/")[0]
+        tokens[node] = child_token(above, rig.names[node])
     listed = [*skeleton.tokens, *(tokens[node] for node in nodes)]
     rows = [skin.joints.tolist().index(node) for node in nodes]
     bind = np.concatenate([skeleton.bind, inverse(skin.inverse_bind[rows])])

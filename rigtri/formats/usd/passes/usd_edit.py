@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import field, replace
+from typing import Any
 
 import numpy as np
 
@@ -77,10 +78,7 @@ class UsdEdit:
         FileError where that breaks UsdSkel's rules, or gives other joints to a skeleton that is not edited.
         """
         before, edited = self.source.skeletons, {str(edit.prim) for edit in edits}
-        preview = layers.empty()
-        layers.copy_clock(self.source.layer, preview)
-        apply_edits(self.source.stage, edits, preview)
-        self.source = read_source(self.source.path, self.options, layers.over(preview, self.source.layer))
+        self.source = read_source(self.source.path, self.options, self.preview(edits))
         self.prepared += edits
         for path, skeleton in before.items():
             after = self.source.skeletons.get(path)
@@ -89,6 +87,13 @@ class UsdEdit:
                     f"<{path}> is composed from a skeleton that gets other joints here, and would get them, "
                     "too. Choose the joints of both, or give each a file of its own."
                 )
+
+    def preview(self, edits: Sequence[Edit]) -> Any:
+        """The stage of the source with edits over it."""
+        preview = layers.empty()
+        layers.copy_clock(self.source.layer, preview)
+        apply_edits(self.source.stage, edits, preview)
+        return layers.over(preview, self.source.layer)
 
     def values_in(self, source: Source, rig: Rig) -> UsdEdit:
         """An edit of another state of the stage, with its values alone."""

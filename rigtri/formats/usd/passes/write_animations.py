@@ -50,8 +50,14 @@ def write_animations(edit: UsdEdit) -> None:
 def _collect(source: Source, old: Clip, new: Clip, into: dict[str, dict[str, Columns]]) -> None:
     """Add the changed columns of a clip's tracks, by animation and by skeleton."""
     moment, path = parts(old.key)
-    if len(old.tracks) != len(new.tracks):
-        raise FileError(f"Clip '{old.name}': tracks cannot be added to USD files or taken out of them.")
+    was_keyed, now_keyed = ({(t.node, t.path) for t in clip.tracks} for clip in (old, new))
+    for node, what in sorted(was_keyed ^ now_keyed):
+        verb = "lose" if (node, what) in was_keyed else "get"
+        raise FileError(
+            f"Clip '{old.name}': '{source.rig.title(node)}' would {verb} keys of its {what}, which this edit "
+            f"cannot do to <{path}>. Give the animation keys of it first, or bind the skeleton to an "
+            "animation of its own (skel:animationSource)."
+        )
     for was, now in zip(old.tracks, new.tracks, strict=True):
         if now is was or was.key in (None, HELD) or np.array_equal(was.values, now.values):
             continue
