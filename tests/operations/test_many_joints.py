@@ -17,10 +17,14 @@ from rigs import chain, random_rig, rig_of
 
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats import read
+from rigtri.maths.matrices import inverse
+from rigtri.model.animation import Clip, Track
 from rigtri.model.node_names import DEEPEST_PATH
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.merge_joints import MergeJointsOptions, merge_joints
+from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.recognition.bend_direction import between
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.correspondence import match
@@ -192,3 +196,26 @@ def test_controls_of_four_times_as_many_joints_take_four_times_as_long(tmp_path:
     few, many = (read(rope(tmp_path / f"{joints}.glb", joints)).rig for joints in (100, 400))
     once = calls(lambda: add_controls(few, options=options))
     assert calls(lambda: add_controls(many, options=options)) < 5 * once
+
+
+def row_of_characters(count: int) -> Rig:
+    """Characters of three joints and a skin each, beside each other; a clip turns all."""
+    names = [f"{joint}{k}" for k in range(count) for joint in ("hip", "knee", "foot")]
+    parents = [3 * k + above for k in range(count) for above in (-1 - 3 * k, 0, 1)]
+    steps = np.tile([[0.0, 2.0, 0.0], [0.0, -1.0, 0.1], [0.0, -1.0, -0.1]], (count, 1))
+    steps[::3, 0] = np.arange(count)
+    rig = rig_of(names, parents, steps)
+    skins = tuple(
+        Skin(f"skin{k}", np.arange(3 * k, 3 * k + 3), inverse(rig.world[3 * k : 3 * k + 3]))
+        for k in range(count)
+    )
+    turns = np.array([[0.0, 0.0, 0.0, 1.0], [0.6, 0.0, 0.0, 0.8]])
+    tracks = tuple(Track(n, "rotation", "LINEAR", np.array([0.0, 1.0]), turns) for n in range(3 * count))
+    return replace(rig, skins=skins, clips=(Clip("bow", tracks),))
+
+
+def test_motion_of_four_times_as_many_characters_is_taken_in_four_times_as_long() -> None:
+    """Before, where all joints are bound was worked out again for each that carries a body."""
+    few, many = row_of_characters(4), row_of_characters(16)
+    once = calls(lambda: take_clips(few, from_=few))
+    assert calls(lambda: take_clips(many, from_=many)) < 5 * once

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from pxr import UsdGeom, UsdSkel, Vt
+from pxr import Gf, Sdf, UsdSkel, Vt
 
 from rigtri.evaluation.sampling import key_times, sample
 from rigtri.export.conversion import usd_values as values
@@ -115,7 +115,7 @@ def _column(track: Track, number: int) -> Track:
 def _columns(tracks: Sequence[Track | None], rest: Floats, rig: Rig) -> tuple[Floats, Floats]:
     """Times (k,) that all need together, and what they have then, (k, j, c); no times where none moves."""
     moving = [track for track in tracks if track is not None]
-    times = sample_times(moving, size_of(rig, rig.meshes))
+    times = sample_times(moving, size_of(rig, rig.meshes)) if moving else np.zeros(0)
     rows = np.broadcast_to(rest, (max(len(times), 1), *rest.shape)).copy()
     for k, track in enumerate(tracks):
         if track is not None:
@@ -130,16 +130,38 @@ def _set(attribute: Any, codes: Floats, rows: Sequence[Any]) -> None:
         attribute.Set(row, code)
 
 
-def write_xform(prim: Any, rig: Rig, node: int, clip: Clip | None, rate: float) -> float:
+def tracks_of(clip: Clip | None) -> dict[int, dict[Path, Track]]:
+    """What a clip moves, by node."""
+    found: dict[int, dict[Path, Track]] = {}
+    for track in clip.tracks if clip else ():
+        found.setdefault(track.node, {})[track.path] = track
+    return found
+
+
+def write_xform(spec: Any, rig: Rig, node: int, tracks: Mapping[Path, Track], rate: float) -> float:
     """The place of a node: translate, orient and scale, or a matrix where it has one; see `place_by`."""
     if rig.has_matrix[node]:
-        prim.AddTransformOp().Set(values.matrix(rig.matrix[node]))
+        _add_op(spec, "transform", Sdf.ValueTypeNames.Matrix4d, values.matrix(rig.matrix[node]))
         return 0.0
-    tracks = {track.path: track for track in clip.tracks if track.node == node} if clip else {}
     parts = {
         one: _columns([tracks.get(one)], given[node][np.newaxis], rig) for one, given in _rest(rig).items()
     }
-    return place_by(prim, parts, rate, {one: given[node] for one, given in _rest(rig).items()})
+    return place_by(spec, parts, rate, {one: given[node] for one, given in _rest(rig).items()})
+
+
+def _add_op(
+    spec: Any, name: str, kind: Any, still: Any, codes: Floats | None = None, rows: Sequence[Any] = ()
+) -> None:
+    """An op of a prim, as `UsdGeom.Xformable` adds one, without a stage: it would look at all siblings."""
+    op = Sdf.AttributeSpec(spec, f"xformOp:{name}", kind)
+    place = spec.path.AppendProperty("xformOpOrder")
+    order = spec.layer.GetAttributeAtPath(place) or Sdf.AttributeSpec(
+        spec, place.name, Sdf.ValueTypeNames.TokenArray, Sdf.VariabilityUniform
+    )
+    order.default = Vt.TokenArray([*(order.default or ()), op.name])
+    op.default = still
+    for code, row in zip([] if codes is None else codes.tolist(), rows, strict=False):
+        spec.layer.SetTimeSample(op.path, code, row)
 
 
 def _rest(rig: Rig) -> dict[Path, Floats]:
@@ -147,12 +169,12 @@ def _rest(rig: Rig) -> dict[Path, Floats]:
 
 
 def place_by(
-    prim: Any,
+    spec: Any,
     parts: Mapping[Path, tuple[Floats, Floats]],
     rate: float,
     rest: Mapping[Path, Floats],
 ) -> float:
-    """Ops of a prim from times (k,) and values (k or 1, 1, c) of each part; none for what does nothing.
+    """Ops of a prim spec from times (k,) and values (k or 1, 1, c) of each part; none for what does nothing.
 
     Returns how far, in radians, OpenUSD turns it beside the arcs from key to key.
     """
@@ -162,22 +184,20 @@ def place_by(
         "rotation": [0.0, 0.0, 0.0, 1.0],
         "scale": [1.0] * 3,
     }
-    double = UsdGeom.XformOp.PrecisionDouble
     for one, (times, rows) in parts.items():
         still, rows = rest[one], rows[:, 0]
         if not len(times) and still.tolist() == none[one]:
             continue
         codes = time_codes(times, rate)
         if one == "rotation":
-            op = prim.AddOrientOp(double)
-            op.Set(values.quaternion(unit(still)))
             turns = make_continuous(unit(rows))
-            _set(op, codes, [values.quaternion(row) for row in turns])
+            kind, found = Sdf.ValueTypeNames.Quatd, [values.quaternion(row) for row in turns]
+            _add_op(spec, "orient", kind, values.quaternion(unit(still)), codes, found)
             uneven = unevenness(turns) if len(times) else 0.0
         else:
-            op = prim.AddTranslateOp(double) if one == "translation" else prim.AddScaleOp(double)
-            op.Set(tuple(still.tolist()))
-            _set(op, codes, [tuple(row) for row in rows.tolist()])
+            name = "translate" if one == "translation" else "scale"
+            kind, found = Sdf.ValueTypeNames.Double3, [Gf.Vec3d(*row) for row in rows.tolist()]
+            _add_op(spec, name, kind, Gf.Vec3d(*still.tolist()), codes, found)
     return uneven
 
 

@@ -13,13 +13,15 @@ class Names:
 
     def __init__(self, taken: Sequence[str] = ()) -> None:
         self._taken = {word.lower() for word in taken}
+        self._numbers: dict[str, int] = {}  # by word, the first that may be free
 
     def unique(self, name: str, otherwise: str = "node") -> str:
         """An identifier of ``name`` that no other has."""
         word = identifier(name, otherwise)
-        found, number = word, 1
+        found, number = word, self._numbers.get(word.lower(), 1)
         while found.lower() in self._taken:
             found, number = f"{word}_{number}", number + 1
+        self._numbers[word.lower()] = number
         self._taken.add(found.lower())
         return found
 
@@ -30,12 +32,15 @@ def distinct(names: Sequence[str]) -> list[str]:
     >>> distinct(["hip 1", "walk", "walk"])
     ['hip 1', 'walk', 'walk_1']
     """
-    taken, found = set(names), list[str]()
-    for k, name in enumerate(names):
-        one, number = name, 1
-        while one in names[:k] or (one != name and one in taken):
+    taken, before, found = set(names), set[str](), list[str]()
+    numbers: dict[str, int] = {}  # by name, the first that may be free
+    for name in names:
+        one, number = name, numbers.get(name, 1)
+        while one in before or (one != name and one in taken):
             one, number = f"{name}_{number}", number + 1
+        numbers[name] = number
         taken.add(one)
+        before.add(name)
         found.append(one)
     return found
 

@@ -10,7 +10,7 @@ from dataclasses import field
 from typing import Any
 
 import numpy as np
-from pxr import Kind, Usd, UsdGeom, UsdSkel, Vt
+from pxr import Kind, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 from rigtri.evaluation.sampling import Motion, key_times, worlds
 from rigtri.export.conversion import usd_clips
@@ -140,20 +140,25 @@ class _Writer:
         if moved - self.scene.omitted:
             self.scene.lose(f"motion of {len(moved)} nodes that are not joints, in all clips but the first")
         uneven: dict[int, float] = {}
-        for node in range(len(rig)):
-            if node in self.joints or node in self.scene.omitted:
-                continue
-            path = f"{paths[int(rig.parents[node])]}/{self.words[node]}"
-            prim = UsdGeom.Xform.Define(self.stage, path)
-            uneven[node] = usd_clips.write_xform(prim, rig, node, self.clip, self.rate)
-            name_prim(prim.GetPrim(), rig.names[node], self.words[node])
-            if node in self.scene.extras:
-                extras = values.dictionary({"of": self.scene.extras[node]})["of"]
-                prim.GetPrim().SetCustomDataByKey("extras", extras)
-            if node in self.scene.hidden and int(rig.parents[node]) not in self.scene.hidden:
-                prim.MakeInvisible()
-            paths[node] = path
-            self.result.nodes[node] = (path,)
+        tracks = usd_clips.tracks_of(self.clip)
+        nodes = [n for n in range(len(rig)) if n not in self.joints and n not in self.scene.omitted]
+        # A stage that sees prims one by one looks at all of their siblings each time.
+        with Sdf.ChangeBlock():
+            for node in nodes:
+                parent = int(rig.parents[node])
+                above, word = self.result.layer.GetPrimAtPath(paths[parent]), self.words[node]
+                spec = Sdf.PrimSpec(above, word, Sdf.SpecifierDef, "Xform")
+                paths[node] = f"{paths[parent]}/{word}"
+                uneven[node] = usd_clips.write_xform(spec, rig, node, tracks.get(node, {}), self.rate)
+                if rig.names[node] not in ("", word):
+                    spec.SetInfo("displayName", rig.names[node])
+                if node in self.scene.hidden and parent not in self.scene.hidden:
+                    visible = Sdf.AttributeSpec(spec, "visibility", Sdf.ValueTypeNames.Token)
+                    visible.default = UsdGeom.Tokens.invisible
+                self.result.nodes[node] = (paths[node],)
+        for node in set(nodes).intersection(self.scene.extras):
+            extras = values.dictionary({"of": self.scene.extras[node]})["of"]
+            self.stage.GetPrimAtPath(paths[node]).SetCustomDataByKey("extras", extras)
         slow = [rig.title(node) for node, off in uneven.items() if off > EVEN]
         if slow:
             self.scene.lose(
@@ -299,7 +304,8 @@ class _Writer:
         names: tuple[Path, ...] = ("translation", "rotation", "scale")
         rest = decompose(rig.normalised_world[node])
         samples = {name: (times, part[:, np.newaxis]) for name, part in zip(names, parts, strict=True)}
-        usd_clips.place_by(prim, samples, self.rate, dict(zip(names, rest, strict=True)))
+        spec = self.result.layer.GetPrimAtPath(prim.GetPath())
+        usd_clips.place_by(spec, samples, self.rate, dict(zip(names, rest, strict=True)))
 
 
 def conversion_matrix(look: UsdLook) -> Floats:

@@ -222,10 +222,14 @@ class Proportions:
         rested = both.rig.world[node, 3, :3], both.other.world[both.of[node], 3, :3]
         if not both.rig.is_joint[node]:
             return rested if both.of[node] not in self._varying and self.body != 1.0 else None
-        ours, theirs = _bound_place(both.rig, node), _bound_place(both.other, both.of[node])
+        ours, theirs = self._bound[0].get(node), self._bound[1].get(both.of[node])
         if ours is not None and theirs is not None:
             return None if self.body == 1.0 and self._put_elsewhere(node, ours, theirs) else (ours, theirs)
         return rested if self._rest_alike and self.body != 1.0 else None
+
+    @cached_property
+    def _bound(self) -> tuple[dict[int, Floats], dict[int, Floats]]:
+        return _bound_places(self.both.rig), _bound_places(self.both.other)
 
     def _put_elsewhere(self, node: int, ours: Floats, theirs: Floats) -> bool:
         """Whether a joint is bound at places, (3,), that are one, seen from the node above it."""
@@ -255,20 +259,20 @@ class Proportions:
         return bool((angle(ours[long], theirs[long]) <= np.radians(MOST_DEGREES)).all())
 
 
-def _bound_place(rig: Rig, node: int) -> Floats | None:
-    """Where a joint is bound, (3,), seen in the world; None where it rests elsewhere.
+def _bound_places(rig: Rig) -> dict[int, Floats]:
+    """Where joints are bound, (3,) each, seen in the world; without those that rest elsewhere.
 
     A rest that is near is the frame that a DCC has shown, or a bind pose in a space with the world's origin.
     """
     binds = bind_poses(rig)
     joints = [n for n in binds if np.isfinite(rig.world[n]).all()]
-    if node not in joints:
-        return None
-    sizes = length(rig.world[joints, 0, :3]), length(np.array([binds[n][0, :3] for n in joints]))
-    ratio = float(np.median(sizes[0] / sizes[1]))
-    place = transform_points(binds[node][3, :3] * ratio, from_frame(placed(rig), np.zeros(3)))
-    near = float(length(place - rig.world[node, 3, :3])) <= SHORT * skeleton_size(rig)
-    return place if near else None
+    if not joints:
+        return {}
+    bound = np.array([binds[n] for n in joints])
+    ratio = float(np.median(length(rig.world[joints, 0, :3]) / length(bound[:, 0, :3])))
+    places = transform_points(bound[:, 3, :3] * ratio, from_frame(placed(rig), np.zeros(3)))
+    near = length(places - rig.world[joints, 3, :3]) <= SHORT * skeleton_size(rig)
+    return {joint: place for joint, place, is_near in zip(joints, places, near, strict=True) if is_near}
 
 
 def _scaled(size: float, offset: Floats) -> Floats | None:

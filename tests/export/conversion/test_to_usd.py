@@ -16,7 +16,7 @@ from gltf_files import glb_bytes, glb_json, glb_parts, small
 from morphs import arm
 from places import SAMPLES, asset_files, first, sample_files, slow
 from program import cli
-from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
+from pxr import Gf, Tf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
 from second_opinions import usd_errors
 
 import rigtri
@@ -408,6 +408,25 @@ def test_a_key_whose_rounding_is_what_differs_is_named(tmp_path: Path) -> None:
         DeviationError, match=r"The translation of 'hips' in clip 'walk' is 1e\+38: the float32"
     ):
         rigtri.convert(tmp_path / "in.glb", tmp_path / "out.usda")
+
+
+def test_a_stage_is_told_once_of_nodes_however_many_they_are(tmp_path: Path) -> None:
+    """Before, a stage looked at all siblings of each: 16,000 took half a minute, and 4,000 half a second."""
+    told: list[int] = []
+    for count in (2, 40):
+        b = small()
+        first = len(b.gltf["nodes"])
+        b.gltf["nodes"] += [{"name": f"n{k}", "translation": [k, 0, 0]} for k in range(count)]
+        b.gltf["scenes"][0]["nodes"] += range(first, first + count)
+        b.glb(tmp_path / "in.glb")
+        seen: list[Any] = []
+        listener = Tf.Notice.RegisterGlobally(
+            Usd.Notice.ObjectsChanged, lambda notice, _, to=seen: to.append(1)
+        )
+        rigtri.convert(tmp_path / "in.glb", tmp_path / "out.usda", overwrite=True)
+        listener.Revoke()
+        told.append(len(seen))
+    assert told[0] == told[1]
 
 
 @pytest.mark.ci
