@@ -13,11 +13,13 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import morph_weights
 from rigtri.evaluation.skinning import deformed
+from rigtri.frames.rig_size import placing_node
 from rigtri.frames.skeleton import Skeleton
 from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import from_frame, transform_directions
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.model.characters import characters
 from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import triangles
 from rigtri.model.metadata import TwistRecord
@@ -113,7 +115,9 @@ class SkinSections:
         above = self.rig.path_to_root(joint)[1:] if self._holds(near) else []
         if skin := next(filter(None, (list(self._skin_of([node])) for node in above)), []):
             own = min(own, _WIDER * _width(skin, place, normal))
-        cuts = [skinned.cut(skinned.triangles, place, normal) for skinned in self._body]
+        if own == 0:
+            return 0.0
+        cuts = [skinned.cut(skinned.triangles, place, normal) for skinned in self._body_of(joint)]
         return max(own, min(_half(cuts, normal), _WIDER * own))
 
     def thickness(self, joints: list[int], place: Floats, normal: Floats) -> float:
@@ -163,11 +167,23 @@ class SkinSections:
                 if len(own) and skinned.usable:
                     yield skinned, own
 
+    def _body_of(self, joint: int) -> list[_Skinned]:
+        """The meshes that the body of a joint consists of: those with a skin, else all."""
+        found, numbers = self._bodies
+        number = numbers.get(joint, -1)
+        return [one for k, some in found.items() if k == number or -1 in (k, number) for one in some]
+
     @cached_property
-    def _body(self) -> list[_Skinned]:
-        """The meshes that a body consists of: those with a skin, else all."""
-        found = [skinned for meshes in (self._by_skin or self._by_joint).values() for skinned in meshes]
-        return [skinned for skinned in found if skinned.usable]
+    def _bodies(self) -> tuple[dict[int, list[_Skinned]], dict[int, int]]:
+        """The meshes of each character, and to which each node belongs; −1 for none."""
+        numbers = {node: k for k, nodes in enumerate(characters(self.rig)) for node in nodes}
+        found: dict[int, list[_Skinned]] = {}
+        for meshes in (self._by_skin or self._by_joint).values():
+            for one in meshes:
+                if one.usable:
+                    node = placing_node(self.rig, one.mesh)
+                    found.setdefault(numbers.get(node, -1), []).append(one)
+        return found, numbers
 
     @cached_property
     def _rows(self) -> dict[int, dict[int, list[int]]]:

@@ -7,18 +7,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from calls import calls
 from places import SAMPLES
 from rigs import chain, rig_of
 
 import rigtri
 from rigtri.evaluation.skinning import deformed
 from rigtri.formats import read
+from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.mesh_triangles import triangles
 from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
+from rigtri.operations.control_sizes import MARGIN
 
 
 def skin(rig: Rig) -> Floats:
@@ -108,6 +112,37 @@ def test_the_ring_of_a_joint_without_skin_is_as_wide_as_the_skin_of_the_joint_ab
     rings = {record.joint: record.size or 0.0 for record in rig.records(ControlRecord).values()}
     assert rings["c"] == pytest.approx(rings["b"], rel=0.3)
     assert rings["a"] > 3 * rings["b"]
+
+
+def troop(side: int) -> Rig:
+    """Posts of two joints and a box each, in rows: each a character with a skin of its own."""
+    count = side * side
+    steps = np.array([(3.0 * (k // side), 0.0, 3.0 * (k % side)) for k in range(count)])
+    offsets = np.stack([steps, np.tile([0.0, 1.0, 0.0], (count, 1))], axis=1).reshape(-1, 3)
+    names = [f"{joint}{k}" for k in range(count) for joint in "ab"]
+    parents = [above for k in range(count) for above in (-1, 2 * k)]
+    rig = rig_of(names, parents, offsets)
+    skins = [
+        Skin(f"{k}", np.arange(2 * k, 2 * k + 2), inverse(rig.world[2 * k : 2 * k + 2])) for k in range(count)
+    ]
+    box = replace(a_box(0, (0.2, 1.0, 0.5)), weights=np.ones((8, 1)), joints=np.zeros((8, 1), dtype=np.int64))
+    meshes = [replace(box, node=2 * k, skin=k, points=box.points + steps[k]) for k in range(count)]
+    return replace(rig, skins=tuple(skins), content=Content(read_meshes=lambda: meshes))
+
+
+def test_a_ring_is_as_wide_alone_as_in_a_crowd() -> None:
+    """Before, who stood around a character hid its rings."""
+    for side in (1, 3):
+        rig = rigtri.add_controls(troop(side), joints=["a*"])
+        rings = [record.size for record in rig.records(ControlRecord).values()]
+        assert rings == pytest.approx([MARGIN * np.hypot(0.2, 0.5)] * side * side)
+
+
+def test_rings_of_four_times_as_many_characters_take_four_times_as_long() -> None:
+    few, many = troop(3), troop(6)
+    rigtri.add_controls(few, joints=["a*"])  # what is imported and looked up once is
+    once = calls(lambda: rigtri.add_controls(few, joints=["a*"]))
+    assert calls(lambda: rigtri.add_controls(many, joints=["a*"])) < 4.5 * once
 
 
 def sizes(name: str, kind: str) -> dict[str, float]:
