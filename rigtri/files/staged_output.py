@@ -62,16 +62,18 @@ class StagedOutput:
         ahead: BackgroundCopies | None = None,
         *,
         shared: bool = False,
+        passing: bool = False,
     ) -> None:
         """shared: other files appear in the folder at the same time, and may need the same copies.
 
         Copies of the source's files then are not ours to take back, to force names to the disk is the
-        caller's, who does it while the next file is worked on.
+        caller's, who does it while the next file is worked on. passing: nobody needs it when the process has
+        ended, so nothing waits for the disk.
         """
         self.final, self.overwrite, self._needed, self._shared = final, overwrite, needed, shared
         self._ahead = ahead or BackgroundCopies()
         self.part = temp_path(final)
-        self._on_disk = False
+        self._on_disk = self._passing = passing
         self._syncing: threading.Thread | None = None
         self.placed: list[tuple[Path, Path | None]] = []
         self._folders: list[Path] = []  # those that were not there before
@@ -136,6 +138,8 @@ class StagedOutput:
 
     def fsync_in_background(self) -> None:
         """Let the disk take the part meanwhile, so that the rename need not wait for that."""
+        if self._passing:
+            return
         # The thread must not open it: it would wait for this one before it came to the sync.
         thread = threading.Thread(target=self._fsync, args=(self.part.open("rb+"),))
         thread.start()
@@ -167,7 +171,7 @@ class StagedOutput:
                 self.placed.append((place, backups[-1]))
                 place.unlink()
         with as_file_error(self.final):
-            commit(self.part, self.final, synced=self._fsynced(), named=not self._shared)
+            commit(self.part, self.final, synced=self._fsynced(), named=not (self._shared or self._passing))
         for place in self._followers:
             with as_file_error(place):
                 commit(_follower_part(place, os.getpid()), place, synced=True)

@@ -72,7 +72,8 @@ class EditRequest(RunOptions):
     target: ``-`` is standard output. side_files: what the caller will write besides. document: the source,
     where it was read already, with the same ``options``. ahead: copies that the caller has begun
     (`files.background_copy`). ready: is called when the output has passed and is about to take its name.
-    shared: others write beside it at the same time (`files.staged_output`).
+    shared, passing: others write beside it at the same time, nobody needs it afterwards
+    (`files.staged_output`).
     """
 
     source: Path | str
@@ -83,6 +84,7 @@ class EditRequest(RunOptions):
     ahead: BackgroundCopies | None = None
     ready: Callable[[Outcome, StagedOutput], None] | None = None
     shared: bool = False
+    passing: bool = False
 
     def __post_init__(self) -> None:
         for path in (self.source, self.target):
@@ -158,9 +160,9 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
         _take_warnings(document, report, request.strict)
         clock.lap("edit")
         with working_folder(final, request) as folder:
-            place, shared = folder / final.name, request.shared
-            spared = [*needed, *report.sources]
-            written = StagedOutput(place, request.overwrite, spared, request.ahead, shared=shared)
+            place, spared = folder / final.name, [*needed, *report.sources]
+            how = {"shared": request.shared, "passing": request.passing}
+            written = StagedOutput(place, request.overwrite, spared, request.ahead, **how)
             try:
                 result = _deliver(document, path, rig, written, request, report, clock)
                 # Meshes are read, and misread, while measuring.

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import tempfile
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
@@ -731,3 +733,28 @@ def test_a_node_before_an_equals_sign_may_have_one_in_its_name(text: str, known:
     else:
         with pytest.raises(PydanticCustomError, match="'a'"):
             _before(text, info)
+
+
+def test_only_the_output_waits_for_the_disk_and_few_steps_are_kept_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, each step was forced to the disk, and all of them stayed there until the last was done."""
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    sync, folders = os.fsync, list[int]()
+
+    def synced(file: int) -> None:
+        folders.append(len([*tmp_path.rglob("biped.glb")]))
+        sync(file)
+
+    monkeypatch.setattr(os, "fsync", synced)
+    counts = []
+    for steps in (2, 6):
+        spec = tmp_path / "rig.yaml"
+        some = "".join(f"  - {{do: add-socket, on: hand_L, name: s{k}}}\n" for k in range(steps))
+        spec.write_text(f"version: 1\nsteps:\n{some}")
+        folders.clear()
+        build(SAMPLES / "biped.glb", tmp_path / "out.glb", spec, overwrite=True)
+        counts.append(len(folders))
+        assert max(folders) == 1
+    assert counts[0] == counts[1]

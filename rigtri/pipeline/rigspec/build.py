@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import field, replace
@@ -100,7 +101,9 @@ def build_file(
             place = Path(folder, str(one.index), work.at.name)
             place.parent.mkdir()
             if work.do(one, place):
-                work.at = place
+                before, work.at = work.at, place
+                if before != work.source:  # what it refers to was copied along
+                    shutil.rmtree(before.parent, ignore_errors=True)
         if not work.do(spec.steps[-1], None) and not work.lost:
             work.edit(lambda rig, _: rig, None)
         work.raise_lost()
@@ -199,6 +202,8 @@ class _Work:
         finally:
             self._call(report)
             self.report.merge(report)
+        # Of rigs only the last is asked for, and each may be as large as the file.
+        self.outcomes[-1:] = [replace(one, rig=None) for one in self.outcomes[-1:]]
         self.outcomes.append(outcome)
         return report
 
@@ -211,7 +216,7 @@ class _Work:
         if place is not None:
             options = replace(options, edit_target="root", resources="copy")
             side_files = () if self.outcomes else self.spared
-            whole = EditRequest(self.at, place, verify=whole.verify, side_files=side_files)
+            whole = EditRequest(self.at, place, verify=whole.verify, side_files=side_files, passing=True)
         elif whole.ready is not None:
             ready = whole.ready
             whole = replace(whole, ready=lambda outcome, written: ready(self.whole(outcome), written))
