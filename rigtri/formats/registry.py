@@ -74,7 +74,8 @@ def unknown_format(path: Path) -> FileError:
     return FileError(f"{path}: {what}. rigtri reads: {known}{way}")
 
 
-def _has(module: str) -> bool:
+def is_installed(module: str) -> bool:
+    """Whether a module, be it of a package, can be imported."""
     try:
         return find_spec(module) is not None
     except ModuleNotFoundError:
@@ -83,7 +84,7 @@ def _has(module: str) -> bool:
 
 def need_usd() -> None:
     """UsageError where OpenUSD is not installed, as in programs that bring a Python of their own."""
-    if not _has("pxr"):
+    if not is_installed("pxr"):
         raise UsageError("USD files need OpenUSD; install it with: pip install usd-core")
 
 

@@ -142,7 +142,7 @@ def _named(words: Sequence[str], faults: list[RigtriError]) -> list[Input]:
                 if urls.is_url(name):
                     name = urls.without_secrets(name)
                 start = _WILD.search(name)
-                if start and not (urls.is_web(name) or _exists(name)):
+                if start and not (urls.is_web(name) or exists(name)):
                     fixed = os.path.dirname(name[: start.start()])
                     every = urls.glob(name) if urls.is_url(name) else _expanded(name)
                     found += [Input(path, fixed, found=True, line=line) for path in every]
@@ -155,7 +155,7 @@ def _named(words: Sequence[str], faults: list[RigtriError]) -> list[Input]:
     with _kept(faults):
         base = _shared([name for name, _ in plain])
     if faults:  # else all files are reported together
-        lost = [(name, line) for name, line in plain if not _exists(name)]
+        lost = [(name, line) for name, line in plain if not exists(name)]
         faults += (
             FileError(f"{at_line(line, 'there is no such file to read')}: {name}") for name, line in lost
         )
@@ -223,7 +223,8 @@ def _folders(top: str) -> Iterator[str]:
             links.sort(reverse=True)
 
 
-def _exists(name: str) -> bool:
+def exists(name: str) -> bool:
+    """Whether there is something of a name, be it a link into nothing."""
     return urls.exists(name) if urls.is_url(name) else os.path.lexists(name)
 
 

@@ -21,7 +21,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.file_task import Assignment, Record, Task, faults, missing, reason
 from rigtri.pipeline.batch.hashes import ABSENT, Hashes, seen_from
-from rigtri.pipeline.batch.inputs import MOST, Entry, at_line
+from rigtri.pipeline.batch.inputs import MOST, Entry, at_line, exists
 from rigtri.pipeline.batch.local_engine import Engine
 from rigtri.pipeline.batch.manifest_lookup import Known, look_up, name_of
 from rigtri.pipeline.batch.manifest_writer import Manifest
@@ -175,7 +175,7 @@ class Run:
         if known is not None and self._is_done(entry, known):
             return appeared.get(entry.target) or Record("skipped", deviation=known.deviation)
         mine = known is not None and self._is_ours(known)
-        if not mine and not self._overwrite and _stands(entry.target):
+        if not mine and not self._overwrite and exists(entry.target):
             return "lost"
         return Assignment(entry, self._tasks(entry.variables), overwrite=mine or self._overwrite)
 
@@ -251,10 +251,6 @@ def try_out(plan: Plan, engine: Engine) -> str:
         return f"None of the {tried} that were tried can be done: {listed}"
     text = f"What is to be done fits none of the {tried} that were tried: {listed}"
     raise UsageError(text) if misfits == {"usage"} else MisfitError(text)
-
-
-def _stands(target: str) -> bool:
-    return urls.exists(target) if urls.is_url(target) else os.path.lexists(target)
 
 
 def _clear(entries: Sequence[Entry]) -> None:

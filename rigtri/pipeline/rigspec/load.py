@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.input_stream import path_of
 from rigtri.files.text_files import check_plain
 from rigtri.formats import ReadOptions
+from rigtri.formats.registry import is_installed
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import OF_BUILDS, EditOptions, RunOptions
 from rigtri.model.options import options_of
@@ -201,16 +201,9 @@ def keys_of(tree: Tree, do: str) -> Spelling:
 
 def need_libraries() -> None:
     """UsageError where what reads specs is missing, as in a DCC that has rigtri's folder alone."""
-    missing = [name for name in ("pydantic", "ruamel.yaml") if not _has(name)]
+    missing = [name for name in ("pydantic", "ruamel.yaml") if not is_installed(name)]
     if missing:
         raise UsageError(f"specs need {' and '.join(missing)}; pip install {' '.join(missing)}")
-
-
-def _has(name: str) -> bool:
-    try:
-        return find_spec(name) is not None
-    except ModuleNotFoundError:
-        return False
 
 
 def _planned(
