@@ -196,7 +196,7 @@ def test_a_file_that_ends_its_process_is_reported_and_the_others_are_not_affecte
     batch: Batch, samples: Path
 ) -> None:
     add(samples / "biped.glb", "die", "hang", "eat", "fault", "refuse", "warn", "d", "e", "f")
-    result = batch("--json", "--timeout", "5", "--max-memory", "512M")
+    result = batch("--json", "--timeout", "3", "--max-memory", "512M")
     told = lines(result)
     assert result.exit_code == 7
     assert {name: (line["status"], line["kind"]) for name, line in told.items()} == {
@@ -209,7 +209,7 @@ def test_a_file_that_ends_its_process_is_reported_and_the_others_are_not_affecte
         "refuse.glb": ("error", "geometry"),
     }
     assert "SIGSEGV" in told["die.glb"]["message"]
-    assert "5 s" in told["hang.glb"]["message"]
+    assert "3 s" in told["hang.glb"]["message"]
     assert "KeyError" in told["fault.glb"]["message"]
     assert told["warn.glb"]["warnings"] == [{"code": "test", "text": "look out", "joint": "hips"}]
     assert told["refuse.glb"]["exit_code"] == 5
