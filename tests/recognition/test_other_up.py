@@ -153,7 +153,7 @@ def test_animals_with_z_up_in_files_with_y_up_face_where_they_do(kind: str) -> N
 
 def test_the_legs_of_an_insect_have_sides_although_nothing_is_named() -> None:
     """Before, each leg had none, though it was known where it looks: the abdomen is behind the head."""
-    for case in islice((case for case in population(0) if case.name.startswith("insect")), 2):
+    for case in islice(population(0, lambda name: name.startswith("insect")), 2):
         (character,) = recognise(nameless(case.rig)).characters
         sides = {chain.bend[0]: chain.side for chain in character.limbs}
         assert {part.side for part in case.truth.parts if "leg" in part.kinds} == {"left", "right"}

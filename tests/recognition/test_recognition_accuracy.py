@@ -158,8 +158,12 @@ NAMELESS = {
 
 
 def test_evidence_for_and_against_limbs_is_what_a_reviewer_has_read(golden: Golden) -> None:
+    def wanted(name: str) -> bool:
+        kind, _, number = name.rpartition(" ")
+        return int(number) in (*NAMED.get(kind, ()), *NAMELESS.get(kind, ()))
+
     lines = []
-    for case in population(DEVELOPMENT):
+    for case in population(DEVELOPMENT, wanted):
         kind, _, number = case.name.rpartition(" ")
         for chosen, rig, words in ((NAMED, case.rig, ""), (NAMELESS, nameless(case.rig), ", without names")):
             if int(number) in chosen.get(kind, ()):

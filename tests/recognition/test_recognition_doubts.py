@@ -204,7 +204,7 @@ def test_arms_of_a_body_without_legs_are_no_sure_legs_beside_hair(number: int) -
 
 def test_a_limb_that_begins_at_the_further_part_of_a_split_bone_is_not_sure() -> None:
     """``lShoulder`` is the upper arm here, and ``lShoulder.001`` its second half."""
-    case = next(case for case in population(402) if case.name == "person 34")
+    case = next(population(402, "person 34".__eq__))
     found = measure(case.rig, case.truth, recognise(case.rig), named=True)
     assert [each for each in found if each.outcome == "surely wrong"] == []
 
@@ -263,14 +263,14 @@ def test_limbs_of_partial_people_side_by_side_are_not_surely_others(
 
 def test_a_trunk_from_which_legs_and_a_tail_go_is_no_palm() -> None:
     """Before, all that is below its four chains counted as their joints."""
-    case = next(case for case in population(1) if case.name == "quadruped 28")
+    case = next(population(1, "quadruped 28".__eq__))
     assert recognise(case.rig).characters[0].form == "quadruped"
 
 
 @pytest.mark.parametrize("names", ["Waist Spine01 Spine02", "Torso1 Torso2 Torso3", "Spine Chest Spine3"])
 def test_three_joints_of_a_trunk_are_the_three_bones_of_one(names: str) -> None:
     """Before, one of them had none, and conformed characters had holes in their trunks."""
-    case = next(case for case in population(1) if case.name == "person 0")
+    case = next(population(1, "person 0".__eq__))
     layout = recognise(case.rig)
     (spine,) = (chain.joints for chain in layout.characters[0].chains if chain.kind == "spine")
     assert len(spine) == 3

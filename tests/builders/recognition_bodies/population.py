@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from figure import about
@@ -56,25 +57,36 @@ SETS = ("development", "judging")
 _OTHER = {"left": "right", "right": "left"}
 
 
-def population(which: int) -> Iterator[Case]:
-    """All cases of one of the two sets: of each kind, crowds, companies, animals with paws."""
+def population(which: int, wanted: Callable[[str], bool] = lambda name: True) -> Iterator[Case]:
+    """The cases of one of the two sets: of each kind, crowds, companies, animals with paws.
+
+    wanted: by their names; the others are not made.
+    """
+    for name, make in _makers(which):
+        if wanted(name):
+            yield make()
+
+
+def _makers(which: int) -> Iterator[tuple[str, Callable[[], Case]]]:
     number = 0
     for kind, (make, count) in KINDS.items():
         for k in range(count):
-            random = np.random.default_rng([which, number])
+            yield f"{kind} {k}", partial(_alone, f"{kind} {k}", make, [which, number], 2 * k + which)
             number += 1
-            name = f"{kind} {k}"
-            yield case_of(name, random, [make(random)], 2 * k + which)
     for k in range(10):
-        yield crowd(which, k, number)
+        yield f"crowd {k}", partial(crowd, which, k, number)
     for k in range(10):
-        yield company(which, k, number + 10)
+        yield f"company {k}", partial(company, which, k, number + 10)
     for k in range(20):
-        yield furnished(which, k, number + 20)
+        yield f"furniture {k}", partial(furnished, which, k, number + 20)
     # Numbers of their own, so that what was made before them stays what it was.
     for k in range(24):
-        random = np.random.default_rng([which, k, len(KINDS)])
-        yield case_of(f"paws {k}", random, [pawed(random)], 2 * k + which)
+        yield f"paws {k}", partial(_alone, f"paws {k}", pawed, [which, k, len(KINDS)], 2 * k + which)
+
+
+def _alone(name: str, make: Callable[[Random], Skeleton], seed: list[int], style: int) -> Case:
+    random = np.random.default_rng(seed)
+    return case_of(name, random, [make(random)], style)
 
 
 def crowd(which: int, k: int, first: int) -> Case:
