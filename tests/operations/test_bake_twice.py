@@ -281,6 +281,7 @@ def test_what_is_keyed_on_a_root_control_goes_to_the_joints_and_back() -> None:
 def test_a_root_control_stays_where_keys_of_others_count_from_it() -> None:
     """Before, a second add-controls turned it to the new up axis, and keyed poles went along."""
     rig = read(SAMPLES / "biped.usda").rig
+    rig = replace(rig, clips=rig.clips[:1])
     rig = bake(add_controls(rig, options=WHOLE), options=BakeOptions(to="controls"))
     lying = freeze(rig, options=FreezeOptions(up_axis="z"))
     again = add_controls(lying, options=WHOLE)
