@@ -46,14 +46,14 @@ def kept_of(solver: Solver, parts: dict[int, Parts], block: int, frames: int) ->
 
 @pytest.mark.parametrize("block", [slow(1), 7, slow(64)])
 def test_blocks_change_no_bit_of_what_controls_get(block: int) -> None:
-    solver, parts = moving(100)
-    whole = kept_of(solver, parts, 100, 100)
+    solver, parts = moving(30)
+    whole = kept_of(solver, parts, 30, 30)
     assert {note["type"] for node, note in solver.rig.metadata.items() if node in whole} == {
         "control",
         "offset",
         "poleVector",
     }
-    assert kept_of(solver, parts, block, 100) == whole
+    assert kept_of(solver, parts, block, 30) == whole
 
 
 @pytest.mark.slow
