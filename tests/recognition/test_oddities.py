@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from posed_bodies import Pose, posed_body
 from recognition_bodies import oddities, seeds
 from recognition_bodies.cases import Case
 from recognition_bodies.measure import Finding, measure, stands_right
 from recognition_bodies.truth import nameless
+from rigs import rig_of
 
+from rigtri.maths.matrices import inverse
+from rigtri.model.skin import Skin
 from rigtri.recognition.layout import Layout
 from rigtri.recognition.recognise import recognise
 
@@ -107,3 +111,42 @@ def test_a_middle_finger_whose_palm_bone_begins_nearest_to_the_wrist_is_no_thumb
         if chain.kind == "finger" and "thumb" in chain.name
     ]
     assert sorted(thumbs) == ["left thumb 1", "right thumb 1"]
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 0, 1, 2), (3, 2, 1, 0)])
+def test_an_arm_ends_in_the_middle_of_a_palm_whose_bones_all_begin_at_its_wrist(
+    order: tuple[int, ...],
+) -> None:
+    """In whatever order the file has them; without a hand of their own, and without names."""
+    places: dict[str, tuple[float, float, float]] = {
+        "hips": (0, 1, 0),
+        "spine": (0, 1.2, -0.02),
+        "chest": (0, 1.4, 0),
+        "neck": (0, 1.55, 0),
+        "head": (0, 1.65, 0.02),
+        "top": (0, 1.85, 0.02),
+    }
+    above = {"spine": "hips", "chest": "spine", "neck": "chest", "head": "neck", "top": "head"}
+    for s, x in (("L", 1), ("R", -1)):
+        for name, (aside, high, ahead), parent in (
+            ("thigh", (0.1, 0.95, 0), "hips"),
+            ("shin", (0.1, 0.5, 0.02), f"thigh{s}"),
+            ("foot", (0.1, 0.08, 0), f"shin{s}"),
+            ("toe", (0.1, 0.02, 0.12), f"foot{s}"),
+            ("arm", (0.18, 1.45, 0), "chest"),
+            ("fore", (0.45, 1.45, -0.02), f"arm{s}"),
+        ):
+            places[name + s], above[name + s] = (aside * x, high, ahead), parent
+        for k in order:
+            for j, (out, spread) in enumerate(((0.7, 0.0), (0.79, 1.0), (0.83, 1.2), (0.86, 1.3))):
+                places[f"{k}{j}{s}"] = (out * x, 1.45, 0.03 * (k - 1.5) * spread)
+                above[f"{k}{j}{s}"] = f"fore{s}" if j == 0 else f"{k}{j - 1}{s}"
+    names = list(places)
+    parents = [names.index(above[name]) if name in above else -1 for name in names]
+    at = np.array([*places.values()])
+    local = at - np.where(np.array(parents)[:, np.newaxis] >= 0, at[parents], 0.0)
+    rig = rig_of([f"n{k}" for k in range(len(names))], parents, local)
+    rig = replace(rig, skins=(Skin("skin", np.arange(len(names)), inverse(rig.world)),))
+    ends = {names[chain.bend[2]] for chain in recognise(rig).chains if chain.kind == "arm"}
+    assert len(ends) == 2
+    assert all(end[0] in "12" for end in ends)
