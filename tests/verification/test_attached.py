@@ -14,7 +14,7 @@ from program import cli
 from rigs import rig_of
 
 from rigtri.formats import read
-from rigtri.model.bindings import Bound
+from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.verification.compare.attachments import compare_attached
 from rigtri.verification.compare.compare import self_check, verify
@@ -183,3 +183,40 @@ def test_vectors_are_compared_in_the_world_by_their_place_in_the_file() -> None:
     assert told((), (now,))[0].endswith("of head is 1, 0, 0 in the world, was none")
     nothing = replace(now, vector=np.zeros(3))
     assert told((), (nothing,)) == told((nothing,), ()) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "node", "source", "turned", "told"),
+    [
+        ("rotation", 1, 3, "", ""),
+        ("rotation", 1, 3, "a", "compares axes that no longer correspond"),
+        ("rotation", 1, 3, "a c", ""),
+        ("rotation", 1, 3, "root b", ""),  # above both
+        ("roll", 3, 1, "c", "points in another direction"),
+        ("roll", 3, 1, "a", ""),  # by their parents alone
+        ("roll", 3, 1, "b", "compares axes that no longer correspond"),
+        ("roll", 3, 1, "root b", ""),
+        ("roll", 1, 0, "", ""),
+        ("roll", 1, 0, "b c", ""),
+        ("roll", 1, 0, "root b c", "compares axes that no longer correspond"),  # with those of the world
+        ("aim", 1, 3, "c", ""),
+        ("aim", 1, 3, "a", "points in another direction"),
+    ],
+)
+def test_constraints_are_compared_by_the_axes_that_they_compare(
+    kind: Any, node: int, source: int, turned: str, told: str
+) -> None:
+    """Whose axes are new, each for itself: the others stand in the world as they did."""
+    names, parents = ["root", "a", "b", "c"], [-1, 0, 0, 2]
+    quarter, back = np.array([0.0, 0, 1, 1]) / np.sqrt(2), np.array([0.0, 0, -1, 1]) / np.sqrt(2)
+    rig = rig_of(names, parents, np.zeros((4, 3)))
+    new = [name in turned.split() for name in names]
+    rotation = rig.rotation.copy()
+    for k, parent in enumerate(parents):
+        if (above := parent >= 0 and new[parent]) != new[k]:
+            rotation[k] = back if above else quarter
+    axis = np.array([1.0, 0, 0]) * (kind != "rotation")
+    rule = NodeConstraint(kind, node, source, axis)
+    pair = replace(rig, node_constraints=(rule,)), replace(rig, rotation=rotation, node_constraints=(rule,))
+    found = compare_attached(*pair, match(*pair, by_key=True))
+    assert [told in one for one in found] == ([True] if told else [])
