@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import tempfile
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
@@ -25,6 +24,7 @@ from ruamel.yaml import YAML
 from second_opinions import validator
 
 from rigtri.errors import FileError, UsageError
+from rigtri.files import temp_dirs
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.options.orient_joints import OrientJointsOptions
@@ -739,12 +739,10 @@ def test_only_the_output_waits_for_the_disk_and_few_steps_are_kept_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Before, each step was forced to the disk, and all of them stayed there until the last was done."""
-    monkeypatch.setenv("TMPDIR", str(tmp_path))
-    monkeypatch.setattr(tempfile, "tempdir", None)
     sync, folders = os.fsync, list[int]()
 
     def synced(file: int) -> None:
-        folders.append(len([*tmp_path.rglob("biped.glb")]))
+        folders.append(len([*Path(temp_dirs.root()).rglob("biped.glb")]))
         sync(file)
 
     monkeypatch.setattr(os, "fsync", synced)
