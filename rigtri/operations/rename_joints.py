@@ -20,7 +20,7 @@ from rigtri.recognition.layout import CONFIDENT, Part
 from rigtri.recognition.recognise import recognise
 from rigtri.recognition.written_names import written_chains, written_names
 from rigtri.report import Report
-from rigtri.text import and_more
+from rigtri.text import and_more, list_names
 
 FORMAT = "rigtri names 1"
 
@@ -47,6 +47,7 @@ def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> 
     _refuse_taken(rig, names, [rig.find(joint) for joint in options.name])
     if not names:
         return rig
+    _warn_shared(rig, names, report)
     after = renamed(rig, names)
     for node, name in sorted(names.items()):
         known = {"name": name, "was": rig.names[node], "now": after.address(node)}
@@ -206,6 +207,19 @@ def _refuse_clashes(rig: Rig, names: Mapping[int, str], back: Collection[int]) -
                 "one out with --exclude; of two characters rename one at a time with --below NAME"
             )
         taken.setdefault(name, node)
+
+
+def _warn_shared(rig: Rig, names: Mapping[int, str], report: Report) -> None:
+    """Warn of new names that a mesh or another node has, too: engines may find that one."""
+    new = {*names.values()} - {""}
+    others = [k for k in range(len(rig)) if rig.names[k] in new and not rig.is_joint[k] and k not in names]
+    if others and not rig.rules.sized_binding:  # prims of USD are no joints
+        free = f"rigtri rename-joints --name '#{others[0]}={_free(rig.names[others[0]], {*rig.names, *new})}'"
+        report.warn(
+            "shared-name",
+            f"Nodes that are no joints are called {list_names(rig.names[k] for k in others)}, too. Unity and "
+            f"three.js find joints by their names alone: rename those, e.g. with {free}",
+        )
 
 
 def _refuse_taken(rig: Rig, names: Mapping[int, str], given: Iterable[int]) -> None:

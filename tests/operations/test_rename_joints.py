@@ -254,6 +254,19 @@ def test_a_clash_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     assert not out.exists()
 
 
+def test_a_mesh_that_is_called_as_a_joint_now_is_named_with_the_way_out() -> None:
+    rig, report = rigtri.read(SAMPLES / "biped.glb"), Report()
+    body = int(np.flatnonzero(rig.attachment >= 0)[0])
+    names = tuple("LeftHand" if node == body else name for node, name in enumerate(rig.names))
+    rig = replace(rig, names=names)
+    out = rigtri.rename_joints(rig, to="godot", report=report)
+    (shared,) = (warning.text for warning in report.warnings if warning.code == "shared-name")
+    assert "called 'LeftHand', too" in shared
+    command = shared.rsplit("'", 2)[1]
+    joint, name = command.split("=")
+    assert rigtri.rename_joints(out, name={joint: name}).names[body] == "LeftHand_2"
+
+
 def test_what_is_no_character_is_refused_with_the_reason(tmp_path: Path) -> None:
     with pytest.raises(GeometryError, match="No character is recognised"):
         rigtri.rename_joints(rigtri.read(small(4).glb(tmp_path / "in.glb")), to="unreal")
