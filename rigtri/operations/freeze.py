@@ -67,13 +67,15 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
     if options.scales:
         rig = _without_scale(rig, nodes, below, options, report)
         _warn_keyed(rig, [node for node in nodes if not below[node]], report)
+    kept = dict[str, list[str]]()
     for node in _unfrozen(rig, fixed, below, options):
-        text = f"{rig.title(node)} is not frozen: {rig.rules.fixed[node]}"
-        report.warn("not-frozen", text, geometry=True)
+        kept.setdefault(rig.rules.fixed[node], []).append(rig.title(node))
+    for why, names in kept.items():
+        report.warn("not-frozen", f"Not frozen: {and_more(names, 6)}: {why}", geometry=True)
     if left := _unfrozen(rig, sorted(rig.rules.instances), below, options):
-        names = and_more([rig.title(node) for node in left], 6)
-        text = f"{names}: what is below instances is the same in all, so they keep what rotation "
-        report.warn("not-frozen", f"{text}and scale they have relative to the first", geometry=True)
+        text = "what is below instances is the same in all, so they keep what rotation and scale they have"
+        instances = and_more([rig.title(node) for node in left], 6)
+        report.warn("not-frozen", f"{instances}: {text} relative to the first", geometry=True)
     if len(report.joints) > known:
         warn_unread(rig, report)
         rig = _with_plain_meshes(rig, before)
