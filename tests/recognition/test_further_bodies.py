@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from recognition_bodies.population import population
 from recognition_bodies.skeletons import ARM, HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.truth import nameless
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.character_draft import Draft
@@ -235,3 +238,14 @@ def test_fins_that_start_at_one_joint_are_neither_legs_nor_arms(named: bool) -> 
     """Before, the hind ones were surely legs, though as arms those in front were not sure."""
     for one in recognise(rig_with(FISH, named=named)).characters:
         assert not any(chain.is_sure for chain in one.limbs)
+
+
+@pytest.mark.parametrize("word", ["", "bone", "twist", "tail", "ear", "helper", "socket"])
+def test_one_more_pair_is_no_limb_where_its_names_say_what_a_body_wears(word: str) -> None:
+    rig = nameless(next(population(0, "person 9".__eq__)).rig)
+    names = list(rig.names)
+    for node in (58, 59, 60, 62, 63, 64):
+        names[node] = f"{word}_{node}" if word else ""
+    found = recognise(replace(rig, names=tuple(names)))
+    more = [chain for chain in found.chains if any("one more pair" in each for each in chain.evidence)]
+    assert len(more) == (2 if word in ("", "bone") else 0)
