@@ -210,15 +210,16 @@ def _refuse_clashes(rig: Rig, names: Mapping[int, str], back: Collection[int]) -
 
 
 def _warn_shared(rig: Rig, names: Mapping[int, str], report: Report) -> None:
-    """Warn of new names that a mesh or another node has, too: engines may find that one."""
+    """Warn of new names that the node of a mesh, camera or light has, too: engines may find that one."""
     new = {*names.values()} - {""}
-    others = [k for k in range(len(rig)) if rig.names[k] in new and not rig.is_joint[k] and k not in names]
+    shows = np.flatnonzero((rig.attachment >= 0) & ~rig.is_joint).tolist()
+    others = [node for node in shows if rig.names[node] in new and node not in names]
     if others and not rig.rules.sized_binding:  # prims of USD are no joints
         free = f"rigtri rename-joints --name '#{others[0]}={_free(rig.names[others[0]], {*rig.names, *new})}'"
         report.warn(
             "shared-name",
-            f"Nodes that are no joints are called {list_names(rig.names[k] for k in others)}, too. Unity and "
-            f"three.js find joints by their names alone: rename those, e.g. with {free}",
+            f"Nodes of meshes, cameras or lights are called {list_names(rig.names[k] for k in others)}, too. "
+            f"Unity and three.js find joints by their names alone: rename those, e.g. with {free}",
         )
 
 

@@ -262,6 +262,10 @@ def test_a_mesh_that_is_called_as_a_joint_now_is_named_with_the_way_out() -> Non
     out = rigtri.rename_joints(rig, to="godot", report=report)
     (shared,) = (warning.text for warning in report.warnings if warning.code == "shared-name")
     assert "called 'LeftHand', too" in shared
+    # Those of another character are no joints, either, where one was taken alone; they have no meshes.
+    bare = replace(rig, attachment=np.full(len(rig), -1))
+    rigtri.rename_joints(bare, to="godot", report=(silent := Report()))
+    assert not silent.warnings
     command = shared.rsplit("'", 2)[1]
     joint, name = command.split("=")
     assert rigtri.rename_joints(out, name={joint: name}).names[body] == "LeftHand_2"
