@@ -14,7 +14,7 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.front_or_hind import is_further
 from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
-from rigtri.recognition.limb_pairs import Limbs, like_clavicles
+from rigtri.recognition.limb_pairs import Limbs, lacks_hand
 from rigtri.recognition.limb_triples import TIE, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement
 from rigtri.recognition.naming_schemes import parse_name
@@ -158,9 +158,11 @@ def _shaped(body: Body, limbs: Limbs) -> LimbKind:
 def _shape_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
     """How sure the limbs of a body are by its shape."""
     sure = _body_confidence(draft, body, limbs) * (0.85 + 0.15 * within(limbs.quality, 0.25, 0.55))
-    if len(limbs.at) == 3 and len(limbs.pair.paths[0]) > 3:
+    # Of a hind leg with a hock either reading is right.
+    hind = body.form == "quadruped" and limbs is body.legs
+    if not hind and len(limbs.at) == 3 and len(limbs.pair.paths[0]) > 3:
         sure -= 0.2 * (1.0 - within(limbs.lead, TIE, 3.0 * TIE))
-    if limbs is body.arms and _lacks_hand(draft, limbs):
+    if limbs is body.arms and lacks_hand(draft.tree, limbs):
         sure = min(sure, _HALF)
     return min(sure, _HALF) if draft.shape.legs or len(limbs.at) < 3 else sure
 
@@ -175,18 +177,6 @@ def _name_evidence(limbs: Limbs) -> float:
 def _has_both(body: Body | None) -> bool:
     """Whether a body has legs and arms: of a pair alone shape does not say which it is."""
     return body is not None and body.legs is not None and body.arms is not None
-
-
-def _lacks_hand(draft: Draft, limbs: Limbs) -> bool:
-    """Whether arms of no more than three joints may be clavicle, upper arm and forearm, without a hand.
-
-    Or their hands are joints elsewhere that only stand in the right place.
-    """
-    if len(limbs.at) < 3 or limbs.named > 0:
-        return False
-    _, middle, end = limbs.joints(0)
-    whole = limbs.at[0] == 0 and limbs.at[2] == len(limbs.pair.paths[0]) - 1
-    return (whole and like_clavicles(draft.tree, limbs)) or not draft.tree.is_below(end, middle)
 
 
 def _words(body: Body | None, limbs: Limbs, kind: str, *, four: bool) -> Iterator[str]:
@@ -217,7 +207,10 @@ def _body_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
     moving = [k for k in draft.shape.limbs if any(map(draft.poses.moves_points, k.joints(0)))]
     if body.doubt or stands_too(draft.tree, body, moving):
         return min(sure, _HALF)
+    # On four, front and hind legs are legs either way; which end has the head is asked apart.
+    same = {body.legs, body.arms} if body.form == "quadruped" else {None}
     ways = (k for k in draft.shape.bodies[1:] if not {k.legs, k.arms} & {None})
+    ways = (k for k in ways if k.form == "biped" or {k.legs, k.arms} != same)
     others = [k.score for k in ways if limbs is not (k.legs if limbs is body.legs else k.arms)]
     if body.score - max(others, default=0.0) < _CLOSE:
         sure -= 0.2

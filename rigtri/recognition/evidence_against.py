@@ -7,28 +7,29 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rigtri.recognition.arms_legs import AGREED, Found
+from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.limb_triples import HAND
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
+    arm_as_front_leg,
     arm_as_leg,
     goes_on,
     later_start,
-    may_be_a_thing,
     middle_bone,
     other_bend,
     other_end,
-    points_ahead,
     reaches_further,
     rival,
     skirt,
     upside_down,
 )
 from rigtri.recognition.split_bones import further_part, no_hand, split_bone
-from rigtri.recognition.things import only_things
+from rigtri.recognition.things import bends_to_and_fro, may_be_a_thing, only_things, points_ahead
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
 _UNSURE = 0.6
@@ -209,7 +210,7 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         len(found) == 4 and all(k.kind == "leg" for k in found) and not {"head", "hips", "spine"} & set(bones)
     )
     beside = body and body.legs and body.arms and body.legs.pair.above == body.arms.pair.above
-    if four and beside and _corners(draft, found) < 4:
+    if four and beside and _corners(draft, found) < 4 and not _is_alive(draft, body):
         return "no trunk is between its front and its hind legs"
     return ""
 
@@ -255,6 +256,16 @@ def _corners(draft: Draft, found: Sequence[Found]) -> int:
     return len(corners)
 
 
+def _is_alive(draft: Draft, body: Body | None) -> bool:
+    """Whether the hind legs bend to and fro, as no table's, and one end of the trunk has a head."""
+    plane = draft.shape.plane
+    if body is None or body.legs is None or plane is None or not any(draft.facing):
+        return False
+    paths = body.legs.pair.paths
+    to_and_fro = all(bends_to_and_fro(draft.tree, path, draft.facing) for path in paths)
+    return to_and_fro and head_end(draft.tree, body, plane, draft.poses) != 0
+
+
 def _by_words(each: Found) -> bool:
     """Whether single words of names say of a pair what it is."""
     return each.pair is not None and each.pair.kind == each.kind
@@ -288,7 +299,8 @@ def _numbers(name: str) -> list[int]:
 def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found], doubts: Mapping[int, str]) -> str:
     """Arms without hands are told by the legs: where evidence denies these, they are not sure.
 
-    Chairs have both. doubts: what speaks against each limb, by its id.
+    Chairs have both. Which joints of a leg bend does not matter. doubts: what speaks against each limb, by
+    its id.
     """
     body = draft.shape.body
     if len(each.joints) != 3 or _is_named(draft, each) or _by_words(each):
@@ -298,7 +310,8 @@ def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found], doubts: Mapp
     if each.pair.thumb and each.pair.fingers >= HAND:
         return ""
     for leg in (k for k in found if k.pair is body.legs):
-        if skirt(draft, leg) or (len(leg.joints) == 3 and doubts[id(leg)]):
+        why = doubts[id(leg)] if len(leg.joints) == 3 else ""
+        if skirt(draft, leg) or (why and all(why != doubt(draft, leg) for doubt in _OF_JOINTS)):
             return "its legs are not sure"
     return ""
 
@@ -323,6 +336,8 @@ def _alone(*doubts: Callable[[Draft, Found], str]) -> tuple[_Doubt, ...]:
     return tuple(map(one, doubts))
 
 
+# Doubts that a leg bends at these joints, and not that it is a leg.
+_OF_JOINTS = (other_bend, ankle_as_knee, later_start, goes_on, middle_bone, reaches_further)
 # What is asked of every limb, of those whose three joints a naming scheme knows, and of those that shape or
 # single words tell: each gives what speaks against a limb, in words, or "". What is plainer comes first.
 _OF_ANY = (
@@ -334,6 +349,7 @@ _OF_NAMES = (*_alone(_unnamed_between), _unlike_twin, *_alone(_counted, _one_of_
 _OF_SHAPES = (
     upside_down,
     arm_as_leg,
+    arm_as_front_leg,
     *_alone(_named_to_bend_elsewhere, _misnamed, other_bend, no_hand, split_bone, only_things),
     *_alone(
         further_part,

@@ -51,8 +51,8 @@ _OPPOSED, _ODD = radians_below(40), 2.0
 _LEANS, _LIES = 0.35, 0.7
 # So far ahead feet point (a cosine).
 _AHEAD = 0.5
-# Thighs that go so far ahead (a sine, 53°) are those of someone who sits: hips do not bend back so far.
-_SITS = 0.8
+# Thighs that go so far ahead (a sine, 45°) are those of someone who sits: hips do not bend back so far.
+_SITS = 0.7
 # A face stands so far ahead of the trunk or skull, as a part of a limb, to count in full.
 _FACE = 0.15
 _ENDS = ("face", "skull", "tail")

@@ -45,8 +45,15 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
 
 
 def _of_wing(draft: Draft, limbs: Limbs, path: Sequence[int]) -> tuple[int, ...]:
-    """Where a wing bends: by its shape, but in no feather; before one, in the first three joints."""
-    bones = [node for node in path if "feather" not in roles_in_name(draft.tree.rig.names[node])]
+    """Where a wing bends: by its shape, but in no feather or finger; before one, in the first three joints.
+
+    Fingers begin where two branches are called wings.
+    """
+    names, below = draft.tree.rig.names, draft.tree.below
+    bones = [node for node in path if "feather" not in roles_in_name(names[node])]
+    wings = [sum("wing" in roles_in_name(names[k]) for k in below[node]) for node in bones]
+    hand = next((k for k, count in enumerate(wings) if k > 1 and count > 1), len(bones))
+    bones = bones[: hand + 1]
     joints = tuple(path[k] for k in limbs.at)
     return joints if set(joints) <= set(bones) or len(bones) < 3 else tuple(bones[:3])
 

@@ -56,11 +56,23 @@ class Limbs:
         return tuple(self.pair.paths[which][k] for k in self.at)
 
 
-def like_clavicles(tree: Tree, limbs: Limbs) -> bool:
+def _like_clavicles(tree: Tree, limbs: Limbs) -> bool:
     """Whether the first bones of two arms are short, or begin as near to each other, as clavicles do."""
     (start, middle, end), twin = limbs.joints(0), limbs.joints(1)[0]
     short = tree.bone[middle] < _COLLAR * tree.bone[end]
     return short or (tree.at[start] - tree.at[twin]).length < CLAVICLES * limbs.size
+
+
+def lacks_hand(tree: Tree, limbs: Limbs) -> bool:
+    """Whether arms of no more than three joints may be clavicle, upper arm and forearm, without a hand.
+
+    Or their hands are joints elsewhere that only stand in the right place.
+    """
+    if len(limbs.at) < 3 or limbs.named > 0:
+        return False
+    _, middle, end = limbs.joints(0)
+    whole = limbs.at[0] == 0 and limbs.at[2] == len(limbs.pair.paths[0]) - 1
+    return (whole and _like_clavicles(tree, limbs)) or not tree.is_below(end, middle)
 
 
 def limbs_of(

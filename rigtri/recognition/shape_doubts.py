@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.maths.triangle import bend_angle
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import SIMILAR, Body, height, lowest
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.facing import feet_ahead, long_feet
+from rigtri.recognition.facing import long_feet
 from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
@@ -38,14 +38,8 @@ _NARROW, _HARDLY = 0.16, 0.45
 _SIMILAR = 0.15
 # Bones of a longer chain that are less like those of a limb than this.
 _NO_LIMB = 0.25
-# A gun points ahead by this (a cosine, 25°), and goes down by less than this part of its length.
-_AIMED, _DROOPS = 0.906, 0.5
-# What lives has feet that point ahead this far, 0 to 1, or moves a knee in clips by this (15°, in radians).
-_POINTED, _MOVED = 0.5, 0.26
 # Front and hind legs end as low as each other up to this part of a leg.
 _LOW = 0.2
-# Legs go down by this (a cosine), of those that sit, too.
-_STANDS = 0.5
 # A bone that is so small a part of the next one is hardly any.
 _HARDLY_ANY = 0.2
 # Ankles and most hocks stand lower than this part of the height of the hips; and legs bend at them by more
@@ -55,10 +49,10 @@ _HIGH, _NO_HOCK = 0.4, 0.82
 _FURTHER = 0.75
 # First joints are so near to each other, of what the next ones are, that they may be in the middle.
 _INNER = 0.3
-# A clavicle is at most so long a part of the upper arm.
-_CLAVICLE = 0.6
+# What a foot moves goes less far beyond it than this part of the lower bone.
+_SOLE = 0.5
 # A joint of a leg with a hock stands so far beside the line of its neighbours, as a part of that.
-_ZIGZAG = 0.08
+ZIGZAG = 0.08
 _THREE: tuple[Level, Level, Level] = ("upper", "lower", "end")
 # Names that say so far which three joints bend: those of all three, one of them vague.
 _CALLED = 0.8
@@ -107,12 +101,27 @@ def _leads_up(draft: Draft, node: int) -> bool:
     return (draft.tree.at[node] - draft.tree.at[above]).dot(draft.up) > 0.0
 
 
-def other_bend(_: Draft, each: Found) -> str:
-    """Shape that hardly tells which joint of a chain bends."""
-    mine = each.pair
+def arm_as_front_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """Arms on the ground, below another pair of arms: names of bones are those of front legs, too."""
+    body, mine = draft.shape.body, each.pair
+    if each.kind != "arm" or mine is None or body is None or body.legs is None or mine is body.legs:
+        return ""
+    at, up = draft.tree.at, draft.up
+    over = any(
+        k.kind == "arm" and k.pair is not mine and at[k.joints[0]].dot(up) > mine.starts.dot(up)
+        for k in found
+    )
+    high = abs(lowest(draft.tree, mine, up) - lowest(draft.tree, body.legs, up))
+    return "it ends as low as the legs, below other arms" if over and high < _LOW * body.legs.size else ""
+
+
+def other_bend(draft: Draft, each: Found) -> str:
+    """Shape that hardly tells which joint of a chain bends; of a hind leg with a hock either is right."""
+    mine, body = each.pair, draft.shape.body
     if mine is None or len(mine.pair.paths[0]) < 4 or mine.named > 0.0:
         return ""
-    unclear = mine.quality < _NO_LIMB or (mine.lead < _NARROW and mine.quality < _HARDLY)
+    hind = body is not None and body.form == "quadruped" and mine is body.legs
+    unclear = mine.quality < _NO_LIMB or (not hind and mine.lead < _NARROW and mine.quality < _HARDLY)
     return "another joint of its chain may be the one that bends" if unclear else ""
 
 
@@ -167,7 +176,7 @@ def has_hock(draft: Draft, joints: Sequence[int], after: int) -> bool:
     knee_ahead, hock_ahead = (
         beside(tree, three).dot(draft.facing) for three in ((start, knee, hock), (knee, hock, after))
     )
-    return knee_ahead > 0.0 and hock_ahead < -_ZIGZAG
+    return knee_ahead > 0.0 and hock_ahead < -ZIGZAG
 
 
 def later_start(draft: Draft, each: Found) -> str:
@@ -260,7 +269,11 @@ def rival(draft: Draft, each: Found) -> str:
     if start > 0 and further > _TIP * (upper + lower) and not hand and bend > STRAIGHT:
         return "its middle may be a twist joint of its upper bone, as a long bone follows"
     ends = start > 0 and end == len(path) - 1 and not fingers and not _has_names_of_three(draft, each)
-    if ends and _hangs_from_a_lying_trunk(body, mine) and not _stands_below_its_blade(tree, body, mine):
+    if (
+        ends
+        and _hangs_from_a_lying_trunk(body, mine)
+        and not (_stands_below_its_blade(tree, body, mine) or (start == 1 and _moves_a_foot(draft, mine)))
+    ):
         return "its first bone may be a shoulder blade or an upper bone, and nothing shows where its foot is"
     if front:
         return ""
@@ -296,6 +309,18 @@ def _stands_below_its_blade(tree: Tree, body: Body | None, arms: Limbs) -> bool:
     return abs(lowest(tree, arms, body.up) - lowest(tree, legs, body.up)) < _LOW * legs.size
 
 
+def _moves_a_foot(draft: Draft, mine: Limbs) -> bool:
+    """Whether what the ends of both limbs move goes less far beyond them than a shin does."""
+    for which in (0, 1):
+        _, middle, end = mine.joints(which)
+        on = draft.tree.at[end] - draft.tree.at[middle]
+        points = draft.poses.box_of([end], draft.tree.places)
+        far = max(((point - draft.tree.at[end]).dot(on.unit) for point in points), default=inf)
+        if far > _SOLE * on.length:
+            return False
+    return True
+
+
 def _beside(draft: Draft, mine: Limbs) -> list[int]:
     """What hangs where the arms do, or a joint from there, and has no name that tells what it is."""
     tree, chest = draft.tree, mine.pair.above
@@ -320,75 +345,3 @@ def ankle_as_knee(draft: Draft, each: Found) -> str:
         return ""
     feet = long_feet(draft.tree, mine, body.up, draft.facing) if body.form == "biped" else 0.0
     return "its knee may be the ankle of a long foot" if feet else ""
-
-
-def points_ahead(draft: Draft, each: Found) -> str:
-    """An arm without fingers whose lower bone is level and points ahead, and that does not hang: a gun."""
-    mine, at = each.pair, draft.tree.at
-    if each.kind != "arm" or mine is None or mine.fingers >= 2 or mine.named > 0.0:
-        return ""
-    start, middle, end = (at[joint] for joint in each.joints)
-    drop = (start - end).dot(draft.up)
-    aimed = (end - middle).unit.dot(draft.facing) > _AIMED
-    return "it points ahead as a gun does" if aimed and drop < _DROOPS * (end - start).length else ""
-
-
-def may_be_a_thing(draft: Draft, each: Found) -> str:
-    """Legs and arms without names of which nothing shows that they live: lamps and cranes have such."""
-    mine, body = each.pair, draft.shape.body
-    if mine is None or body is None or body.legs is None or body.arms is None:
-        return ""
-    if mine.named > 0.0 or mine.kind or _has_names_of_bodies(draft):
-        return ""
-    if body.form == "quadruped":
-        pairs = [limbs for limbs in (body.legs, body.arms) if not _go_down(draft, limbs)]
-        return "its legs go aside, as those of a thing may" if pairs else ""
-    if max(body.legs.fingers, body.arms.fingers) >= 2 or _has_legs_that_live(draft, body, body.legs):
-        return ""
-    if _has_shoulders_and_neck(draft.tree, body.arms):
-        return ""
-    return "nothing shows that it is of a body and not of a thing: no fingers, feet, shoulders or motion"
-
-
-def _go_down(draft: Draft, legs: Limbs) -> bool:
-    """Whether both legs of a pair go down."""
-    at = draft.tree.at
-    ends = [(at[joints[0]], at[joints[-1]]) for joints in map(legs.joints, (0, 1))]
-    return all((start - end).unit.dot(draft.up) > _STANDS for start, end in ends)
-
-
-def _has_names_of_bodies(draft: Draft) -> bool:
-    """Whether any name is of a part of a body."""
-    if draft.reading is not None and draft.reading.bones:
-        return True
-    return any(word.levels or word.trunk for word in draft.words.values())
-
-
-def _has_legs_that_live(draft: Draft, body: Body, legs: Limbs) -> bool:
-    """Whether feet point ahead, clips bend both knees, or legs bend to and fro."""
-    tree, moving = draft.tree, draft.poses.moving
-    if len(moving) and len(legs.at) == 3:
-        bends = (bend_angle(*(moving[:, k] for k in legs.joints(which))) for which in (0, 1))
-        if min(float(angles.max() - angles.min()) for angles in bends) > _MOVED:
-            return True
-    if not _go_down(draft, legs):
-        return False  # what goes aside ends in no foot
-    to_and_fro = all(_bends_to_and_fro(tree, path, draft.facing) for path in legs.pair.paths)
-    return to_and_fro or abs(feet_ahead(tree, body, draft.facing, draft.poses)) > _POINTED
-
-
-def _has_shoulders_and_neck(tree: Tree, arms: Limbs) -> bool:
-    """Whether short clavicles lead to both arms, and two joints go on beside them: neck and head."""
-    for path in arms.pair.paths:
-        start, middle = arms.at[0], arms.at[1]
-        upper = (tree.at[path[middle]] - tree.at[path[start]]).length
-        if start == 0 or tree.bone[path[start]] > _CLAVICLE * upper:
-            return False
-    others = (k for k in tree.below.get(arms.pair.above, ()) if k not in arms.pair.nodes)
-    return any(len(tree.paths[k]) > 1 for k in others)
-
-
-def _bends_to_and_fro(tree: Tree, path: Sequence[int], ahead: Vector) -> bool:
-    """Whether the joints of a leg stand ahead of the line of their neighbours and behind it by turns."""
-    aside = [beside(tree, joints).dot(ahead) for joints in zip(path, path[1:], path[2:], strict=False)]
-    return max(aside, default=0.0) > _ZIGZAG and min(aside, default=0.0) < -_ZIGZAG

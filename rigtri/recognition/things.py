@@ -1,14 +1,33 @@
-"""Things: skeletons of which every name is of a part of a plant, a building or a machine."""
+"""Things: skeletons named as parts of plants, buildings or machines, and limbs that may be of a thing."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
+from rigtri.maths.scalar_vector import Vector
+from rigtri.maths.triangle import bend_angle
 from rigtri.recognition.arms_legs import Found
+from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.facing import feet_ahead
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_pairs import Limbs
+from rigtri.recognition.limb_triples import beside
 from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.shape_doubts import ZIGZAG
 from rigtri.recognition.word_tables import our_table, role_words
+
+# A gun points ahead by this (a cosine, 25°), and goes down by less than this part of its length.
+_AIMED, _DROOPS = 0.906, 0.5
+# What lives has feet that point ahead this far, 0 to 1, or moves a knee in clips by this (15°, in radians).
+_POINTED, _MOVED = 0.5, 0.26
+# Legs go down by this (a cosine), of those that sit, too; and by the second (45°) where they carry a trunk
+# that lies: fins go aside.
+_STANDS, _CARRIES = 0.5, 0.7
+# A clavicle is at most so long a part of the upper arm.
+_CLAVICLE = 0.6
 
 
 @cache
@@ -26,3 +45,75 @@ def only_things(draft: Draft, each: Found) -> str:
     if not all(map(_things().intersection, [*words, *own])):
         return ""
     return "its name, and all others here, are of parts of things and not of a body"
+
+
+def points_ahead(draft: Draft, each: Found) -> str:
+    """An arm without fingers whose lower bone is level and points ahead, and that does not hang: a gun."""
+    mine, at = each.pair, draft.tree.at
+    if each.kind != "arm" or mine is None or mine.fingers >= 2 or mine.named > 0.0:
+        return ""
+    start, middle, end = (at[joint] for joint in each.joints)
+    drop = (start - end).dot(draft.up)
+    aimed = (end - middle).unit.dot(draft.facing) > _AIMED
+    return "it points ahead as a gun does" if aimed and drop < _DROOPS * (end - start).length else ""
+
+
+def may_be_a_thing(draft: Draft, each: Found) -> str:
+    """Legs and arms without names of which nothing shows that they live: lamps and cranes have such."""
+    mine, body = each.pair, draft.shape.body
+    if mine is None or body is None or body.legs is None or body.arms is None:
+        return ""
+    if mine.named > 0.0 or mine.kind or _has_names_of_bodies(draft):
+        return ""
+    if body.form == "quadruped":
+        pairs = [limbs for limbs in (body.legs, body.arms) if not _go_down(draft, limbs, _CARRIES)]
+        return "its legs go aside, as those of a thing may" if pairs else ""
+    if max(body.legs.fingers, body.arms.fingers) >= 2 or _has_legs_that_live(draft, body, body.legs):
+        return ""
+    if _has_shoulders_and_neck(draft.tree, body.arms):
+        return ""
+    return "nothing shows that it is of a body and not of a thing: no fingers, feet, shoulders or motion"
+
+
+def _go_down(draft: Draft, legs: Limbs, far: float = _STANDS) -> bool:
+    """Whether both legs of a pair go down so far (a cosine), or their lower bones do, as those of lizards."""
+    at = draft.tree.at
+    ways = [[(at[k] - at[joints[-1]]).unit for k in joints[:-1]] for joints in map(legs.joints, (0, 1))]
+    return all(max(way.dot(draft.up) for way in each) > far for each in ways)
+
+
+def _has_names_of_bodies(draft: Draft) -> bool:
+    """Whether any name is of a part of a body."""
+    if draft.reading is not None and draft.reading.bones:
+        return True
+    return any(word.levels or word.trunk for word in draft.words.values())
+
+
+def _has_legs_that_live(draft: Draft, body: Body, legs: Limbs) -> bool:
+    """Whether feet point ahead, clips bend both knees, or legs bend to and fro."""
+    tree, moving = draft.tree, draft.poses.moving
+    if len(moving) and len(legs.at) == 3:
+        bends = (bend_angle(*(moving[:, k] for k in legs.joints(which))) for which in (0, 1))
+        if min(float(angles.max() - angles.min()) for angles in bends) > _MOVED:
+            return True
+    if not _go_down(draft, legs):
+        return False  # what goes aside ends in no foot
+    to_and_fro = all(bends_to_and_fro(tree, path, draft.facing) for path in legs.pair.paths)
+    return to_and_fro or abs(feet_ahead(tree, body, draft.facing, draft.poses)) > _POINTED
+
+
+def _has_shoulders_and_neck(tree: Tree, arms: Limbs) -> bool:
+    """Whether short clavicles lead to both arms, and two joints go on beside them: neck and head."""
+    for path in arms.pair.paths:
+        start, middle = arms.at[0], arms.at[1]
+        upper = (tree.at[path[middle]] - tree.at[path[start]]).length
+        if start == 0 or tree.bone[path[start]] > _CLAVICLE * upper:
+            return False
+    others = (k for k in tree.below.get(arms.pair.above, ()) if k not in arms.pair.nodes)
+    return any(len(tree.paths[k]) > 1 for k in others)
+
+
+def bends_to_and_fro(tree: Tree, path: Sequence[int], ahead: Vector) -> bool:
+    """Whether the joints of a leg stand ahead of the line of their neighbours and behind it by turns."""
+    aside = [beside(tree, joints).dot(ahead) for joints in zip(path, path[1:], path[2:], strict=False)]
+    return max(aside, default=0.0) > ZIGZAG and min(aside, default=0.0) < -ZIGZAG

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import HORSE, Joint, both, line, rig_with
+from recognition_bodies.skeletons import ARM, HORSE, TRUNK, Joint, both, line, rig_with
 
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
@@ -275,3 +275,75 @@ def test_a_joint_within_the_upper_bone_of_a_front_leg_may_end_its_blade() -> Non
     rest = [joint for joint in HORSE if joint[0].partition(".")[0] not in parts]
     _, sure = character([*rest, *both(front)])
     assert not any(joints.startswith("blade") for joints in sure.values())
+
+
+def test_fins_that_go_aside_are_no_legs() -> None:
+    """Before, those of a fish without names were four sure legs, down by 58° from the file's up."""
+    fish = line("s1 s2 s3 s4", "", (0, 0.5, 0.2), (0, 0.5, 0), (0, 0.5, -0.2), (0, 0.5, -0.4))
+    fish += [("head", "s1", (0, 0.5, 0.4)), ("tail", "s4", (0, 0.5, -0.7))]
+    for above, z in (("s1", 0.24), ("s2", 0.04)):
+        places = [(0.06, 0.45, z), (0.195, 0.37, z - 0.02), (0.33, 0.29, z - 0.04)]
+        fish += both(line(" ".join(f"{above}f{k}.L" for k in range(3)), above, *places))
+    assert character(fish)[1] == {}
+
+
+def test_legs_of_several_roots_that_bend_to_and_fro_are_no_tables() -> None:
+    """Before, no trunk was between them without names: legs of tables do not bend so, and have no head."""
+    roots = [(a, "" if "." in a and "." not in above else above, at) for a, above, at in HORSE]
+    assert character(roots)[1] == LEGS
+
+
+def test_a_blade_is_none_where_what_ends_the_front_leg_moves_a_foot() -> None:
+    """Before, a short first bone might be the upper one, although no shin was below the last joint."""
+    parts = {"upper_arm": (1.2, 0.7), "forearm": (0.85, 0.55), "hand": (0.3, 0.65)}
+    rest = [joint for joint in HORSE if not joint[0].startswith((*parts, "finger"))]
+    places = [(0.15, 1.5, 0.62), *((0.2, *place) for place in parts.values())]
+    cow = [*rest, *both(line("blade.L upper_arm.L forearm.L hand.L", "chest", *places))]
+    rig = rig_with(cow, named=False)
+    ends = np.array([[k] for k, (name, _, _) in enumerate(cow) if name.startswith("hand")])
+    for low, sure in ((0.1, True), (0.5, False)):
+        points = rig.world[ends[:, 0], 3, :3] - [0, low, 0]
+        mesh = Mesh("feet", -1, points, 0, ends, np.ones((2, 1)))
+        content = Content(read_outlines=partial(list, [mesh]))
+        (found,) = recognise(replace(rig, content=content)).characters
+        fronts = [chain for chain in found.chains if chain.name.endswith("front leg")]
+        assert [cow[fronts[0].bend[0]][0][:9], fronts[0].is_sure] == ["upper_arm", sure]
+
+
+def test_doubt_where_a_leg_begins_is_none_of_the_arms() -> None:
+    """Before, arms without hands were not sure where the legs' knees were not."""
+    legs = line("thigh.L shin.L foot.L", "hips", (0.004, 0.95, 0), (0.1, 0.52, 0.16), (0.1, 0.1, -0.02))
+    bent = [(0.04, 1.45, 0.0), (0.16, 1.45, 0.0), (0.42, 1.35, -0.1), (0.62, 1.2, 0.05)]
+    arms = [(name, above, at) for (name, above, _), at in zip(ARM, bent, strict=True)]
+    assert character([*TRUNK, *both([*arms, *legs])])[1].keys() == {"left arm", "right arm"}
+
+
+def test_arms_on_the_ground_below_other_arms_may_be_front_legs() -> None:
+    """Humerus and radius are names of a centaur's front legs, too. Before, it surely had four arms."""
+    hind = [
+        (0.07, 1.31, -0.03),
+        (0.12, 1.19, 0),
+        (0.12, 0.76, 0.21),
+        (0.12, 0.41, -0.23),
+        (0.12, 0.08, -0.13),
+    ]
+    front = [
+        (0.07, 1.35, 1.02),
+        (0.12, 1.06, 1.24),
+        (0.12, 0.74, 1.02),
+        (0.12, 0.1, 1.11),
+        (0.12, 0.03, 1.21),
+    ]
+    body = line("Pelvis Spine1 Spine2", "", (0, 1.36, 0), (0, 1.35, 0.37), (0, 1.41, 0.74))
+    body += line("Tail1 Tail2", "Pelvis", (0, 1.35, -0.12), (0, 1.19, -1.08))
+    body += line("Waist Torso Neck Head", "Spine2", *((0, y, 1.08) for y in (1.54, 1.88, 2.16, 2.29)))
+    legs = line("HipBlade.L Femur.L Tibia.L Metatarsus.L HindDigit.L", "Pelvis", *hind)
+    legs += line("Scapula.L Humerus.L Radius.L Metacarpus.L FrontDigit.L", "Spine2", *front)
+    reach = [(0.04, 2.09, 1.08), (0.18, 2.09, 1.08), (0.46, 1.89, 1.07), (0.72, 1.7, 1.07)]
+    joints = [
+        *body,
+        *both([*legs, *line("Clavicle.L UpperArm.L Forearm.L Hand.L", "Torso", *reach)]),
+    ]
+    (found,) = recognise(rig_with(joints)).characters
+    sure = [chain for chain in found.chains if chain.is_sure and chain.kind == "arm"]
+    assert {joints[chain.bend[0]][0] for chain in sure} == {"UpperArm.L", "UpperArm.R"}

@@ -249,3 +249,15 @@ def test_one_more_pair_is_no_limb_where_its_names_say_what_a_body_wears(word: st
     found = recognise(replace(rig, names=tuple(names)))
     more = [chain for chain in found.chains if any("one more pair" in each for each in chain.evidence)]
     assert len(more) == (2 if word in ("", "bone") else 0)
+
+
+def test_a_wing_ends_where_its_fingers_begin() -> None:
+    """Before, where noise made one finger its longest line, it surely bent a joint later."""
+    wing = line(
+        "wing_01.L wing_02.L wing_03.L", "chest", (0.02, 1.4, -0.2), (0.4, 1.45, -0.4), (0.8, 2.1, -0.5)
+    )
+    wing += line("wing_03_02.L wing_03_03.L", "wing_03.L", (1.27, 1.74, -0.6), (1.19, 1.15, -0.58))
+    joints = [*MAN, *both([*wing, ("wing_03_01.L", "wing_03.L", (0.9, 1.85, -0.53))])]
+    (found,) = recognise(rig_with(joints)).characters
+    wings = [[joints[k][0][:-2] for k in chain.bend] for chain in found.chains if chain.kind == "wing"]
+    assert wings == [["wing_01", "wing_02", "wing_03"]] * 2

@@ -142,10 +142,12 @@ def test_small_bends_the_wrong_way_turn_no_body_round_that_its_names_and_format_
 
 
 @pytest.mark.parametrize("swapped", [False, True])
-@pytest.mark.parametrize("yaw", [0.0, 140.0])
-def test_who_sits_faces_where_the_thighs_go_whatever_names_call_left(yaw: float, *, swapped: bool) -> None:
+@pytest.mark.parametrize(("yaw", "seated"), [(0.0, 85.0), (140.0, 85.0), (0.0, 50.0)])
+def test_who_sits_faces_where_the_thighs_go_whatever_names_call_left(
+    yaw: float, seated: float, *, swapped: bool
+) -> None:
     """Straight legs without toes: by its names alone it sat on its knees' backs, poles below the knees."""
-    body = posed_body(Pose("unreal", yaw=yaw, seated=85.0, toes=False, fingers=0))
+    body = posed_body(Pose("unreal", yaw=yaw, seated=seated, toes=False, fingers=0))
     others = {"_l": "_r", "_r": "_l"} if swapped else {}
     names = [name[:-2] + others.get(name[-2:], name[-2:]) for name in body.rig.names]
     (character,) = recognise(replace(body.rig, names=tuple(names))).characters
