@@ -395,6 +395,27 @@ def test_joints_are_renamed_in_animations_that_other_variants_bind(tmp_path: Pat
         assert apart(source, out, {"clip": variant}) < 1e-9
 
 
+@pytest.mark.parametrize("edit_target", ["root", "new"])
+@pytest.mark.parametrize(
+    "edit",
+    [["orient-joints", "--aim", "x", "--up", "z"], ["rename-joints", "--name", "b=knee"]],
+    ids=lambda e: e[0],
+)
+def test_of_two_sets_over_one_animation_the_same_hides_the_other(
+    edit: list[str], edit_target: str, tmp_path: Path
+) -> None:
+    clips = variant_set("clip", none="", run=animation(rotations=RUN))
+    lods = variant_set("lod", hi=animation(), lo=animation(**SOME))
+    source = save(tmp_path, choosing(scene(skeleton(), MESH, clips, lods), clip="run", lod="hi"))
+    out = tmp_path / "out.usda"
+    cli(edit[0], source, "-o", out, *edit[1:], "--edit-target", edit_target, code=0)
+    for clip, lod in product(("none", "run"), ("hi", "lo")):
+        assert apart(source, out, {"clip": clip, "lod": lod}) < 1e-5
+    stages = [Usd.Stage.Open(str(path)) for path in (source, out)]
+    for stage in stages:
+        assert stage.GetPrimAtPath("/Root").GetVariantSets().GetNames() == ["clip", "lod"]
+
+
 @pytest.mark.parametrize(
     ("edit", "token"),
     [(["rename-joints", "--name", "b=knee"], "a/knee/c"), (["add-root", "--above", "a"], "root/a/b/c")],

@@ -34,15 +34,39 @@ def instance_of(stage: Any, path: Any) -> Any:
 
 def apply_edits(stage: Any, edits: Sequence[Edit], layer: Any) -> None:
     """Make edits of a stage in a layer, those of prims inside instances through classes."""
-    inside: list[Edit] = []
-    with Sdf.ChangeBlock():
-        for edit in edits:
-            if instance_of(stage, edit.prim) is None:
-                edit(layer)
-            else:
-                inside.append(edit)
+    inside = [edit for edit in edits if instance_of(stage, edit.prim) is not None]
+    held = {id(edit) for edit in inside}
+    _make(stage, [edit for edit in edits if id(edit) not in held], layer)
     if inside:
         _Classes(stage, inside, layer).write()
+
+
+def _make(stage: Any, edits: Sequence[Edit], layer: Any) -> None:
+    """Make edits in a layer, with the variant sets of each prim in the order that they have on the stage.
+
+    The first opinion within a variant lists its set before all others, which would make it the strongest.
+    """
+    above = {path for edit in edits for path in Sdf.Path(edit.prim).GetPrefixes()}
+    named = {path: prim.GetVariantSets().GetNames() for path in above if (prim := stage.GetPrimAtPath(path))}
+    several = {path: names for path, names in named.items() if len(names) > 1}
+    before = {path: _listed_sets(layer, path) for path in several}
+    with Sdf.ChangeBlock():
+        for edit in edits:
+            edit(layer)
+    for path, names in several.items():
+        if (listed := _listed_sets(layer, path)) != before[path]:
+            items = layer.GetPrimAtPath(path).variantSetNameList
+            order = [*names, *(name for name in listed if name not in names)]
+            if items.isExplicit:
+                items.explicitItems = order
+            else:
+                items.prependedItems = order
+
+
+def _listed_sets(layer: Any, path: Any) -> list[str]:
+    """The variant sets that a layer lists for a prim, the strongest first."""
+    spec = layer.GetPrimAtPath(path)
+    return list(spec.variantSetNameList.GetAddedOrExplicitItems()) if spec else []
 
 
 class _Classes:
@@ -77,9 +101,7 @@ class _Classes:
             if inherited:
                 own[prototype] = inherited[0]
                 _copy_below(self.layer, inherited[0], scratch, prim.GetPath())
-        with Sdf.ChangeBlock():
-            for edit in self.edits:
-                edit(scratch)
+        _make(self.stage, self.edits, scratch)
         for prototype in order:
             self._write(prototype, own.get(prototype), scratch)
 

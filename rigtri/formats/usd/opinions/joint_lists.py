@@ -13,7 +13,7 @@ from rigtri.formats.usd.composition.stage import tokens_of
 from rigtri.formats.usd.composition.variants import SkeletonVariants, VariantState, variants_of
 from rigtri.formats.usd.opinions.composition_check import Expected
 from rigtri.formats.usd.opinions.edits import Edit, Setting, set_tokens
-from rigtri.formats.usd.opinions.variant_paths import inside_variants
+from rigtri.formats.usd.opinions.variant_paths import place_in_variants
 from rigtri.formats.usd.reading.skeleton_reader import nearest_listed
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.dataclass import dataclass
@@ -74,7 +74,7 @@ class JointLists:
         places = []
         for attribute in sorted(lists):
             path = attribute.GetPrimPath()
-            at = inside_variants(path, variants.depends[attribute], state, variants)
+            at = place_in_variants(attribute, state, variants)
             prim = variants.stage.GetPrimAtPath(path)
             tokens = tokens_of(prim, "joints")
             renamed = {token: new(token) for token in tokens if token in own}

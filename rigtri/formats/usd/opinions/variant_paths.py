@@ -7,8 +7,24 @@ from typing import Any
 from pxr import Sdf
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.variants import SkeletonVariants, VariantState, why_unselected
 from rigtri.formats.usd.opinions.instance_edits import instance_of
+
+
+def place_in_variants(attribute: Any, state: VariantState, variants: SkeletonVariants) -> Any:
+    """The path of a prim within variants, where an opinion on an attribute (its path) is seen in a state.
+
+    That of the opinion which is seen now, where the stage's own layers hold it in variants: of several sets
+    that do, one hides the other.
+    """
+    prim, shown = attribute.GetPrimPath(), variants.stage.GetAttributeAtPath(attribute)
+    for spec in shown.GetPropertyStack(DEFAULT)[:1] if shown else ():
+        own, place = spec.layer in variants.source.GetLayerStack(), spec.path.GetPrimPath()
+        within = place.StripAllVariantSelections() == prim and place.ContainsPrimVariantSelection()
+        if own and within and instance_of(variants.source, prim) is None:
+            return place
+    return inside_variants(prim, variants.depends.get(attribute, set()), state, variants)
 
 
 def inside_variants(prim: Any, sets: set[Any], state: VariantState, variants: SkeletonVariants) -> Any:

@@ -33,7 +33,7 @@ from rigtri.formats.usd.composition.variants import (
 )
 from rigtri.formats.usd.opinions.composition_check import Expected, agree
 from rigtri.formats.usd.opinions.edits import Binding, Edit, Setting
-from rigtri.formats.usd.opinions.variant_paths import inside_variants
+from rigtri.formats.usd.opinions.variant_paths import place_in_variants
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.reader import read_source
@@ -252,7 +252,7 @@ def _put_alike(
 
 def _put(edit: Setting, state: VariantState, variants: SkeletonVariants, result: dict[Any, Setting]) -> None:
     variants.choose(state.chosen)
-    path = inside_variants(edit.prim, variants.depends.get(edit.path, set()), state, variants)
+    path = place_in_variants(edit.path, state, variants)
     known = result.get(path.AppendProperty(edit.name))
     if known is None:
         result[path.AppendProperty(edit.name)] = replace(edit.at(path), prim=edit.prim)

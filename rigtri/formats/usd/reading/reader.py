@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -283,6 +284,7 @@ class _Reader:
     def _resting(self, clips: Sequence[Clip]) -> dict[int, Resting]:
         """What animations have no value for at times, when UsdSkel shows rest poses and no blend shapes."""
         found: dict[int, Resting] = {}
+        sampled = {clip.key: clip for clip in clips}
         for path, animation in self.animations.items():
             users = [s.path for s in self.skeletons.values() if path in s.animations]
             joints = [node for user in users for node in self.nodes.joint_nodes[user].values()]
@@ -290,8 +292,8 @@ class _Reader:
                 why = f"UsdSkel does not play <{path}>, which has no {' and no '.join(animation.lacks)}"
                 found = dict.fromkeys(joints if animation.lacks else (), Resting(why, {})) | found
                 joints = []
-            tracks = [track for clip in clips if clip.key == ("samples", path) for track in clip.tracks]
-            meshes = [track.node for track in tracks if track.path == "weights"]
+            clip = sampled.get(("samples", path))
+            meshes = [track.node for track in (clip.tracks if clip else ()) if track.path == "weights"]
             blocked = blocked_times(self.stage, animation)
             weights = {"blendShapeWeights": blocked.pop("blendShapeWeights", ())}
             for nodes, arrays in ((joints, blocked), (meshes, weights)):
@@ -301,11 +303,11 @@ class _Reader:
         return found
 
     def _clips(self) -> list[Clip]:
-        names = [animation.name for animation in self.animations.values()]
+        names = Counter(animation.name for animation in self.animations.values())
         found = []
         for path, animation in self.animations.items():
             users = [s.path for s in self.skeletons.values() if path in s.animations]
-            name = animation.name if names.count(animation.name) == 1 else path
+            name = animation.name if names[animation.name] == 1 else path
             prim, weights = self.stage.GetPrimAtPath(path), []
             if users and prim.IsActive() and prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
                 queries = self.bindings.of(users)
@@ -362,11 +364,15 @@ def _mirrored_as_keyed(rig: Rig) -> Rig:
     A matrix does not hold which; a pose may take the scale of a clip and the rotation of rest.
     """
     rotation, scale = rig.rotation.copy(), rig.scale.copy()
-    scales = [track for clip in rig.clips for track in clip.tracks if track.path == "scale"]
-    for track in reversed(scales):
-        node, keyed = track.node, np.where(track.values[0] < 0, -1.0, 1.0)
+    scales = (track for clip in rig.clips for track in clip.tracks if track.path == "scale")
+    done = set(np.flatnonzero(~rig.has_matrix).tolist())
+    for track in scales:
+        if (node := track.node) in done:
+            continue
+        keyed = np.where(track.values[0] < 0, -1.0, 1.0)
         flip = np.where(rig.scale[node] < 0, -1.0, 1.0) * keyed
-        if rig.has_matrix[node] and flip.prod() > 0:
+        if flip.prod() > 0:
+            done.add(node)
             rotation[node], scale[node] = rig.rotation[node], rig.scale[node] * flip
             if (flip < 0).any():
                 rotation[node] = from_axes(to_axes(rig.rotation[node]) * flip[:, np.newaxis])
