@@ -38,6 +38,8 @@ WARNS = {"constraint-overruled", "controls-off"}
 # Edits that move something else on purpose: the other side (mirror), what a clip does not animate (pose); and
 # those after which nothing is left.
 ALONE = ("mirror", "pose", "strip", "constrain", "snap")
+# Where joints get other axes, motion is compared from their rest pose; a chain has no other one then.
+TURNS = ("orient-joints", "orient-joints --mirror", "conform")
 STEPS = {name: edit for name, edit in EDITS.items() if name not in ALONE}
 KINDS = ("parent", "parent", "point", "orient", "scale", "aim")
 
@@ -73,9 +75,11 @@ def chain(seed: int) -> list[Step]:
     many = chance.randint(2, 3)
     steps += [Step("build", chance.choice(things), chance.randrange(10**6)) for _ in range(many)]
     steps.append(Step("keys", "", chance.randrange(10**6)))
+    turns = chance.random() < 0.5
+    names = [name for name, edit in STEPS.items() if not (edit.reposes if turns else name in TURNS)]
     for _ in range(chance.randint(1, 3)):
         steps += [Step("edit", name) for name in BAKES if chance.random() < 0.5]
-        steps.append(Step("edit", chance.choice(list(STEPS))))
+        steps.append(Step("edit", chance.choice(names)))
     return steps
 
 

@@ -14,10 +14,12 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, NoLimbError, UsageError
+from rigtri.evaluation.pole_lean import ON_LINE
+from rigtri.evaluation.zero_pose import moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle, bend_direction, bend_sine, frame, pole_position
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import distance, normalise, project
+from rigtri.maths.vectors import distance, dot, length, normalise, project
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
@@ -32,6 +34,7 @@ from rigtri.operations.rigtri_nodes import (
     refuse_taken,
     renamed,
     stand,
+    unposed,
     with_record,
 )
 from rigtri.operations.skin_joints import add_joint, is_joint_kind, move_joint, skin_sibling_parent
@@ -194,6 +197,8 @@ def _pole_position(
     direction = found.direction
     if found.source == "pose" and options.method == "ratio":
         direction = bend_direction(*points, method="ratio")
+    elif found.source not in ("pose", "given"):
+        direction = _side_in_use(rig, limb, points, direction)
     position = pole_position(
         *points,
         direction=direction,
@@ -223,6 +228,21 @@ def _pole_position(
         entry["clips"] = _clips(rig, limb)
     report.limbs.append(entry)
     return rig
+
+
+def _side_in_use(rig: Rig, limb: Limb, points: Floats, direction: Floats) -> Floats:
+    """The side on which a limb has its pole vector, (3,), where that or its IK control has been moved or has
+    keys: IK counts from it, and what tells of a straight limb, such as its clips, may be other by now."""
+    chain = tuple(map(rig.address, limb.triple))
+    pole = find(rig, PoleVectorRecord, chain=chain)
+    ends = {pole, *find_all(rig, ControlRecord, chain=chain)}
+    if pole is None or moved_controls(rig).isdisjoint(ends):
+        return direction
+    start, _, end = points
+    line = normalise(end - start)
+    across = unposed(rig, pole)[3, :3] - start
+    side = across - dot(across, line) * line
+    return normalise(side) if length(side) > ON_LINE * length(end - start) else direction
 
 
 def _pole_record(

@@ -14,7 +14,7 @@ from rigs import chain, rig_of
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.formats import read
 from rigtri.maths.matrices import inverse
-from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Clip, Track
@@ -243,3 +243,27 @@ def test_joints_of_the_name_of_a_limb_s_middle_are_warned_of(other: str, warned:
     found = [notice.text for notice in report.warnings if "names other joints too" in notice.text]
     assert bool(found) == warned
     assert all("'forearm_L'" in text for text in found)
+
+
+def test_a_pole_vector_that_ik_counts_from_keeps_its_side_whatever_clips_show_by_now() -> None:
+    """A straight arm, whose clip bent it to −z when it got its controls and bends it up once it is edited."""
+    rig = add_controls(read(SAMPLES / "tpose.glb").rig, options=AddControlsOptions(whole_character=True))
+    pole, end = rig.find("forearm_L_pole"), rig.find("hand_L_ik_ctl")
+    up = from_axis_angle([0.0, 0.0, 1.0], 0.9)
+    bent = multiply(rig.rotation[rig.find("forearm_L")], rotated_into(rig, "forearm_L", up))
+    keys = Track(rig.find("forearm_L"), "rotation", "STEP", np.zeros(1), bent[np.newaxis])
+    edited = replace(rig, clips=(Clip("up", (keys,)),))
+    auto = AddPolevectorOptions(limbs="auto")
+    assert position(add_polevector(edited, options=auto), "forearm_L_pole")[2] > -0.2
+    ik = Track(end, "translation", "STEP", np.zeros(1), np.zeros((1, 3)))
+    worked = replace(rig, clips=(Clip("up", (keys, ik)),))
+    again = add_polevector(worked, options=auto)
+    assert_allclose(again.world[pole, 3, :3], rig.world[pole, 3, :3], atol=1e-6)
+    far = add_polevector(worked, options=AddPolevectorOptions(limbs="auto", reach=1.0))
+    assert_allclose(far.world[pole, 3, :3] - again.world[pole, 3, :3], [0, 0, -0.265], atol=1e-6)
+
+
+def rotated_into(rig: Rig, joint: str, turn: Floats) -> Floats:
+    """A turn of the world in a joint's own axes."""
+    axes = from_axes(rig.world[rig.find(joint), :3, :3])
+    return multiply(multiply(conjugate(axes), turn), axes)
