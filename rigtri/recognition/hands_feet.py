@@ -34,6 +34,8 @@ _AS_FAR = 1e-4
 _OF_BODIES = frozenset(["skull", "tail"])
 # A hand alone has no more joints than this, and a finger: a metacarpal, three bones, an end.
 _HAND, _FINGER = 60, 5
+# Fingers begin nearer to each other than this part of how far those of the outer pair are apart.
+_CORNERS = 0.5
 # So many of all joints are of hands where they are all there is.
 _MOST = 0.75
 
@@ -273,7 +275,7 @@ def lay_hands(draft: Draft) -> bool:
     """A hand alone, or by names a left and a right one: most joints are of short chains that begin there."""
     tree = draft.tree
     joints = [k for k in tree.nodes if tree.rig.is_joint[k]] or tree.nodes
-    if len(joints) > 2 * _HAND:
+    if len(joints) > 2 * _HAND or _stands_on_corners(draft):
         return False
     hands = [hand for hand in map(partial(_hand_at, draft), tree.nodes) if hand is not None]
     most = _MOST * len(joints)
@@ -288,6 +290,17 @@ def lay_hands(draft: Draft) -> bool:
         draft.add_chain("hand", "hand", hand.side, [hand.node], hand.sure, (hand.why,))
         lay_fingers(draft, hand.node, hand.chains, hand.side, hand.sure)
     return bool(laid)
+
+
+def _stands_on_corners(draft: Draft) -> bool:
+    """Whether four limbs carry what they hang from at its corners, as those of a robot: fingers are a row."""
+    body = draft.shape.body
+    legs, arms = (body.legs, body.arms) if body is not None and body.form == "quadruped" else (None, None)
+    if legs is None or arms is None or len(legs.at) < 3 or len(arms.at) < 3:
+        return False
+    at = draft.tree.at
+    wide = max((at[k.joints(0)[0]] - at[k.joints(1)[0]]).length for k in (legs, arms))
+    return (arms.starts - legs.starts).length > _CORNERS * wide
 
 
 @dataclass(frozen=True)

@@ -347,3 +347,25 @@ def test_arms_on_the_ground_below_other_arms_may_be_front_legs() -> None:
     (found,) = recognise(rig_with(joints)).characters
     sure = [chain for chain in found.chains if chain.is_sure and chain.kind == "arm"]
     assert {joints[chain.bend[0]][0] for chain in sure} == {"UpperArm.L", "UpperArm.R"}
+
+
+def test_four_legs_at_the_corners_of_a_machine_are_no_fingers() -> None:
+    """Before, a robot on four legs without names was a hand. Which way it looks is not sure."""
+    legs = [
+        joint
+        for name, z in (("front", 0.2), ("hind", -0.2))
+        for joint in line(
+            f"{name}_hip.L {name}_thigh.L {name}_calf.L {name}_foot.L",
+            "base",
+            *[(0.05, 0.4, z), (0.11, 0.4, z), (0.11, 0.2, z), (0.11, 0, z)],
+        )
+    ]
+    joints = [("base", "", (0.0, 0.4, 0.0)), *both(legs)]
+    found, sure = character(joints)
+    assert not sure
+    assert sum(chain.kind == "leg" for chain in found.chains) == 4
+    row = [
+        (name, above, (0.3 * x + (0.3 if "front" in name else 0) * x, y, 0.0))
+        for name, above, (x, y, _) in joints
+    ]
+    assert [chain.kind for chain in character(row)[0].chains][:1] == ["hand"]
