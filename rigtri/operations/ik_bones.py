@@ -52,6 +52,8 @@ IK_BONES: Mapping[str, Mapping[str, tuple[str, str]]] = {
 }
 # Between keys a joint is off what it follows by no more of the size: 0.2 mm of a body.
 _WITHIN = 1e-4
+# Scales along an axis below this are as good as none, and leave no axes.
+_FLAT = 1e-6
 # How far from it what it rotates may be, of the size.
 _ARM = 0.1
 # No way from the joint above.
@@ -180,13 +182,22 @@ def _follow(rig: Rig, timeline: Timeline, followers: Sequence[_Follower]) -> boo
     return bool(off.max() <= 2.0 * _WITHIN * skeleton_size(rig))
 
 
+def _spread(track: Track) -> Track:
+    """The track without scales of 0, by which clips hide hands and which leave no axes."""
+    if track.path != "scale" or (np.abs(track.values) >= _FLAT).all():
+        return track
+    return track.having(np.where(np.abs(track.values) < _FLAT, _FLAT, track.values))
+
+
 def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: int) -> list[Track]:
     """Translation and rotation of joints over a timeline, with as many keys as they need; none for none.
 
     What is above a follower and is none itself stands as the root does.
     """
     line = {node for one in followers for node in rig.path_to_root(one.leader)}
-    tracks = tuple(track for track in timeline.clip.tracks if track.node in line and track.path != "weights")
+    tracks = tuple(
+        _spread(track) for track in timeline.clip.tracks if track.node in line and track.path != "weights"
+    )
     if not tracks:
         return []
     moving, size = replace(timeline, clip=Clip(timeline.clip.name, tracks)), skeleton_size(rig)

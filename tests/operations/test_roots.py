@@ -513,6 +513,16 @@ def test_ik_bones_follow_after_root_motion_and_in_edited_clips(suffix: str, tmp_
     assert again.read_bytes() == moved.read_bytes()
 
 
+def test_ik_bones_follow_a_hand_that_a_clip_hides_by_a_scale_of_0() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    hand = rig.find("hand_L")
+    hides = np.array([[1.0, 1, 1], [0, 0, 0], [1, 1, 1]])
+    tracks = [track for track in rig.clips[0].tracks if (track.node, track.path) != (hand, "scale")]
+    tracks.append(Track(hand, "scale", "LINEAR", np.array([0.0, 0.5, 1.0]), hides))
+    made = rigtri.add_root(rigtri_with(rig, tuple(tracks)), profile="unreal")
+    assert np.abs(places(made, "ik_hand_l") - places(made, "hand_L")).max() < 3e-4
+
+
 def test_ik_bones_of_what_is_not_known_are_left_out(tmp_path: Path) -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     hands = [rig.find(name) for name in ("hand_R", "fingers_R")]
