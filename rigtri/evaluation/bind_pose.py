@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from rigtri.evaluation.sampling import world_of
 from rigtri.maths.matrices import from_frame, multiply, orthonormal_axes
-from rigtri.maths.quaternions import conjugate, from_axes, rotation_angle, to_axes
+from rigtri.maths.quaternions import conjugate, from_axes, norm, normalise, rotation_angle, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -17,6 +19,8 @@ from rigtri.model.skin import Skin
 _LEAN = np.pi / 4
 # Radians, and shares: inverses of float32 leave as much, so that spaces that differ by less turn alike.
 _ROUNDING = 3e-5
+# Rotations whose length is off by more are not unit for other reasons than rounding.
+_NOT_UNIT = 1e-5
 # Sizes that differ by a larger share are meant: smaller ones are noise of exporters.
 _UNEVEN = 0.01
 
@@ -58,6 +62,14 @@ def bind_frames(rig: Rig, skin: Skin) -> Floats:
     top = min(set(joints) - rig.holders, default=min(joints))
     to_world = multiply(skin.inverse_bind[joints.index(top)], world_of(rig, top))
     return multiply(skin.bind, to_world)
+
+
+def with_unit_rotations(rig: Rig) -> Rig:
+    """The rig with rest rotations as viewers show them: what is not unit would come back as a scale."""
+    off = np.abs(norm(rig.rotation) - 1.0) > _NOT_UNIT
+    if not off.any() or rig.rules.raw_quaternions:
+        return rig
+    return replace(rig, rotation=np.where(off[:, np.newaxis], normalise(rig.rotation), rig.rotation))
 
 
 def placed_bind_worlds(rig: Rig, number: int) -> Floats:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import NO_SKELETON, GeometryError, UsageError
-from rigtri.evaluation.bind_pose import placed_bind_worlds
+from rigtri.evaluation.bind_pose import placed_bind_worlds, with_unit_rotations
 from rigtri.maths.matrices import compose, from_frame, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
@@ -104,12 +104,13 @@ def _joined(skins: Sequence[Skin], rig: Rig, top: int, root: int, world: Floats)
 
     rig: where these stand.
     """
+    unit = with_unit_rotations(rig)
     found, below = [], [top] if rig.is_joint[top] else rig.below(top)
     for number, (old, skin) in enumerate(zip(rig.skins, skins, strict=True)):
         rows = {joint: row for row, joint in enumerate(old.joints.tolist())}
         if (near := next((node for node in below if node in rows), -1)) >= 0:
             # The root is bound where it stands, however the joints below it rest.
-            bound = multiply(old.inverse_bind[rows[near]], placed_bind_worlds(rig, number)[near])
+            bound = multiply(old.inverse_bind[rows[near]], placed_bind_worlds(unit, number)[near])
             first = multiply(bound, inverse(world))
             skin = with_joint(skin, root, np.concatenate([skin.inverse_bind, first[np.newaxis]]))
         found.append(skin)
@@ -136,7 +137,7 @@ def _start(rig: Rig) -> int:
 
 def _with_root(rig: Rig, top: int, name: str, report: Report) -> Rig:
     parent = int(rig.parents[top])
-    above = rig.world[parent] if parent >= 0 else np.eye(4)
+    above = with_unit_rotations(rig).world[parent] if parent >= 0 else np.eye(4)
     place = _ground(rig, top)
     local = multiply(from_frame(np.eye(3), place), inverse(from_frame(orthonormal_axes(above), np.zeros(3))))
     position = multiply(from_frame(np.eye(3), place), inverse(above))[3, :3]

@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import NOTHING, skeleton_size
-from rigtri.evaluation.bind_pose import placed_bind_worlds
+from rigtri.evaluation.bind_pose import placed_bind_worlds, with_unit_rotations
 from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.evaluation.rig_space import shearing_node
 from rigtri.maths.matrices import local, multiply
@@ -189,6 +189,7 @@ def _bind(rig: Rig) -> Floats:
     Joints that move no point and keep still stand as they rest beside those above: exporters make up how they
     were bound (Blender's leaf bones, without the transform of their armature).
     """
+    rig = with_unit_rotations(rig)
     world, known = rig.world.copy(), np.zeros(len(rig), dtype=bool)
     shows = rig.with_ancestors(np.flatnonzero(weighted_joints(rig) | moving_nodes(rig)).tolist())
     for number in sorted(range(len(rig.skins)), key=lambda k: -len(rig.skins[k].joints)):

@@ -28,6 +28,7 @@ from rigtri.formats import read
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
@@ -511,6 +512,18 @@ def test_ik_bones_follow_after_root_motion_and_in_edited_clips(suffix: str, tmp_
     assert np.abs(places(rig, "ik_foot_root") - places(rig, "root")).max() == 0.0
     cli("add-root", moved, "-o", again, "--profile", "unreal", code=0)
     assert again.read_bytes() == moved.read_bytes()
+
+
+def test_rotations_that_are_not_unit_do_not_come_back_as_scales() -> None:
+    """In the rest pose that is bound, and in how the root is bound, which the next one follows from."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    rotation = rig.rotation.copy()
+    rotation[rig.is_joint] *= 1.001
+    rig = replace(rig, rotation=rotation, source=None)
+    assert abs(rigtri.set_rest(rig, pose="bind").scale - rig.scale).max() < 1e-6
+    made = rigtri.add_root(rig)
+    row = made.skins[0].joints.tolist().index(made.find("root"))
+    assert abs(length(made.skins[0].inverse_bind[row, :3, :3]) - 1.0).max() < 1e-6
 
 
 def test_ik_bones_follow_a_hand_that_a_clip_hides_by_a_scale_of_0() -> None:
