@@ -93,7 +93,7 @@ RUNS: dict[str, list[tuple[str, dict[str, Any]]]] = {
             "biped",
             {"driver": "hand_L", "target": ["up=0,1,0"], "reader": "cone", "inner": 9, "outer": 80},
         ),
-        ("rigged", {"driver": "hand_L", "target": ["rest"], "attribute": [("rest", "head_ctl", "smile")]}),
+        ("rigged", {"driver": "hand_L", "target": ["up=0,1,0"], "attribute": [("up", "head_ctl", "smile")]}),
         (
             "biped",
             {"driver": "hand_L", "target": BENT, "reader": "rbf", "kernel": "linear", "fps": 10},

@@ -296,15 +296,22 @@ def test_a_target_without_a_morph_gets_a_node_with_its_weight(kind: str, tmp_pat
     assert rig.translation[node, 0] == pytest.approx(1.0)
 
 
+def control(rig: Rig, report: Report) -> Rig:
+    return add_controls(rig, options=AddControlsOptions(joints=("b",)), report=report)
+
+
 def with_control(rig: Rig, report: Report) -> Rig:
-    rig = add_controls(rig, options=AddControlsOptions(joints=("b",)), report=report)
+    rig = control(rig, report)
     options = replace(for_kind("usda"), morph=(), attribute=(("side", "b_ctl", "bulge"),))
     return add_posereader(rig, options=options, report=report)
 
 
-@pytest.mark.ci
-def test_a_control_has_the_value_as_an_attribute_over_time(tmp_path: Path) -> None:
+@pytest.mark.parametrize("stored", [False, True], ids=["a new control", "one that the file has"])
+def test_a_control_has_the_value_as_an_attribute_over_time(stored: bool, tmp_path: Path) -> None:
     source = arm_usd(tmp_path)
+    if stored:
+        edit(source, tmp_path / "before.usda", control)
+        source = tmp_path / "before.usda"
     edit(source, tmp_path / "once.usda", with_control)
     edit(tmp_path / "once.usda", tmp_path / "twice.usda", with_control)
     assert (tmp_path / "once.usda").read_bytes() == (tmp_path / "twice.usda").read_bytes()
