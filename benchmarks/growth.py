@@ -70,6 +70,27 @@ def baked(folder: Path, share: int) -> list[str]:
     return lines
 
 
+def converted(folder: Path, share: int) -> list[str]:
+    """convert to a crate, and build with more and more steps."""
+    tiny, lines = write_glb(folder / "tiny.glb", Character(joints=3)), list[str]()
+    kinds: dict[str, tuple[int, Callable[[int], Character]]] = {
+        "nodes that are no joints": (7500, lambda n: Character(joints=3, others=n)),
+        "clips of 50 joints": (50, lambda n: Character(joints=50, clips=n)),
+    }
+    for kind, (most, make) in kinds.items():
+        n = max(3, most // share)
+        files = [write_glb(folder / f"{times}.glb", make(n * times)) for times in (1, MORE)]
+        target = folder / "seen.usdc"
+        found = [run("convert", path, "-o", target, "--overwrite", "-q") for path in (tiny, *files)]
+        lines.append(row(f"convert: {kind}", n, found))
+    n, spec, found = max(3, 50 // share), folder / "spec.yaml", []
+    for count in (1, n, MORE * n):
+        steps = (f"  - {{do: add-socket, on: j1, name: s{k}}}\n" for k in range(count))
+        spec.write_text(f"version: 1\nsteps:\n{''.join(steps)}")
+        found.append(run("build", tiny, "--spec", spec, "-o", folder / "up.glb", "--overwrite", "-q"))
+    return [*lines, row("build: steps of a spec", n, found)]
+
+
 def reported(folder: Path, share: int) -> list[str]:
     """batch-report of manifests with the row of one file again and again."""
     spec, files = folder / "spec.yaml", [write_glb(folder / "one.glb", Character(joints=3))]
@@ -104,7 +125,14 @@ def commands(folder: Path, share: int = 1) -> list[str]:
     lines = ["## Growth of other commands", "", "Seconds of computing as a new process, less those for next "]
     lines[-1] += "to nothing; growth is from n to 4n, where 4 is linear."
     lines += ["", "| what | n | n | 4n | growth | peak memory at 4n, MB |", f"|{'---|' * 6}"]
-    return [*lines, *looks(folder, share), *baked(folder, share), *reported(folder, share), ""]
+    return [
+        *lines,
+        *looks(folder, share),
+        *baked(folder, share),
+        *converted(folder, share),
+        *reported(folder, share),
+        "",
+    ]
 
 
 def main() -> None:

@@ -29,6 +29,7 @@ class Character:
     shape: a chain, all joints below the first, or limbs of ten joints each. clips: rotations of
     every joint at ``keys`` times. points: skinned, at least one to a joint, with normal,
     texture coordinates and a triangle each. filler: bytes of image. extras: accessors that nothing uses.
+    others: nodes that are no joints and show nothing.
     """
 
     joints: int = 50
@@ -38,6 +39,7 @@ class Character:
     points: int = 100
     filler: int = 0
     extras: int = 0
+    others: int = 0
     holes: bool = False
 
     def parent(self, joint: int) -> int:
@@ -107,13 +109,14 @@ def _gltf(what: Character) -> tuple[dict[str, Any], _Parts]:
         nodes[k]["translation"] = what.step(k)
         position[k] = position[above] + what.step(k)
     nodes.append({"name": "body", "mesh": 0, "skin": 0})
+    nodes += [{"name": f"n{k}", "translation": [k % 7, 0, 0]} for k in range(what.others)]
     bind = np.tile(np.eye(4), (what.joints, 1, 1))
     bind[:, 3, :3] = -position
     matrices = parts.accessor(what.joints, 16, "f4", lambda a, b: bind.reshape(-1, 16)[a:b])
     gltf = {
         "asset": {"version": "2.0"},
         "scene": 0,
-        "scenes": [{"nodes": [0, what.joints]}],
+        "scenes": [{"nodes": [0, *range(what.joints, len(nodes))]}],
         "nodes": nodes,
         "skins": [{"joints": list(range(what.joints)), "inverseBindMatrices": matrices}],
         "meshes": [{"primitives": [_primitive(what, parts, position)]}],

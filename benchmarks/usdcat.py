@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from pathlib import Path
 import numpy as np
 from cold import PROGRAM
 from pxr import Usd, UsdGeom, UsdSkel, Vt
+from size import cost
 
 RUNS = 3
 EXPORT = "import sys; from pxr import Sdf; Sdf.Layer.FindOrOpen(sys.argv[1]).Export(sys.argv[2])"
@@ -118,16 +118,10 @@ def _animate(
     stage.SetEndTimeCode(samples - 1)
 
 
-def cost(*words: str) -> tuple[float, float]:
+def least(*words: str) -> tuple[float, float]:
     """The least processor time of some runs, in seconds, and the peak memory, in MB."""
-    found = []
-    for _ in range(RUNS):
-        process = subprocess.Popen(words, stdout=subprocess.DEVNULL)
-        _, status, used = os.wait4(process.pid, 0)
-        if status:
-            raise SystemExit(f"failed: {' '.join(words)}")
-        found.append((used.ru_utime + used.ru_stime, used.ru_maxrss / 1000))
-    return min(seconds for seconds, _ in found), max(memory for _, memory in found)
+    found = [one for _ in range(RUNS) if (one := cost(*words)) is not None]
+    return min(one.computing for one in found), max(one.memory for one in found)
 
 
 def beside_export(folder: Path) -> list[str]:
@@ -147,10 +141,10 @@ def beside_export(folder: Path) -> list[str]:
             make(path, what)
         with tempfile.TemporaryDirectory() as place:
             out = str(Path(place, what.name))
-            one = cost(sys.executable, "-c", EXPORT, str(path), out)
-            floor = cost(sys.executable, "-c", FLOOR, str(path), out)
+            one = least(sys.executable, "-c", EXPORT, str(path), out)
+            floor = least(sys.executable, "-c", FLOOR, str(path), out)
             given = ("orient-joints", str(path), "-o", out, "--overwrite", "-q", "--aim", "x", "--up", "y")
-            two = cost(*PROGRAM, *given)
+            two = least(*PROGRAM, *given)
         size = path.stat().st_size / 1e6
         ratios = two[0] / one[0], two[1] / one[1]
         lines.append(
@@ -158,7 +152,7 @@ def beside_export(folder: Path) -> list[str]:
             f"| {one[1]:.0f} | {two[1]:.0f} | {ratios[1]:.1f} |"
         )
         floors.append(f"{floor[0] / one[0]:.1f}")
-    alone = cost(sys.executable, "-c", IMPORTS)[0]
+    alone = least(sys.executable, "-c", IMPORTS)[0]
     text = (
         f"Imports alone (numpy, click, pxr): {alone:.2f} s. The floor is what no edit that reads its result "
         "again can leave out: imports, reading every array, the export, reading\nevery array of the result. "
