@@ -158,7 +158,7 @@ def verify_converted(before: Source, after: Source) -> Comparison | None:
             continue
         known = pair.node >= 0
         others = np.delete(known, list(pair.before.own))
-        if max(known.mean(), others.mean() if len(others) else 0.0) > 0.5:
+        if any(2 * np.count_nonzero(each) > len(each) for each in (known, others)):
             return compare_converted(pair)
     return None
 
