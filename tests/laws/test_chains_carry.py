@@ -15,9 +15,7 @@ from places import SAMPLES, slow
 FILES = ("tpose.glb", "biped.glb", "biped.usda")
 
 
-@pytest.mark.parametrize(
-    "seed", [*map(slow, range(9)), 9, *map(slow, (10, 11)), 12, *map(slow, range(13, 60))]
-)
+@pytest.mark.parametrize("seed", [*map(slow, range(6)), 6, *map(slow, (7, 8)), 9, *map(slow, range(10, 60))])
 def test_a_chain_ends_with_the_motion_that_it_began_with(seed: int, tmp_path: Path) -> None:
     assert deviation(SAMPLES / FILES[seed % len(FILES)], chain(seed), tmp_path) <= SAME_MOTION
 
