@@ -15,11 +15,9 @@ from chains import ALONE, STEPS, chain, deviation
 from places import SAMPLES
 
 FILES = ("tpose.glb", "biped.glb", "biped.usda")
-# What is off by up to 1e-4, and nothing says so: motion put back onto IK controls whose offset group follows
-# something by a constraint without an offset.
-OFF = {
-    seed: pytest.mark.xfail(reason="IK controls whose offset group follows something") for seed in (10, 28)
-}
+# What is off by up to 1e-4, and nothing says so: motion put back onto IK limbs whose offset group (10) or
+# pole vector (28) follows something by a constraint.
+OFF = {seed: pytest.mark.xfail(reason="IK limbs that follow a constraint") for seed in (10, 28)}
 
 
 def _seeds() -> Iterator[Any]:
