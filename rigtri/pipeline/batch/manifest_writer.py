@@ -15,7 +15,6 @@ import threading
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Self
 
@@ -127,7 +126,7 @@ class Manifest:
 
     def ready(self, entry: Entry, task: str, record: Record) -> None:
         """Put down what is about to appear, until `done` replaces it."""
-        text = json.dumps(asdict(record), default=_plain)
+        text = json.dumps(vars(record), default=_plain)
         with self._writing() as base:
             values = (self.name(entry), task, text)
             base.execute("INSERT OR REPLACE INTO ready VALUES (?, ?, ?)", values)
@@ -192,14 +191,20 @@ class Manifest:
         """The row of axes, made where they are new."""
         if axes is None:
             return None
-        base.execute(
-            "INSERT OR IGNORE INTO skeletons(hash, joints) VALUES (?, ?)", (axes.skeleton, axes.joints)
+        query = (
+            "SELECT axes.id FROM axes JOIN skeletons ON skeletons.id=axes.skeleton WHERE hash=? AND turns=?"
         )
-        (skeleton,) = base.execute("SELECT id FROM skeletons WHERE hash=?", (axes.skeleton,)).fetchone()
-        base.execute("INSERT OR IGNORE INTO axes(skeleton, turns) VALUES (?, ?)", (skeleton, axes.turns))
-        query = "SELECT id FROM axes WHERE skeleton=? AND turns=?"
-        (found,) = base.execute(query, (skeleton, axes.turns)).fetchone()
-        return int(found)
+        values = (axes.skeleton, axes.turns)
+        found = base.execute(query, values).fetchone()
+        if found is None:
+            base.execute(
+                "INSERT OR IGNORE INTO skeletons(hash, joints) VALUES (?, ?)", (axes.skeleton, axes.joints)
+            )
+            found = base.execute(
+                "INSERT INTO axes(skeleton, turns) SELECT id, ? FROM skeletons WHERE hash=? RETURNING id",
+                (axes.turns, axes.skeleton),
+            ).fetchone()
+        return int(found[0])
 
     @contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
@@ -223,9 +228,9 @@ class Manifest:
             ) from None
 
 
-def _plain(value: Any) -> str:
-    """Bytes of a record as text."""
-    return bytes(value).hex()
+def _plain(value: Axes) -> dict[str, str]:
+    """The axes of a record as text."""
+    return {"joints": value.joints, "turns": value.turns.hex()}
 
 
 def _record(text: str) -> Record:
