@@ -2,7 +2,8 @@
 
 USD's units are those of photography: apertures and focal lengths in tenths of the scene's unit, of which
 only the ratio matters in a perspective. With ``normalize`` a sphere's intensity is its power over all
-directions, so a point light of one candela has 4: π r² of the 4 π r² of its surface are seen. Source:
+directions, so a point light of one candela has 4: π r² of the 4 π r² of its surface are seen. Both are of the
+scene's unit, in which light spreads: a lamp has the more of it, the smaller the unit is. Source:
 UsdGeomCamera, UsdLux.
 """
 
@@ -26,6 +27,8 @@ FAR = 1e6
 # A light of glTF is a point; USD's has a size, which only its highlights show.
 RADIUS = 0.01
 CANDELA = 4.0
+# No light is 2 to the power of this many times as bright as another.
+STOPS = 64.0
 
 
 def define_camera(stage: Any, path: str, camera: Camera, scene: Scene) -> Any:
@@ -53,14 +56,15 @@ def define_camera(stage: Any, path: str, camera: Camera, scene: Scene) -> Any:
 
 def define_light(stage: Any, path: str, light: Light, scene: Scene) -> Any:
     """A DistantLight or SphereLight, in the place of its parent."""
+    unit = UsdGeom.GetStageMetersPerUnit(stage)
     if light.kind == "directional":
         prim = UsdLux.DistantLight.Define(stage, path)
         prim.CreateIntensityAttr(light.intensity)
     elif light.kind in ("point", "spot"):
         prim = UsdLux.SphereLight.Define(stage, path)
-        prim.CreateRadiusAttr(RADIUS)
+        prim.CreateRadiusAttr(RADIUS / unit)
         prim.CreateTreatAsPointAttr(True)
-        prim.CreateIntensityAttr(light.intensity * CANDELA)
+        prim.CreateIntensityAttr(light.intensity * CANDELA / (unit * unit))
     else:
         scene.lose(f"light '{light.name}' of type {light.kind}")
         return None
@@ -96,19 +100,22 @@ def read_light(prim: Any, scene: Scene) -> Light | None:
         scene.lose(f"light '{name}' of type {prim.GetTypeName()}")
         return None
     api = UsdLux.LightAPI(prim)
-    exposure = float(rest_value(api.GetExposureAttr()) or 0.0)
-    if exposure:
-        scene.lose(f"exposure of light '{name}'")
     red, green, blue = map(float, rest_value(api.GetColorAttr()))
     # glTF's colours end at 1; what is brighter is intensity.
     most = max(red, green, blue, 1.0)
+    exposure = float(rest_value(api.GetExposureAttr()) or 0.0)
     intensity = float(rest_value(api.GetIntensityAttr())) * most
+    if abs(exposure) <= STOPS:
+        intensity *= 2.0**exposure
+    else:
+        scene.lose(f"exposure of light '{name}'")
     colour = red / most, green / most, blue / most
     if prim.IsA(UsdLux.DistantLight):
         return Light(name, "directional", colour, intensity)
     if not rest_value(api.GetNormalizeAttr()):
         radius = float(rest_value(UsdLux.SphereLight(prim).GetRadiusAttr()))
         intensity *= 4.0 * 3.141592653589793 * radius * radius
+    intensity *= scene.unit * scene.unit
     shaping = UsdLux.ShapingAPI(prim)
     cone = rest_value(shaping.GetShapingConeAngleAttr()) if prim.HasAPI(UsdLux.ShapingAPI) else None
     if cone is None or cone >= 90.0:

@@ -9,7 +9,7 @@ Source: UsdGeomXformable (GetLocalTransformation); UsdAttribute (interpolation).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,10 +18,11 @@ from pxr import UsdGeom
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sorted_unique
 from rigtri.formats.usd.composition.stage import quiet
+from rigtri.formats.usd.reading.animation_reader import NON_UNIT
 from rigtri.formats.usd.reading.xform_hierarchy import read_transform
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, compose, decompose, skew
-from rigtri.maths.quaternions import angle_between, slerp
+from rigtri.maths.quaternions import angle_between, norm, normalise, slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Track
 from rigtri.verification.compare.across_formats import SAME_TIME, PlayedClip
@@ -111,6 +112,16 @@ class PrimMotion:
             _, rows = np.unique(np.concatenate([codes, track.times]), return_index=True)
             every = np.concatenate([known, seconds])[rows], np.concatenate([codes, track.times])[rows]
             self.codes[track.node] = every
+
+
+def unit_rotations(tracks: Sequence[Track]) -> tuple[tuple[Track, ...], float]:
+    """Tracks with rotations of length 1 where any is farther from that than rounding, and by how much."""
+    found, worst = list(tracks), 0.0
+    for k, track in enumerate(tracks):
+        off = float(np.abs(norm(track.values) - 1.0).max()) if track.path == "rotation" else 0.0
+        if off > NON_UNIT:
+            found[k], worst = replace(track, values=normalise(track.values)), max(worst, off)
+    return tuple(found), worst
 
 
 def _in_a_step(seconds: Floats, keys: Floats) -> Booleans:

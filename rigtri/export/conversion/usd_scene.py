@@ -14,8 +14,8 @@ from rigtri.evaluation.timelines import as_played
 from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_cameras_lights import read_camera, read_light
 from rigtri.export.conversion.usd_material_reader import MaterialReader, shows_colours
-from rigtri.export.conversion.usd_motion import PrimMotion
-from rigtri.export.conversion.usd_triangles import Faces, colour_of, materials_of, read_faces
+from rigtri.export.conversion.usd_motion import PrimMotion, unit_rotations
+from rigtri.export.conversion.usd_triangles import Faces, colour_of, materials_of, read_faces, with_points
 from rigtri.export.conversion.usd_unread import Unread
 from rigtri.export.conversion.usd_values import json_value, rest_value
 from rigtri.formats.document import ReadOptions
@@ -153,7 +153,7 @@ class _Reader:
             self.scene.lose(f"mesh {mesh.name}, which has no faces that make sense")
             return
         self._unsaid(prim, mesh)
-        found = replace(_with_points(mesh, faces), morph_names=self._morph_names(prim, mesh))
+        found = replace(with_points(mesh, faces), morph_names=self._morph_names(prim, mesh))
         values = {name: each for name, each in faces.values.items() if name != "NORMAL"}
         if "NORMAL" in faces.values:
             values |= dict(self._normal_offsets(prim, mesh, faces))
@@ -277,10 +277,22 @@ class _Reader:
                 self.scene.lose(f"clip '{name}', which moves only what is not converted")
             self._check_times(name, written, start)
             kept = [self._in_seconds(track, rig, start) for track in written]
-            clips.append(Clip(name, tuple(track for track in kept if track is not None)))
+            clips.append(self._unit(Clip(name, tuple(track for track in kept if track is not None))))
         if tracks and clips[0].tracks:
             self._say_how_it_is_played(clips[0])
         return [clip for clip in clips if clip.tracks]
+
+    def _unit(self, clip: Clip) -> Clip:
+        """The clip with rotations of length 1, which glTF demands, where UsdSkel shows others as a scale."""
+        tracks, worst = unit_rotations(clip.tracks)
+        if not worst:
+            return clip
+        self.scene.lose(
+            f"what UsdSkel shows of rotations in clip '{clip.name}' that are not unit, by up to {worst:.2g}"
+        )
+        found = replace(clip, tracks=tracks)
+        self.scene.played[clip.name] = found, clip
+        return found
 
     def _is_written(self, track: Track) -> bool:
         """Whether what a track moves is converted: its node, or the mesh with its morph targets."""
@@ -307,7 +319,8 @@ class _Reader:
             self.scene.lose(f"the shear that matrices of {and_more(names, 3)} go through between samples")
         if motion.codes:
             meant = motion.played(clip.name, clip.tracks, upright=True)
-            source = motion.played(clip.name, clip.tracks, upright=False) if motion.sheared else None
+            was = self.scene.played.get(clip.name, (clip, clip if motion.sheared else None))[1]
+            source = motion.played(clip.name, was.tracks, upright=False) if was else None
             self.scene.played[clip.name] = meant, source
 
     def _loose(self) -> list[tuple[str, str]]:
@@ -383,18 +396,3 @@ def _beside_the_line(shape: Any) -> float:
         if len(offsets) == len(whole) and len(whole) and weight is not None:
             most = max(most, float(length(offsets - weight * whole).max()))
     return most
-
-
-def _with_points(mesh: Mesh, faces: Faces) -> Mesh:
-    """The mesh with the points that glTF needs."""
-    rows = faces.points
-    if np.array_equal(rows, np.arange(len(mesh.points))):
-        return mesh
-    return replace(
-        mesh,
-        points=mesh.points[rows],
-        joints=mesh.joints[rows] if len(mesh.joints) else mesh.joints,
-        weights=mesh.weights[rows] if len(mesh.weights) else mesh.weights,
-        morphs=mesh.morphs[:, rows] if mesh.morphs.size else mesh.morphs,
-        surface=None,
-    )

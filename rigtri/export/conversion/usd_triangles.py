@@ -6,6 +6,7 @@ Source: UsdGeomMesh, UsdGeomPrimvar (interpolation), UsdGeomSubset; glTF 2.0 §3
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from rigtri.formats.usd.reading.mesh_reader import at_start, flattened
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
+from rigtri.model.mesh import Mesh
 
 # Texture coordinates by any of the names that programs give them, in their order: st, st1, UVMap …
 _COORDINATES = ("texCoord2f[]", "float2[]", "texCoord2d[]", "double2[]", "half2[]", "texCoord2h[]")
@@ -168,3 +170,18 @@ def colour_of(prim: Any) -> tuple[float, ...] | None:
 def _bound(prim: Any) -> Any:
     material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
     return material if material else None
+
+
+def with_points(mesh: Mesh, faces: Faces) -> Mesh:
+    """The mesh with the points that glTF needs."""
+    rows = faces.points
+    if np.array_equal(rows, np.arange(len(mesh.points))):
+        return mesh
+    return replace(
+        mesh,
+        points=mesh.points[rows],
+        joints=mesh.joints[rows] if len(mesh.joints) else mesh.joints,
+        weights=mesh.weights[rows] if len(mesh.weights) else mesh.weights,
+        morphs=mesh.morphs[:, rows] if mesh.morphs.size else mesh.morphs,
+        surface=None,
+    )

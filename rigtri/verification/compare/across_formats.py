@@ -137,7 +137,11 @@ def _add_clip(found: Deviation, pair: Converted, clip: Clip, other: Clip, block:
     times = between_keys(key_times(clip))
     for start in counted(range(0, len(times), block), "moments"):
         some = times[start : start + block]
-        local = [motion.locals_at(some) for motion in motions]
+        # Of rotations that are not unit each side shows what its format does.
+        local = [
+            motion.locals_at(some, normalised=not rig.rules.raw_quaternions)
+            for motion, rig in zip(motions, (pair.before, pair.after), strict=True)
+        ]
         if isinstance(clip, PlayedClip):
             for node, matrices in clip.places(some).items():
                 known = np.isfinite(matrices).all(axis=(1, 2))

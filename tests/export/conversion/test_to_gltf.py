@@ -80,6 +80,40 @@ def test_each_file_is_measured_by_its_own_method_of_skinning(tmp_path: Path) -> 
     assert linear.motion is None
 
 
+def test_rotations_that_are_not_unit_become_so_and_what_that_changes_is_told(tmp_path: Path) -> None:
+    keys = (
+        "1: [(1, 0, 0, 0), (1, 0, 0, 0), (0.8, 0.6, 0, 0)],\n5: [({}, 0, {}, 0), (1, 0, 0, 0), (0, 1, 0, 0)]"
+    )
+    sources = {
+        name: save(
+            tmp_path,
+            scene(
+                skeleton(),
+                animation(rotations=f"quatf[] rotations.timeSamples = {{\n{keys.format(*turn)}\n}}"),
+                MESH,
+            ),
+            f"{name}.usda",
+        )
+        for name, turn in {"unit": (0.8, 0.6), "long": (1.2, 0.9)}.items()
+    }
+    out = tmp_path / "long.glb"
+    outcome = rigtri.convert(sources["long"], out)
+    found = outcome.verification
+    assert found is not None
+    assert found.deviation <= TOLERANCE
+    assert found.motion is not None
+    assert found.motion.deviation > 0.9 * deviation(sources["long"], sources["unit"]) > 0.2
+    assert "not unit, by up to 0.5" in " ".join(n.text for n in outcome.report.warnings if n.code == "lost")
+    gltf = rigtri.read(out)
+    for track in gltf.clips[0].tracks:
+        if track.path == "rotation":
+            assert np.abs(np.linalg.norm(track.values, axis=1) - 1.0).max() < 1e-6
+    assert "looks different" in cli("verify", sources["long"], out, code=6).output
+    unit = rigtri.convert(sources["unit"], tmp_path / "unit.glb").verification
+    assert unit is not None
+    assert unit.motion is None
+
+
 @pytest.mark.parametrize("path", [slow(p) for p in asset_files(*USD)] or [slow(None)], ids=str)
 def test_a_real_stage_in_gltf_looks_the_same_and_is_valid(
     path: Path | None, tmp_path: Path, assets: Path

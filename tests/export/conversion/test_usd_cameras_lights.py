@@ -99,8 +99,11 @@ def test_a_distant_light_keeps_its_lux(scene: Scene) -> None:
 
 def test_a_point_light_has_four_times_its_candela_and_a_spot_a_cone(scene: Scene) -> None:
     made = stage()
-    point = define_light(made, "/p", Light("p", "point", intensity=3.0), scene)
-    assert (point.GetIntensityAttr().Get(), point.GetTreatAsPointAttr().Get()) == (12.0, True)
+    for unit, intensity, radius in ((0.01, 120000.0, 1.0), (1.0, 12.0, 0.01)):
+        point = define_light(stage(unit), "/p", Light("p", "point", intensity=3.0), scene)
+        assert point.GetIntensityAttr().Get() == pytest.approx(intensity)
+        assert point.GetRadiusAttr().Get() == pytest.approx(radius)
+        assert point.GetTreatAsPointAttr().Get()
     assert not point.GetPrim().HasAPI(UsdLux.ShapingAPI)
     spot = define_light(made, "/s", Light("s", "spot", inner=np.radians(10), outer=np.radians(40)), scene)
     shaping = UsdLux.ShapingAPI(spot.GetPrim())
@@ -121,6 +124,7 @@ def test_a_point_light_has_four_times_its_candela_and_a_spot_a_cone(scene: Scene
     ],
 )
 def test_a_light_comes_home(light: Light, scene: Scene) -> None:
+    scene.unit = 0.01
     prim = define_light(stage(), "/l", light, scene).GetPrim()
     found = read_light(prim, scene)
     assert found is not None
@@ -144,9 +148,31 @@ def test_colours_above_1_are_intensity_and_a_sphere_that_is_not_normalised_has_i
     assert found is not None
     assert (found.name, found.kind, found.colour) == ("Lamp", "point", (1.0, 0.5, 0.0))
     assert found.intensity == pytest.approx(4.0 * 2.0 * np.pi / 4.0)
-    prim.CreateExposureAttr(1.0)
+    for exposure, times in ((1.0, 2.0), (-0.5, 0.5**0.5)):
+        prim.CreateExposureAttr(exposure)
+        found = read_light(prim.GetPrim(), scene)
+        assert found is not None
+        assert found.intensity == pytest.approx(times * 2.0 * np.pi)
+    assert not scene.lost
+    prim.CreateExposureAttr(np.inf)
     assert read_light(prim.GetPrim(), scene) is not None
     assert scene.lost == ["exposure of light 'Lamp'"]
+
+
+def test_a_lamp_is_as_bright_in_whatever_unit_its_stage_is(scene: Scene) -> None:
+    for normalise, at_a_metre in ((False, 5.0), (True, 7.0)):
+        found = []
+        for scene.unit in (1.0, 0.01):
+            prim = UsdLux.SphereLight.Define(stage(scene.unit), "/l")
+            prim.CreateRadiusAttr(0.1 / scene.unit)
+            # Light spreads over the area of a sphere, which has so many more units.
+            prim.CreateIntensityAttr(at_a_metre / (scene.unit**2 if normalise else 1.0))
+            prim.CreateNormalizeAttr(normalise)
+            light = read_light(prim.GetPrim(), scene)
+            assert light is not None
+            found.append(light.intensity)
+        assert found[0] == pytest.approx(found[1])
+        assert found[0] == pytest.approx(7.0 / 4.0 if normalise else 5.0 * np.pi * 0.01)
 
 
 def test_a_cone_of_90_degrees_is_none_and_other_shapes_are_lost(scene: Scene) -> None:

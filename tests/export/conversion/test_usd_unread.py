@@ -138,4 +138,4 @@ def test_what_is_not_read_is_reported_and_samples_stand_in_for_defaults(tmp_path
     assert next(n for n in gltf["nodes"] if n["name"] == "blink")["extensions"]
     assert gltf["cameras"][0]["perspective"]["yfov"] == pytest.approx(0.43012, abs=1e-4)
     (light,) = gltf["extensions"]["KHR_lights_punctual"]["lights"]
-    assert light["intensity"] == pytest.approx(10.0 * 3.14159 * 0.25, 1e-3)
+    assert light["intensity"] == pytest.approx(10.0 * 3.14159 * 0.25 * 0.01**2, 1e-3), "of centimetres"

@@ -202,3 +202,13 @@ def test_a_reference_without_its_layer_is_still_an_error(tmp_path: Path) -> None
 
     text = bound('def "Anim" (references = @./gone.usda@) {}')
     assert "which is not there" in error_of(save(tmp_path, text))
+
+
+def test_a_mesh_below_nested_skel_roots_has_each_track_once(tmp_path: Path) -> None:
+    text = clean().replace("blendShapeWeights = [0.5]", "blendShapeWeights.timeSamples = {1: [0], 5: [1]}")
+    text = text.replace('def SkelRoot "Root"', 'def SkelRoot "Outer"\n{\ndef SkelRoot "Root"', 1)
+    nested = read(save(tmp_path, text.replace("</Root", "</Outer/Root") + "\n}\n", "nested.usda"))
+    tracks = [(track.node, track.path) for track in nested.rig.clips[0].tracks]
+    assert "weights" in {path for _, path in tracks}
+    assert len(set(tracks)) == len(tracks)
+    assert verify(nested, nested).passes()

@@ -49,9 +49,12 @@ class Bindings:
 
 def _bindings(instances: SharedInstances) -> list[tuple[str, Any]]:
     cache, found = UsdSkel.Cache(), []
+    last: Any = None
     for prim in instances.prims():
-        if prim.IsA(UsdSkel.Root) and not instances.is_twin(prim.GetPath()):
-            root = UsdSkel.Root(prim)
+        # A SkelRoot below another is part of it.
+        nested = last is not None and prim.GetPath().HasPrefix(last)
+        if prim.IsA(UsdSkel.Root) and not nested and not instances.is_twin(prim.GetPath()):
+            root, last = UsdSkel.Root(prim), prim.GetPath()
             cache.Populate(root, ALL_PRIMS)
             for binding in cache.ComputeSkelBindings(root, ALL_PRIMS):
                 path = str(binding.GetSkeleton().GetPath())
