@@ -341,17 +341,18 @@ class Ik:
     def grasp(self, built: PoseCache, source: PoseCache) -> Floats:
         """World matrices, (f, 4, 4), of a control with which the limb's end stands as in ``source``.
 
-        built: the rig above the limb as controls make it. The end of a soft limb is nearer than its target.
+        built: the rig above the limb as controls make it. The end of a soft or straight limb is nearer than
+        its target.
         """
         _, _, end = self.limb.chain
         parent = source.turn(int(self.rig.parents[end]))
         turn = product(product(parent, source.part(end).rotation), conjugate(self.grip))
         place = source.world(end)[:, 3, :3]
-        if self.limb.soft > 0 and not self.limb.stretch and not self.limb.detached:
+        if not self.limb.stretch and not self.limb.detached:
             first, second = self.lengths(built)
             away = place - transform_points(self.start, built.world(self.above))
             reach = length(away)
-            target_distance = distance_for(reach, first + second, self.limb.soft)
+            target_distance = distance_for(reach, first + second, self.limb.soft, self.reach_at_rest)
             share = np.where(reach > 0, target_distance / np.where(reach > 0, reach, 1.0), 1.0)
             place = place + away * (share - 1.0)[:, np.newaxis]
         holder = from_frame(to_axes(turn), place - rotate(turn, self._seat))

@@ -22,6 +22,8 @@ NOWHERE = 1e-6
 # Up to how far a target is taken to be where the limb ends at rest, some roundings of float32, and up to
 # how many times that this is felt.
 _SETTLES, _FELT = 2e-7, 4.0
+# Up to how near to straight a limb gets a target beyond its end, by as much, however later edits round it.
+_PAST = 2e-6
 # How many ways of slowing down a target may be off; steps of Newton's method that reach it in all digits.
 BEYOND, _NEWTON = 5.0, 12
 
@@ -113,15 +115,17 @@ def _reach(distance: Floats, total: Floats, soft: float) -> Floats:
     return np.where((distance > first) & (last > 0), np.minimum(slow, total), np.minimum(distance, total))
 
 
-def distance_for(reach: Floats, total: Floats, soft: float) -> Floats:
-    """How far off, (f,), a target is for which a soft limb's end goes as far as ``reach``, (f,).
+def distance_for(reach: Floats, total: Floats, soft: float, at_rest: float = 0.0) -> Floats:
+    """How far off, (f,), a target is for which a limb's end goes as far as ``reach``, (f,).
 
     The inverse of what `two_bone` makes of the distance. A limb that is nearly straight would need a
     target at any distance: it is at most `BEYOND` of the ways over which the limb slows down, from
-    where it begins to.
+    where it begins to. A hard limb that is straight, but not at rest (`_settled`), has its target a little
+    beyond it. at_rest: how far the end is from the root at rest, as a share of the limb.
     """
     if soft <= 0:
-        return reach
+        straight = (reach > (1.0 - _PAST) * total) & (at_rest < 1.0 - STRAIGHT)
+        return np.where(straight, np.maximum(reach, (1.0 + _PAST) * total), reach)
     last = soft * total
     first = total - last
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -74,8 +74,8 @@ def test_soft_never_becomes_straight_and_meets_the_hard_one_where_it_begins():
 
 @pytest.mark.parametrize("soft", [0.0, 0.01, 0.2, 0.9])
 def test_the_distance_of_a_target_follows_from_how_far_the_end_goes(soft):
-    # Up to 5 ways of slowing down after the start, 2 (1 - soft).
-    distances = np.linspace(0.1, 2.0 * (1.0 - soft) + 9.9 * soft, 300)
+    # Up to 5 ways of slowing down after the start, 2 (1 - soft); a hard limb is not straight.
+    distances = np.linspace(0.1, 2.0 * (1.0 - soft) + 9.9 * soft, 300, endpoint=soft > 0)
     _, _, end = solved(distances[:, np.newaxis] * X, [0.0, 9.0, 0.0], soft=soft)
     reach = np.linalg.norm(end, axis=1)
     np.testing.assert_allclose(distance_for(reach, np.full(300, 2.0), soft), distances, atol=1e-11)
@@ -84,6 +84,17 @@ def test_the_distance_of_a_target_follows_from_how_far_the_end_goes(soft):
 def test_a_straight_soft_limb_has_a_target_that_is_not_far_off():
     # 1.6 + 5 * 0.4
     np.testing.assert_allclose(distance_for(np.array([2.0, 2.1]), np.full(2, 2.0), 0.2), 3.6, atol=1e-12)
+
+
+def test_a_hard_limb_that_is_straight_has_a_target_that_rounding_leaves_out_of_reach():
+    nearly = 2.0 * (1.0 - np.array([0.0, 1e-6, 1e-5]))
+    distances = distance_for(nearly, np.full(3, 2.0), 0.0)
+    np.testing.assert_allclose(distances, [2.000004, 2.000004, 1.99998], rtol=1e-12)
+    rounded = (distances[:1] * np.array([[1.0 - 1e-6], [1.0 + 1e-6]])) * X
+    _, middle, _ = solved(rounded, [0.0, 9.0, 0.0])
+    np.testing.assert_allclose(middle, [X, X], atol=1e-12)
+    # What rests straight settles there.
+    assert distance_for(nearly[:1], np.full(1, 2.0), 0.0, at_rest=1.0) == 2.0
 
 
 @pytest.mark.parametrize("target", [[0, 0, 0], [1e-12, 0, 0]])

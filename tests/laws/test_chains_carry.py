@@ -15,17 +15,12 @@ from chains import ALONE, STEPS, chain, deviation
 from places import SAMPLES
 
 FILES = ("tpose.glb", "biped.glb", "biped.usda")
-# What is off by up to 1e-4, and nothing says so: motion put back onto IK limbs whose offset group (10) or
-# pole vector (28) follows something by a constraint.
-OFF = {seed: pytest.mark.xfail(reason="IK limbs that follow a constraint") for seed in (10, 28)}
 
 
 def _seeds() -> Iterator[Any]:
     """Two see faults in what re-orients and what bakes; all others are proofs."""
     for seed in range(30):
-        marks = [mark for known, mark in OFF.items() if known == seed]
-        marks += [pytest.mark.slow] if seed not in (6, 9) else []
-        yield pytest.param(seed, marks=marks)
+        yield pytest.param(seed, marks=[] if seed in (6, 9) else [pytest.mark.slow])
 
 
 @pytest.mark.parametrize("seed", list(_seeds()))
