@@ -6,6 +6,7 @@ Source: UsdSkelAnimation (joint-local; translations float3, rotations quatf, sca
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -16,6 +17,7 @@ from rigtri.evaluation.sampling import key_times, sample
 from rigtri.export.conversion import usd_values as values
 from rigtri.export.conversion.usd_samples import sample_times, time_codes
 from rigtri.export.conversion.usd_skeletons import Skeleton
+from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.frames.rig_size import size_of
 from rigtri.maths.quaternions import angle_between, dot, make_continuous, normalise, slerp, unit
 from rigtri.maths.trigonometry import Floats
@@ -71,6 +73,19 @@ def write_animation(
     if shapes:
         write_weights(prim, clip, shapes, rig, rate)
     return True
+
+
+def content_of(prim: Any) -> tuple[tuple[str, bytes], ...]:
+    """What a SkelAnimation consists of: equal for those that hold the same for joints of the same paths."""
+    found = []
+    for attribute in prim.GetAuthoredAttributes():
+        whole = hashlib.sha256()
+        for time in (DEFAULT, *attribute.GetTimeSamples()):
+            value = attribute.Get(time)
+            words = value is None or isinstance(value, Vt.TokenArray)
+            whole.update(repr((time, list(value or ()) if words else np.array(value).tobytes())).encode())
+        found.append((attribute.GetName(), whole.digest()))
+    return tuple(found)
 
 
 def many_samples(prim: Any, rig: Rig, clip: Clip) -> str:

@@ -176,24 +176,28 @@ class _Writer:
                 skeleton.tokens = [self.words[skeleton.morphed]]
                 bind = rest = np.eye(4)[np.newaxis]
             else:
-                token: dict[int, str] = {}
-                for node in skeleton.joints:
+                # Each once in its skeleton: characters of a crowd have the same, and so share animations.
+                named = (
+                    [each[node] for node in skeleton.joints] for each in (self.rig.names, self.rig.labels)
+                )
+                words, token = node_identifiers(*named), dict[int, str]()
+                for node, word in zip(skeleton.joints, words, strict=True):
                     parent = token.get(int(self.rig.parents[node]))
-                    token[node] = f"{parent}/{self.words[node]}" if parent else self.words[node]
+                    token[node] = f"{parent}/{word}" if parent else word
                 skeleton.tokens = [token[node] for node in skeleton.joints]
                 bind = np.stack([skeleton.bind[node] for node in skeleton.joints])
                 rest = self.rig.normalised_local[skeleton.joints]
-                self._joint_names(prim, skeleton)
+                self._joint_names(prim, skeleton, words)
                 for node in skeleton.joints:
                     self.result.nodes.setdefault(node, (skeleton.path, token[node]))
             prim.CreateJointsAttr(Vt.TokenArray(skeleton.tokens))
             prim.CreateBindTransformsAttr(values.matrices(bind))
             prim.CreateRestTransformsAttr(values.matrices(rest))
 
-    def _joint_names(self, prim: Any, skeleton: Skeleton) -> None:
+    def _joint_names(self, prim: Any, skeleton: Skeleton, words: list[str]) -> None:
         """The names that joints have in glTF, where they are others, and their extras."""
-        names = [self.rig.names[node] or self.words[node] for node in skeleton.joints]
-        if names != [self.words[node] for node in skeleton.joints]:
+        names = [self.rig.names[node] or word for node, word in zip(skeleton.joints, words, strict=True)]
+        if names != words:
             unique = distinct(names)
             some = sorted({f"'{old}'" for old, new in zip(names, unique, strict=True) if old != new})
             if some:
@@ -239,13 +243,20 @@ class _Writer:
             if clip.name and title != clip.name:
                 self.scene.lose(f"that several clips are called '{clip.name}': one is '{title}'")
             found: dict[str, str] = {}
+            known: dict[Any, str] = {}
+            spare = ""
             self.result.halves.append(set(half_scales(rig, self.joints, clip)))
             for skeleton in self.skeletons:
                 shapes = self.primitives.shapes_of(skeleton)
-                word = names.unique(title, "clip")
+                word, spare = spare or names.unique(title, "clip"), ""
                 path = f"{holder}/{word}"
                 if usd_clips.write_animation(self.stage, path, rig, skeleton, clip, shapes, self.rate):
-                    found[skeleton.path] = path
+                    content = usd_clips.content_of(self.stage.GetPrimAtPath(path))
+                    found[skeleton.path] = known.setdefault(content, path)
+                    if found[skeleton.path] != path:  # that of another character of a crowd
+                        self.stage.RemovePrim(path)
+                        spare = word
+                        continue
                     many = usd_clips.many_samples(self.stage.GetPrimAtPath(path), rig, clip)
                     self.scene.notices += [Notice("many-samples", many)] if many else []
                     name_prim(self.stage.GetPrimAtPath(path), title if clip.name else "", word)

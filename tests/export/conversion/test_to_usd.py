@@ -608,6 +608,14 @@ def test_characters_of_a_crowd_share_their_points_and_are_edited_each_by_itself(
     shown = [prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
     stacks = [prim.GetAttribute("points").GetPropertyStack() for prim in shown]
     assert len(shown) == 2 * len({stack[-1].path for stack in stacks})
+    sources = [
+        UsdSkel.BindingAPI(prim).GetAnimationSource()
+        for prim in stage.Traverse()
+        if prim.IsA(UsdSkel.Skeleton)
+    ]
+    assert len(sources) == 2, "each has its skeleton"
+    assert sources[0] == sources[1], "and both play one animation"
+    assert len([prim for prim in stage.Traverse() if prim.IsA(UsdSkel.Animation)]) == 1
     assert all(len(stack) == 1 for stack in stacks)
     rigtri.convert(out, tmp_path / "back.glb")
     assert len(glb_json(tmp_path / "back.glb")["meshes"]) == len(glb_json(tmp_path / "shot.glb")["meshes"])
