@@ -13,7 +13,7 @@ from dataclasses import field
 
 import numpy as np
 
-from rigtri.maths.angle_limits import cosine_below
+from rigtri.maths.angle_limits import cosine_below, sine_below
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, dot
@@ -36,6 +36,8 @@ from rigtri.report import Report
 # A small bend is accepted within this of the natural side (a cosine), from the second on where its twin
 # is so near to the mirror image.
 NATURAL, MIRRORED = cosine_below(60), cosine_below(30)
+# A knee that bends aside by less than this (a sine) may be the shape of a leg.
+BANDY = sine_below(30)
 # Below this sine (0.1°) a bend plane is float32 noise.
 NO_PLANE = 1.7453283658983088e-3
 
@@ -75,6 +77,8 @@ class LimbBends:
         if taken is not None:
             if doubted is not None and natural is not None:
                 self._warn(limb, doubted, natural, taken, report)
+            elif natural is not None:
+                self._warn_aside(limb, natural, taken, report)
             return taken
         # What a format prescribes says where a straight limb bends, and is nobody's word against a bend.
         prescribed = self.rig.rules.facing
@@ -210,6 +214,23 @@ class LimbBends:
             f"{title} is bent {bent} to a side {off:.0f}° off the one that is natural ({does}); bend "
             f"direction: from {SOURCE_TEXT[taken.source]}. Another --facing, or a bend of more than 10°, "
             "changes that.",
+            joint=title,
+            geometry=True,
+        )
+
+    def _warn_aside(self, limb: Limb, natural: Bend, taken: Bend, report: Report) -> None:
+        """Warn of a knee that bends little and aside: bandy legs and knock knees have that shape, too."""
+        aside = abs(float(dot(taken.direction, natural.direction))) < NATURAL
+        if limb.bends_back or taken.source != "pose" or not aside or taken.sine >= BANDY:
+            return
+        bent = float(np.degrees(bend_angle(*self.world[list(limb.triple), 3, :3])))
+        off = float(np.degrees(angle(taken.direction, natural.direction)))
+        title = " - ".join(self.rig.title(node) for node in limb.triple)
+        report.warn(
+            "bends-aside",
+            f"{title} is bent {bent:.2g}° to the side, {off:.0f}° off forward, and this is taken as the bend "
+            "direction of the knee. If only the leg has this shape, name the direction: add-polevector --bend, "
+            "orient-joints --chain with --up-from.",
             joint=title,
             geometry=True,
         )

@@ -276,6 +276,11 @@ def _role(
         return "deform", 0.9, [f"{bones[node]}: its name, or its place in the body"]
     if names:
         return names[0], 0.9, [f"its name says {names[0]}"]
+    bone = int(rig.parents[node])
+    while bone in draft.segments:
+        bone = int(rig.parents[bone])
+    if node in draft.segments and bone in chains and chains[bone].kind in ("arm", "leg"):
+        return "twist", 0.8, ["its name says that it is a part of the bone above"]
     if not rig.is_joint[node] and rig.is_joint.any():
         if rig.attachment[node] >= 0 or rig.children[node]:
             return "attachment", 0.9, ["not a joint of a skin but a child of one"]

@@ -255,6 +255,26 @@ def test_a_small_bend_aside_is_believed_where_the_other_side_mirrors_it(
     assert (abs(float(hinge[0])) < 0.9) == believed
 
 
+@pytest.mark.parametrize(("aside", "warned"), [(-0.06, 2), (0.06, 2), (0.01, 0), (0.3, 0)])
+def test_a_knee_that_bends_clearly_but_aside_is_reported(aside: float, warned: int) -> None:
+    """Knock knees and bandy legs; from 30° on it is a pose, as of a frog."""
+    for edit in (lambda rig, report: add_polevector(rig, limbs="auto", report=report), orient_reported):
+        report = Report()
+        edit(knees_aside(aside, -aside), report)
+        assert [notice.code for notice in report.warnings].count("bends-aside") == warned
+
+
+def orient_reported(rig: Rig, report: Report) -> Rig:
+    return orient_joints(rig, report=report)
+
+
+def test_axes_of_the_world_are_for_faces_too() -> None:
+    body = posed_body(Pose(face=True))
+    out = orient_joints(body.rig, preset="vrm")
+    for part in ("jaw", "left eye", "right eye"):
+        np.testing.assert_allclose(out.world[body.parts[part], :3, :3], np.eye(3), atol=1e-6)
+
+
 def test_a_clear_bend_is_believed_whatever_is_natural() -> None:
     body, report = posed_body(Pose(knee=-15.0)), Report()
     add_polevector(body.rig, limbs="auto", report=report)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -46,6 +48,14 @@ def test_a_twist_joint_beside_a_bone_takes_its_axes(pose: Pose, preset: str) -> 
     check(body, out)
     assert_allclose(out.world[:, 3], body.rig.world[:, 3], atol=1e-9)
     np.testing.assert_array_equal(orient_joints(out, preset=preset).rotation, out.rotation)
+
+
+def test_twist_joints_that_are_named_as_parts_of_bones_have_them_too() -> None:
+    """Advanced Skeleton calls them ``ElbowPart1_L`` beside ``Elbow_L``; they carry weight."""
+    body = posed_body(Pose("unreal", twists=1, arms=45.0))
+    names = tuple(re.sub(r"_twist_0(\d)_(.)$", r"Part\1_\2", name) for name in body.rig.names)
+    assert names != body.rig.names
+    check(body, orient_joints(replace(body.rig, names=names)))
 
 
 def test_a_skeleton_that_is_made_to_conform_has_them_too() -> None:

@@ -116,6 +116,8 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     fingers = [chain for _, chain in chains if chain.kind == "finger"]
     heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
     whole = twists.union(joint for _, chain in chains for joint in chain.joints)
+    if options.style.world:
+        whole = whole.union(tree.joints)
     meant = twists.intersection(rig.nodes_of("twist"))  # their weights may not be split yet
     meant = meant.union(_standard_bones(characters, options))
     joints, skipped = select(
