@@ -229,8 +229,8 @@ class LimbBends:
         report.warn(
             "bends-aside",
             f"{title} is bent {bent:.2g}° to the side, {off:.0f}° off forward, and this is taken as the bend "
-            "direction of the knee. If only the leg has this shape, name the direction: add-polevector --bend, "
-            "orient-joints --chain with --up-from.",
+            "direction of the knee. If only the leg has this shape, name the direction: add-polevector "
+            "--bend, orient-joints --chain with --up-from.",
             joint=title,
             geometry=True,
         )

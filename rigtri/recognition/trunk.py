@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
@@ -107,11 +108,15 @@ def _spine(draft: Draft, found: Sequence[Found]) -> None:
 
 def _named_trunk(draft: Draft) -> None:
     """Spine, neck and head of a body without limbs, or without one of both pairs, by names alone."""
-    bones = draft.known_bones
+    tree, bones = draft.tree, draft.known_bones
     for bone in ("hips", *_SPINE):
         if bone in bones:
             draft.call(bone, bones[bone])
     joints = [draft.bones[bone] for bone in _SPINE if bone in draft.bones]
+    if not all(tree.is_below(k, over) for over, k in pairwise(joints)):
+        joints = []  # numbers may count towards the tail
+    if joints and "hips" in draft.bones and tree.is_below(joints[-1], draft.bones["hips"]):
+        joints = tree.way(draft.bones["hips"], joints[-1])[1:]  # whatever those between are called
     if joints and len([bone for bone in ("hips", *_SPINE, "neck", "head") if bone in bones]) >= _ENOUGH:
         sure = 0.99 if draft.certain else 0.85
         draft.add_chain("spine", "spine", "", joints, sure, (_whose(draft),))

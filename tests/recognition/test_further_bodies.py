@@ -261,3 +261,23 @@ def test_a_wing_ends_where_its_fingers_begin() -> None:
     (found,) = recognise(rig_with(joints)).characters
     wings = [[joints[k][0][:-2] for k in chain.bend] for chain in found.chains if chain.kind == "wing"]
     assert wings == [["wing_01", "wing_02", "wing_03"]] * 2
+
+
+@pytest.mark.parametrize(
+    ("trunk", "spine"),
+    [
+        ("pelvis belly spine_01 neck_01 head", ["belly", "spine_01"]),
+        ("spine_03 spine_02 spine_01 neck head", []),
+    ],
+    ids=["a joint between", "numbered the other way round"],
+)
+def test_a_trunk_without_arms_is_what_stands_between_hips_and_neck(trunk: str, spine: list[str]) -> None:
+    """Of birds: before, hips aimed at no spine, or the spine was listed against its hierarchy."""
+    names = trunk.split()
+    joints = line(trunk, "", *((0, 1 + 0.15 * k, 0.1 * k) for k in range(5)))
+    legs = [(name, names[0] if over == "hips" else over, place) for name, over, place in LEG]
+    (found,) = recognise(rig_with([*joints, *both(legs)])).characters
+    shown = [
+        [[name for name, _, _ in joints][k] for k in c.joints] for c in found.chains if c.kind == "spine"
+    ]
+    assert shown == ([spine] if spine else [])
