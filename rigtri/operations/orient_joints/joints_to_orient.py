@@ -115,9 +115,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     hips = frozenset(top for k in characters for top in _tops(k))
     fingers = [chain for _, chain in chains if chain.kind == "finger"]
     heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
-    whole = twists.union(joint for _, chain in chains for joint in chain.joints)
-    if options.style.world:
-        whole = whole.union(tree.joints)
+    bodily = tree.joints if options.style.world else (joint for _, chain in chains for joint in chain.joints)
     meant = twists.intersection(rig.nodes_of("twist"))  # their weights may not be split yet
     meant = meant.union(_standard_bones(characters, options))
     joints, skipped = select(
@@ -128,7 +126,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         all_named=everything,
         hips=hips,
         heads=heads,
-        whole=whole,
+        whole=twists.union(bodily),
         meant=meant,
     )
     styles = _styles(tree, options)
