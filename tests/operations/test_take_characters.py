@@ -199,3 +199,12 @@ def test_a_joint_below_a_skeleton_of_its_name_is_paired_with_the_joint() -> None
         for rig, own in ((ours, [1, 2]), (theirs, [3, 4]))
     )
     assert pairs(ours, theirs).of == {0: 1, 1: 3, 2: 4}
+
+
+def test_the_motion_of_one_node_goes_to_none_of_two_siblings_that_have_its_name() -> None:
+    """Before, both of them moved as that one did."""
+    two = rig_of(["root", "arm", "arm"], [-1, 0, 0], np.array([[0.0, 0, 0], [0, 1, 0], [0, 1, 0]]))
+    one = rig_of(["root", "arm"], [-1, 0], np.array([[0.0, 0, 0], [0, 1, 0]]))
+    for rig, other in ((two, one), (one, two)):
+        found = pairs(rig, other)
+        assert (found.of, found.unclear) == ({0: 0}, ("arm",))

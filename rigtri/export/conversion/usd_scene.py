@@ -17,7 +17,7 @@ from rigtri.export.conversion.usd_material_reader import MaterialReader, shows_c
 from rigtri.export.conversion.usd_motion import PrimMotion, unit_rotations
 from rigtri.export.conversion.usd_triangles import Faces, colour_of, materials_of, read_faces, with_points
 from rigtri.export.conversion.usd_unread import Unread
-from rigtri.export.conversion.usd_values import json_value, rest_value
+from rigtri.export.conversion.usd_values import HereOrAbove, json_value, rest_value
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.document import UsdDocument
@@ -59,6 +59,11 @@ def read_scene(document: UsdDocument, name: str) -> Scene:
         return _Reader(_without_instances(document), name, document.image).read()
 
 
+def _is_invisible(prim: Any) -> bool:
+    shown = prim.IsA(UsdGeom.Imageable) and rest_value(UsdGeom.Imageable(prim).GetVisibilityAttr())
+    return bool(shown == UsdGeom.Tokens.invisible)
+
+
 class _Reader:
     """One pass over a stage."""
 
@@ -68,6 +73,7 @@ class _Reader:
         self.scene = Scene(document.rig, name)
         self.materials = MaterialReader(self.scene, images)
         self.motion = PrimMotion()
+        self.hidden = HereOrAbove(_is_invisible)
 
     def read(self) -> Scene:
         scene, stage = self.scene, self.stage
@@ -98,10 +104,7 @@ class _Reader:
         omitted = {self.scene.rig.labels[node] for node in self.scene.omitted}
         unread = Unread(self.materials.unused)
         unread.add_layer(self.stage)
-        unread.add(
-            self.source.instances.prims(),
-            lambda prim: any(str(path) in omitted for path in prim.GetPath().GetPrefixes()),
-        )
+        unread.add(self.source.instances.prims(), HereOrAbove(lambda prim: str(prim.GetPath()) in omitted))
         for what in unread.lines():
             self.scene.lose(what)
 
@@ -139,9 +142,7 @@ class _Reader:
         extras = prim.GetCustomDataByKey("extras")
         if extras and not prim.IsA(UsdSkel.Skeleton):
             scene.extras[node] = json_value(extras)
-        above = [self.stage.GetPrimAtPath(path) for path in prim.GetPath().GetPrefixes()]
-        shown = [UsdGeom.Imageable(one) for one in above if one.IsA(UsdGeom.Imageable)]
-        if any(rest_value(one.GetVisibilityAttr()) == UsdGeom.Tokens.invisible for one in shown):
+        if self.hidden(prim):
             scene.hidden.add(node)
 
     def _mesh(self, mesh: Mesh) -> None:

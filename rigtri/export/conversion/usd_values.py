@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Usd, Vt
+from pxr import Gf, Sdf, Usd, Vt
 
 from rigtri.formats.usd.composition.time_samples import moving_times
 from rigtri.maths.trigonometry import Floats
@@ -63,6 +63,25 @@ def rest_value(attribute: Any) -> Any:
     unsaid = source in (Usd.ResolveInfoSourceNone, Usd.ResolveInfoSourceFallback)
     times = moving_times(attribute) if unsaid else []
     return attribute.Get(times[0]) if times else attribute.Get()
+
+
+class HereOrAbove:
+    """Whether something is so for a prim or for one above it. Each is asked once, however deep they are."""
+
+    def __init__(self, is_so: Callable[[Any], bool]) -> None:
+        self._is_so = is_so
+        self._known = {Sdf.Path.absoluteRootPath: False}
+
+    def __call__(self, prim: Any) -> bool:
+        unknown = []
+        while prim.GetPath() not in self._known:
+            unknown.append(prim)
+            prim = prim.GetParent()
+        found = self._known[prim.GetPath()]
+        for one in reversed(unknown):
+            found = found or self._is_so(one)
+            self._known[one.GetPath()] = found
+        return found
 
 
 def dictionary(value: Mapping[str, Any]) -> dict[str, Any]:

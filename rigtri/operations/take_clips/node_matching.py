@@ -223,15 +223,24 @@ def _paired(rig: Rig, other: Rig, ours: Sequence[int], theirs: Sequence[int]) ->
         if len(a) == len(b) == 1:
             found[a[0]] = b[0]
             continue
-        for node in a:
-            same = [k for k in b if other.path(k) == rig.path(node)]
-            if len(same) == 1:
-                found[node] = same[0]
+        here, there = _by_path(rig, a), _by_path(other, b)
+        for path, nodes in here.items():
+            same = there.get(path, [])
+            if len(nodes) == len(same) == 1:
+                found[nodes[0]] = same[0]
     ours, theirs = _topmost(rig, ours), _topmost(other, theirs)
     return {ours[0]: theirs[0]} if not found and len(ours) == len(theirs) == 1 else found
 
 
 def _topmost(rig: Rig, nodes: Sequence[int]) -> list[int]:
     """Nodes of one name without those that stand below another of them, where that leaves one."""
-    top = [node for node in nodes if int(rig.parents[node]) not in nodes]
+    named = set(nodes)
+    top = [node for node in nodes if int(rig.parents[node]) not in named]
     return top if len(top) == 1 else list(nodes)
+
+
+def _by_path(rig: Rig, nodes: Sequence[int]) -> dict[str, list[int]]:
+    found: dict[str, list[int]] = {}
+    for node in nodes:
+        found.setdefault(rig.path(node), []).append(node)
+    return found

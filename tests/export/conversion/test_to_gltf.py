@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from calls import calls
 from convertible import write_everything
 from gltf_files import glb_bytes, glb_json
 from gltf_files import glb_parts as read_glb
@@ -14,11 +15,13 @@ from places import SAMPLES, asset_files, sample_files, slow
 from program import cli
 from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 from second_opinions import khronos_errors
-from usd_files import MESH, animation, deviation, save, scene, skeleton
+from usd_files import MESH, animation, deviation, read, save, scene, skeleton
 
 import rigtri
 from rigtri.evaluation.sampling import Motion, morph_weights, worlds
 from rigtri.evaluation.skinning import deformed
+from rigtri.export.conversion.usd_scene import read_scene
+from rigtri.formats.usd.document import UsdDocument
 
 TOLERANCE = 1e-5
 USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -372,3 +375,15 @@ def test_normals_of_blend_shapes_are_those_of_morph_targets(
             "byteOffset", 0
         )
         assert np.frombuffer(binary, "<f4", 9, start).reshape(3, 3).tolist() == target
+
+
+def test_four_times_as_many_prims_in_a_row_are_read_in_four_times_as_long(tmp_path: Path) -> None:
+    """Before, each asked all above it whether they are invisible, and 1,200 took minutes."""
+
+    def row(count: int) -> UsdDocument:
+        prims = "".join(f'def Xform "p{k}" {{\n' for k in range(count)) + "}\n" * count
+        return read(save(tmp_path, f"#usda 1.0\n{prims}", f"{count}.usda"), empty=True)
+
+    few, many = row(20), row(80)
+    once = calls(lambda: read_scene(few, "row"))
+    assert calls(lambda: read_scene(many, "row")) < 5 * once
