@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.sampling import key_times, sample
 from rigtri.maths.quaternions import dot
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Interpolation, Path, Track
@@ -147,7 +147,7 @@ def matching_clips(rig: Rig, pattern: str) -> set[int]:
 def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
     """The timeline and the time that ``CLIP@TIME`` names, the last @ splits; None and 0 for ``rest``.
 
-    Raises UsageError, NameNotFoundError, and GeometryError for a clip that plays nothing.
+    A time that is printed as that of a key names the key. Raises UsageError, NameNotFoundError, and GeometryError for a clip that plays nothing.
     """
     if text.lower() == "rest":
         return None, 0.0
@@ -166,7 +166,10 @@ def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
     found = next((t for t in timelines(rig) if number in t.members), None)
     if found is None:
         raise GeometryError(f"Clip '{name}' has no keys")
-    return found, at
+    keys = key_times(found.clip)
+    near = float(keys[np.argmin(np.abs(keys - at))])
+    # Times are printed with six digits; a second key beside the one that is meant would be a jump.
+    return found, near if f"{near:g}" == f"{at:g}" else at
 
 
 def as_played(rig: Rig, tracks: Sequence[Track]) -> Sequence[Track]:

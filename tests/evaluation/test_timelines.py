@@ -198,6 +198,15 @@ def test_timelines_are_chosen_in_the_order_of_their_globs_and_once_each() -> Non
         chosen_timelines(rig, ["run", "ru"])
 
 
+def test_a_time_that_is_printed_as_that_of_a_key_names_the_key() -> None:
+    third, end = float(np.float32(13 / 24)), float(np.float32(25 / 24))
+    rig = replace(random_rig(1), clips=(Clip("walk", (keyed(0.0, third), keyed(end)), key=0),))
+    times = {
+        text: timeline_and_time(rig, f"walk@{text}")[1] for text in ("0.541667", "1.04167", "0.5417", "9")
+    }
+    assert times == {"0.541667": third, "1.04167": end, "0.5417": 0.5417, "9": 9.0}
+
+
 def test_a_clip_and_a_time_are_split_at_the_last_mark() -> None:
     rig = clips("walk", "me@home", "empty")
     found, at = timeline_and_time(rig, "me@home@0.5")
