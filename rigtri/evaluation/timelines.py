@@ -147,7 +147,8 @@ def matching_clips(rig: Rig, pattern: str) -> set[int]:
 def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
     """The timeline and the time that ``CLIP@TIME`` names, the last @ splits; None and 0 for ``rest``.
 
-    A time that is printed as that of a key names the key. Raises UsageError, NameNotFoundError, and GeometryError for a clip that plays nothing.
+    A time that is printed as that of a key names the key. Raises UsageError, NameNotFoundError, and
+    GeometryError for a clip that plays nothing.
     """
     if text.lower() == "rest":
         return None, 0.0
