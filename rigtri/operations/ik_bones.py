@@ -14,6 +14,7 @@ import numpy as np
 from rigtri.errors import UsageError
 from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
+from rigtri.evaluation.pose_cache import blocks
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.timelines import (
     Timeline,
@@ -175,11 +176,15 @@ def _follow(rig: Rig, timeline: Timeline, followers: Sequence[_Follower]) -> boo
     """Whether joints are where their leaders are, at all keys of these and between them."""
     nodes, _, leaders = np.array(followers).T
     times = keys_and_between(times_and_jumps(timeline, None, rig.rules.per_second))
-    world = worlds(rig, locals_at(rig, timeline.clip, times))
-    one, other = world[:, nodes], world[:, leaders]
-    turned = angle_between(*(from_axes(orthonormal_axes(each)) for each in (one, other)))
-    off = length(one[..., 3, :3] - other[..., 3, :3]) + _ARM * skeleton_size(rig) * turned
-    return bool(off.max() <= 2.0 * _WITHIN * skeleton_size(rig))
+    size = skeleton_size(rig)
+    for rows in blocks(len(times)):
+        world = worlds(rig, locals_at(rig, timeline.clip, times[rows]))
+        one, other = world[:, nodes], world[:, leaders]
+        turned = angle_between(*(from_axes(orthonormal_axes(each)) for each in (one, other)))
+        off = length(one[..., 3, :3] - other[..., 3, :3]) + _ARM * size * turned
+        if not off.max() <= 2.0 * _WITHIN * size:
+            return False
+    return True
 
 
 def _spread(track: Track) -> Track:
@@ -202,7 +207,7 @@ def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: 
         return []
     moving, size = replace(timeline, clip=Clip(timeline.clip.name, tracks)), skeleton_size(rig)
 
-    def seats(times: Floats) -> Floats:
+    def some(times: Floats) -> Floats:
         world = worlds(rig, locals_at(rig, moving.clip, times))
         stands: dict[int, Floats] = {}
         found = []
@@ -213,6 +218,10 @@ def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: 
             stands[node] = multiply(compose(seat[:, :3], seat[:, 3:], np.ones(3)), above)
             found.append(seat)
         return np.stack(found, axis=1)
+
+    def seats(times: Floats) -> Floats:
+        found = [some(times[rows]) for rows in blocks(len(times))]
+        return np.concatenate(found) if found else some(times)
 
     def error(values: Floats, left: Floats, right: Floats, share: Floats, _times: Floats) -> Floats:
         """How far lines between two keys are off in between, (f,): in place, or a tenth of the size away."""

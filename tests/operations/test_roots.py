@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -23,11 +24,13 @@ from usd_files import deviation
 
 import rigtri
 from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.pose_cache import blocks
 from rigtri.evaluation.sampling import key_times, locals_at, sample, worlds
 from rigtri.formats import read
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
@@ -534,6 +537,28 @@ def test_ik_bones_follow_a_hand_that_a_clip_hides_by_a_scale_of_0() -> None:
     tracks.append(Track(hand, "scale", "LINEAR", np.array([0.0, 0.5, 1.0]), hides))
     made = rigtri.add_root(rigtri_with(rig, tuple(tracks)), profile="unreal")
     assert np.abs(places(made, "ik_hand_l") - places(made, "hand_L")).max() < 3e-4
+
+
+@pytest.mark.ci
+def test_ik_bones_of_many_keys_are_made_of_some_frames_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before, 60,000 keys took 1.7 GB."""
+    rig, most = rigtri.read(SAMPLES / "biped.glb"), []
+
+    def counted(rig: Rig, clip: Clip, times: Floats) -> Floats:
+        most.append(len(times))
+        return locals_at(rig, clip, times)
+
+    monkeypatch.setattr("rigtri.operations.ik_bones.locals_at", counted)
+    whole = rigtri.add_root(rig, profile="unreal")
+    assert max(most) > 16
+    most.clear()
+    monkeypatch.setattr("rigtri.operations.ik_bones.blocks", partial(blocks, block=16))
+    made = rigtri.add_root(rig, profile="unreal")
+    assert max(most) == 16
+    for clip, same in zip(made.clips, whole.clips, strict=True):
+        for track, other in zip(clip.tracks, same.tracks, strict=True):
+            np.testing.assert_array_equal(track.times, other.times)
+            np.testing.assert_array_equal(track.values, other.values)
 
 
 def test_ik_bones_of_what_is_not_known_are_left_out(tmp_path: Path) -> None:
