@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Hashable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -155,11 +155,11 @@ class PrimitiveWriter:
 
     @cached_property
     def _shapes(self) -> dict[tuple[int, int], str]:
-        """The blend shapes of all meshes, by node and number of the morph target."""
-        names, found = Names(), {}
+        """The blend shapes of all meshes, by node and number of the morph target: each once in a Skeleton."""
+        names, found = defaultdict[int, Names](Names), {}
         for node, primitives in self.scene.primitives.items():
             mesh = primitives[0].mesh
             for k in range(max(len(p.mesh.morphs) for p in primitives)):
                 name = mesh.morph_names[k] if k < len(mesh.morph_names) else f"target_{k}"
-                found[node, k] = names.unique(name, "target")
+                found[node, k] = names[id(self._moved_by(node, mesh))].unique(name, "target")
         return found

@@ -620,3 +620,17 @@ def test_characters_of_a_crowd_share_their_points_and_are_edited_each_by_itself(
     rigtri.convert(out, tmp_path / "back.glb")
     assert len(glb_json(tmp_path / "back.glb")["meshes"]) == len(glb_json(tmp_path / "shot.glb")["meshes"])
     cli("orient-joints", out, "-o", edited, "--character", "A", code=0)
+
+
+def test_blend_shapes_of_another_skeleton_have_the_same_names(tmp_path: Path) -> None:
+    builder = arm(clips=False)
+    del builder.gltf["nodes"][2]["skin"]
+    (primitive,) = builder.gltf["meshes"][0]["primitives"]
+    for name in ("JOINTS_0", "WEIGHTS_0"):
+        del primitive["attributes"][name]
+    builder.gltf["nodes"].append({**builder.gltf["nodes"][2], "name": "Twin"})
+    builder.gltf["scenes"][0]["nodes"].append(len(builder.gltf["nodes"]) - 1)
+    rigtri.convert(builder.glb(tmp_path / "in.glb"), tmp_path / "out.usda")
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    shown = [UsdSkel.BindingAPI(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+    assert [list(one.GetBlendShapesAttr().Get()) for one in shown] == [["bulge", "other"]] * 2
