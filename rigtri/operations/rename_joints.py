@@ -18,7 +18,7 @@ from rigtri.operations.options.rename_joints import RenameJointsOptions as Renam
 from rigtri.operations.rigtri_nodes import given_name, readdressed
 from rigtri.recognition.layout import CONFIDENT, Part
 from rigtri.recognition.recognise import recognise
-from rigtri.recognition.written_names import written_chains, written_names
+from rigtri.recognition.written_names import are_synonyms, written_chains, written_names
 from rigtri.report import Report
 from rigtri.text import and_more, list_names
 
@@ -42,6 +42,11 @@ def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> 
         rig.find(joint): given_name(rig, name, report, f"--name {joint}=")
         for joint, name in options.name.items()
     }
+    if options.to is not None:
+        kept = {rig.names[node] for node in np.flatnonzero(rig.is_joint).tolist() if node not in names}
+        # Several names of MMD are hips: 腰 stays so below a センター.
+        again = {k for k, name in names.items() if are_synonyms(options.to, name, rig.names[k])}
+        names = {k: name for k, name in names.items() if name not in kept or k not in again}
     _refuse_clashes(rig, names, {node for node, _, shared in mapped if shared})
     names = {node: name for node, name in names.items() if rig.names[node] != name}
     _refuse_taken(rig, names, [rig.find(joint) for joint in options.name])

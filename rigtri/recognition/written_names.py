@@ -16,7 +16,7 @@ from typing import Any
 from rigtri.errors import UsageError, did_you_mean
 from rigtri.model.joint_names import Side, SideStyle
 from rigtri.recognition.layout import FINGERS, MIDDLE, SIDED
-from rigtri.recognition.naming_schemes import LONG, own_table, scheme_tables
+from rigtri.recognition.naming_schemes import LONG, own_table, parse_name, scheme_tables
 
 _MARKS = {"left": "{side}", "Left": "{Side}", "l": "{s}", "L": "{S}"}
 _SIDES: tuple[Side, ...] = ("left", "right")
@@ -51,6 +51,17 @@ def written_chains(scheme: str) -> dict[str, list[str]]:
     return {key.lower(): list(words[key]) for key in LONG if key in words}
 
 
+def are_synonyms(scheme: str, name: str, other: str) -> bool:
+    """Whether a scheme has both names for one bone of the trunk. Raises as `written_names` does.
+
+    >>> are_synonyms("mmd", "センター", "腰"), are_synonyms("mmd", "センター", "首")
+    (True, False)
+    """
+    both = {parse_name(name).raw, parse_name(other).raw}
+    tables = _table(scheme).get("middle", {}).values()
+    return len(both) == 2 and any(both <= {*words.split()} for words in tables)
+
+
 def _table(scheme: str) -> Mapping[str, Any]:
     if scheme.lower() in scheme_tables():
         return scheme_tables()[scheme.lower()]
@@ -69,11 +80,14 @@ def _pattern(style: SideStyle) -> str:
 
 
 def with_side(pattern: str, name: str, side: Side) -> str:
-    """A name of one side.
+    """A name of one side. A name that says itself where the side stands needs no pattern.
 
     >>> with_side("{name}_{s}", "upperarm", "left"), with_side("{Side}{name}", "Arm", "right")
     ('upperarm_l', 'RightArm')
+    >>> with_side("J_Bip_{S}_{name}", "J_Adj_{S}_FaceEye", "left")
+    'J_Adj_L_FaceEye'
     """
+    pattern = name if "{" in name else pattern
     words = {"{name}": name, "{side}": side, "{Side}": side.title(), "{s}": side[:1], "{S}": side[:1].upper()}
     for word, text in {**words, "{左}": _CJK.get(side, "")}.items():
         pattern = pattern.replace(word, text)

@@ -254,6 +254,19 @@ def test_a_clash_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     assert not out.exists()
 
 
+def test_hips_below_another_joint_that_mmd_calls_so_keep_their_name_and_fingers_their_digits() -> None:
+    """Before, "both be called センター"; and 左親指0, by which MMD does not find the thumb."""
+    rig = rigtri.rename_joints(rigtri.read(SAMPLES / "biped.glb"), to="mmd")
+    waist = tuple("腰" if name == "センター" else name for name in rig.names)
+    rig = rigtri.add_root(replace(rig, names=waist), name="センター")
+    assert rigtri.rename_joints(rig, to="mmd").names == rig.names
+    assert {"左親指０", "右小指３", "上半身2"} <= {*written_names("mmd").values()}
+
+
+def test_eyes_are_called_as_in_vroid() -> None:
+    assert written_names("vroid")["rightEye"] == "J_Adj_R_FaceEye"
+
+
 def test_a_mesh_that_is_called_as_a_joint_now_is_named_with_the_way_out() -> None:
     rig, report = rigtri.read(SAMPLES / "biped.glb"), Report()
     body = int(np.flatnonzero(rig.attachment >= 0)[0])

@@ -69,6 +69,15 @@ def test_limbs_that_are_not_sure_are_told() -> None:
     assert [warning.code for warning in report.warnings] == ["unsure-limb"]
 
 
+def test_legs_below_the_spine_are_told() -> None:
+    """Of which conform warned alone."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    parents = rig.parents.copy()
+    parents[rig.find("thigh_L")] = rig.find("spine")
+    assert "profile.hierarchy" not in of_rig(rig, "vrm")
+    assert "profile.hierarchy" in of_rig(replace(rig, parents=parents, source=None), "vrm")
+
+
 def test_scales_names_influences_and_bones_are_found() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     root = int(np.flatnonzero(rig.is_joint)[0])

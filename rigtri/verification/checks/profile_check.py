@@ -19,7 +19,7 @@ from rigtri.maths.matrices import determinant
 from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
-from rigtri.recognition.humanoid_order import misplaced
+from rigtri.recognition.humanoid_order import below_others, misplaced
 from rigtri.recognition.layout import CONFIDENT, REQUIRED, Character
 from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.limbs import limb_title
@@ -137,9 +137,9 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
     (
         "hierarchy",
         "warning",
-        "A bone is not below the one that a humanoid has above it, so clips of others do not fit.",
+        "A bone has others above it than a humanoid has there, so clips of others do not fit.",
         "VRMC_vrm 1.0, humanoid.md; Unity manual, Avatar Mapping; Godot, SkeletonProfileHumanoid",
-        "Parent it there in a DCC; rigtri recognise --joints shows what is recognised.",
+        "Parent it as a humanoid has it in a DCC; rigtri recognise --joints shows what is recognised.",
     ),
     (
         "root",
@@ -262,6 +262,8 @@ def _placed(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, i
         yield "facing", body.root, f"it faces {faces}, and {engine.title} takes {ahead} for ahead"
     for node, above in misplaced(rig, body):
         yield "hierarchy", node, f"it is not below {rig.title(above)}"
+    for node, above in below_others(rig, body):
+        yield "hierarchy", node, f"it is below {rig.title(above)}, which turns it along in clips of others"
 
 
 def _root(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:
