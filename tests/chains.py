@@ -112,7 +112,8 @@ def _on_controls(rig: Rig, clip: Clip) -> bool:
 
 def keyed(rig: Rig, seed: int) -> Rig:
     """Other keys of some controls and pole vectors, in a clip of their own unless something follows one; and
-    some controls are posed at rest."""
+    some controls are posed at rest. Keys of every third seed are of splines, which USD has not."""
+    splines = seed % 3 == 0 and not isinstance(rig.clips[0].key, tuple)
     numbers, records = np.random.default_rng(seed), rig.records(ControlRecord)
     size = float(np.ptp(rig.world[rig.is_joint, 3, :3], axis=0).max())
     tracks: list[Track] = []
@@ -136,9 +137,18 @@ def keyed(rig: Rig, seed: int) -> Rig:
     followed = [node for rule in constraints_of(rig).values() for node in rule.sources]
     alone = not isinstance(rig.clips[0].key, tuple) and ours.isdisjoint(rig.with_ancestors(followed))
     rig = replace(rig, rotation=posed)
+    tracks = [_spline(track, seed) for track in tracks] if splines else tracks
     if tracks and alone and numbers.random() < 0.5:
         return replace(rig, clips=(*rig.clips, Clip(f"keys {len(rig.clips)}", tuple(tracks))))
     return put_tracks(rig, timelines(rig)[0], tracks)
+
+
+def _spline(track: Track, seed: int) -> Track:
+    """A track with the same keys and tangents of any direction, by which values go past them."""
+    tangents = np.random.default_rng([seed, track.node]).normal(0.0, 2.0, (2, *track.values.shape))
+    most = np.abs(np.ptp(track.values, axis=0)).max() + 1e-3
+    values = np.stack([most * tangents[0], track.values, most * tangents[1]], axis=1)
+    return replace(track, interpolation="CUBICSPLINE", values=values)
 
 
 def deviation(path: Path, steps: Sequence[Step], folder: Path, refused: list[str] | None = None) -> float:
