@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_root import add_root
 from rigtri.operations.conform import conform
 from rigtri.operations.set_rest import set_rest
+from rigtri.operations.take_clips.motion_check import MotionCheck, refuse_other_motion
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
@@ -225,3 +228,19 @@ def test_real_characters_take_the_walk_of_the_biped(assets: Path, name: str, to:
     # Of the body's own world: one of the 24 rotations, or a body that faces aside.
     u, _, v = np.linalg.svd(np.einsum("kfi,kfj->ij", theirs, ours))
     assert degrees_apart(ours, theirs @ u @ v) < 0.01
+
+
+def test_keys_that_stay_in_a_clip_of_the_same_name_are_named_with_the_way_out() -> None:
+    """Before, "a rest pose or a hierarchy that take-clips cannot map"."""
+    rig = add_root(biped(), name="sway", above="LeftHand")
+    sway, hand = rig.find("sway"), rig.find("LeftHand")
+    both = SimpleNamespace(of={node: node for node in range(len(rig)) if node != sway})
+    seen = SimpleNamespace(taken=SimpleNamespace(name="walk"), tracks={(sway, "rotation"): None})
+    check: Any = SimpleNamespace(rig=rig, both=both, seen=seen)
+    check.moved_by_rig = partial(MotionCheck.moved_by_rig, check)
+    check.found = lambda: ([SimpleNamespace(joint=hand, text="'LeftHand' is off")], [])
+    with pytest.raises(GeometryError, match=r"keys of 'sway', which .* --as 'walk=walk_2'"):
+        refuse_other_motion(check, (), Report())
+    seen.tracks = {}
+    with pytest.raises(GeometryError, match="take-clips cannot map"):
+        refuse_other_motion(check, (), Report())

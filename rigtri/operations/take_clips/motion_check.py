@@ -207,6 +207,11 @@ class MotionCheck:
                 return False
         return any(line.values()) if above < 0 else path in line[joint]
 
+    def moved_by_rig(self, joint: int) -> list[int]:
+        """The nodes above a joint that EDITED does not have, and RIG's clip of this name moves."""
+        above = [node for node in self.rig.path_to_root(joint)[1:] if node not in self.both.of]
+        return [node for node in above if any((node, path) in self.seen.tracks for path in PATHS)]
+
 
 def refuse_other_motion(check: MotionCheck, reported: Collection[str], report: Report) -> None:
     """GeometryError where joints play otherwise than in EDITED; a warning where EDITED has no keys of it.
@@ -217,10 +222,16 @@ def refuse_other_motion(check: MotionCheck, reported: Collection[str], report: R
     name = check.seen.taken.name
     if wrong:
         many = f" and {len(wrong) - 4} more" if len(wrong) > 4 else ""
+        why = "EDITED has a rest pose or a hierarchy that take-clips "
+        why += f"cannot map: key every joint in '{name}' in the DCC, or --clip without it"
+        if own := sorted({node for off in wrong for node in check.moved_by_rig(off.joint)}):
+            why = (
+                f"RIG has a clip '{name}', too, with keys of {list_names(map(check.rig.title, own))}, which "
+            )
+            why += f"EDITED does not have: make it another clip with --as '{name}={name}_2'"
         raise GeometryError(
             f"'{name}' would not play as in EDITED: {', '.join(off.text for off in wrong[:4])}{many} "
-            f"(limits {MOST_OFF:g}°, {OTHER_SHAPE:g}). EDITED has a rest pose or a hierarchy that take-clips "
-            f"cannot map: key every joint in '{name}' in the DCC, or --clip without it"
+            f"(limits {MOST_OFF:g}°, {OTHER_SHAPE:g}). {why}"
         )
     if held := [off.joint for off in unkeyed if check.rig.names[off.joint] not in reported]:
         names = [check.rig.title(joint) for joint in held]
