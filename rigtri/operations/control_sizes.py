@@ -227,6 +227,9 @@ class _Skinned:
         above = (dot(self.points, normal) > dot(place, normal))[corners]
         corners = corners[above.any(axis=1) & ~above.all(axis=1)]
         flat, height = _seen(self.points[corners], place, normal)
+        # Rounded in this way, what begins in the plane may be on one side of it after all.
+        parted = (height > 0).any(axis=1) & (height <= 0).any(axis=1)
+        flat, height = flat[parted], height[parted]
         above = height > 0
         # The corner that is alone on its side comes first.
         a, b, c = above.T
@@ -235,7 +238,7 @@ class _Skinned:
         each = np.arange(len(order))[:, np.newaxis]
         flat, height = flat[each, order], height[each, order]
         apart = height[:, :1] - height[:, 1:]
-        share = height[:, :1] / np.where(apart == 0, 1.0, apart)
+        share = height[:, :1] / apart
         return np.asarray(flat[:, :1] + share[..., np.newaxis] * (flat[:, 1:] - flat[:, :1]))
 
     @cached_property

@@ -14,6 +14,7 @@ from rigs import chain, rig_of
 import rigtri
 from rigtri.evaluation.skinning import deformed
 from rigtri.formats import read
+from rigtri.frames.skeleton import skeleton
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.content import Content
@@ -22,7 +23,7 @@ from rigtri.model.mesh_triangles import triangles
 from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.operations.control_sizes import MARGIN
+from rigtri.operations.control_sizes import MARGIN, SkinSections
 
 
 def skin(rig: Rig) -> Floats:
@@ -112,6 +113,19 @@ def test_the_ring_of_a_joint_without_skin_is_as_wide_as_the_skin_of_the_joint_ab
     rings = {record.joint: record.size or 0.0 for record in rig.records(ControlRecord).values()}
     assert rings["c"] == pytest.approx(rings["b"], rel=0.3)
     assert rings["a"] > 3 * rings["b"]
+
+
+def test_skin_that_begins_in_the_plane_of_a_ring_is_no_wider_for_rounding() -> None:
+    """Of a part that is a box from its joint on: its corners were on another side of the plane each time."""
+    rig, random = chain((0, 0, 0), (1, 0, 0)), np.random.default_rng(1)
+    box = a_box(0, (0.5, 0.2, 0.1))
+    skinned = replace(box, skin=0, weights=np.ones((8, 1)), joints=np.zeros((8, 1), dtype=np.int64))
+    for _ in range(20):
+        turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
+        place = random.normal(size=3)
+        part = replace(skinned, points=(skinned.points + np.array([0.5, 0.0, 0.0])) @ turn + place)
+        sections = SkinSections(skeleton(replace(rig, content=Content(read_meshes=lambda part=part: [part]))))
+        assert sections.radius(0, place, turn[0]) < 1.2
 
 
 def troop(side: int) -> Rig:
