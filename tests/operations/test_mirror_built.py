@@ -390,6 +390,11 @@ def test_a_mirrored_constraint_warns_of_keys_of_the_control_that_follows(samples
     mirror(rig, options=MirrorOptions(from_side="left"), report=keyed)
     (text,) = [notice.text for notice in keyed.warnings if notice.code == "mirror-moves"]
     assert text.startswith("hand_R_ik_ctl has keys in reach")
+    rule = ConstrainOptions(type="polevector", child="hand_L", driver=(("head", 1.0),))
+    pole = replace(keys, node=rig.find("forearm_R_pole"))
+    rig = replace(rig, clips=(Clip("reach", (keys, pole)), *rig.clips[1:]))
+    mirror(constrain(rig, options=rule), options=MirrorOptions(from_side="left"), report=keyed)
+    assert "_pole have keys in reach, walk, wave and follow a" in keyed.warnings[-1].text
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,8 @@ def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
     if nodes := set[int]().union(*keyed.values()):
         names = and_more([rig.title(node) for node in sorted(nodes)], 6)
         clips = and_more([clip for clip, nodes in keyed.items() if nodes], 6)
-        text = f"{names} has keys in {clips} and follows a constraint from now on"
+        verbs = ("has", "follows") if len(nodes) == 1 else ("have", "follow")
+        text = f"{names} {verbs[0]} keys in {clips} and {verbs[1]} a constraint from now on"
         report.warn("mirror-moves", f"{text}: the next bake gives other motion there")
 
 
