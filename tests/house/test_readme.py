@@ -88,7 +88,9 @@ def test_docs_of_operations_name_each() -> None:
     assert not missing, "say in docs/operations.md what they do"
 
 
-@pytest.mark.parametrize("page", ["pictures.md", "explain.md", "exactness.md", "presets.md"])
+@pytest.mark.parametrize(
+    "page", ["pictures.md", "explain.md", "exactness.md", "presets.md", "one-skeleton-pictures.md"]
+)
 def test_pictures_of_the_documents_are_what_their_commands_make(
     page: str,
     samples: Path,
