@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
+from rigtri.maths.arrays import Integers
 from rigtri.model.control_shapes import Lines, nothing
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
@@ -44,6 +45,19 @@ class Content:
             self,
             read_outlines=lambda: [mesh for mesh in self.read_outlines() if mesh.skin not in hidden],
             read_meshes=lambda: [mesh for mesh in self.meshes if mesh.skin not in hidden],
+        )
+
+    def with_rows(self, rows: Mapping[int, Integers]) -> Content:
+        """The content for skins, by number, of which joint k of a mesh is called ``rows[skin][k]``."""
+
+        def called(meshes: Sequence[Mesh]) -> Sequence[Mesh]:
+            found = ((mesh, None if mesh.skin is None else rows.get(mesh.skin)) for mesh in meshes)
+            return [mesh if new is None else replace(mesh, joints=new[mesh.joints]) for mesh, new in found]
+
+        return replace(
+            self,
+            read_outlines=lambda: called(self.read_outlines()),
+            read_meshes=lambda: called(self.meshes),
         )
 
     def reordered(self, new: Sequence[int]) -> Content:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -79,6 +80,16 @@ class JointMerge:
     at: Floats
     widths: Mapping[int, int]
     idle: bool
+
+    def then(self, later: JointMerge) -> JointMerge:
+        """This and a later one of the same skin, whose rows are those that this leaves, as one."""
+        return replace(
+            self,
+            rows=later.rows[self.rows],
+            at=np.where(self.at == 0.0, later.at[self.rows], self.at),
+            widths={**later.widths, **self.widths},
+            idle=self.idle and later.idle,
+        )
 
 
 @dataclass(frozen=True)

@@ -307,9 +307,11 @@ class _Limb:
         )
         name = self.rig.title(self.chain[2])
         if not far <= NEAR:
-            self.report.warn(
-                "snap-off", f"The limb that ends in '{name}' moves by {far:.2g} of the size", geometry=True
-            )
+            text = f"The limb that ends in '{name}' moves by {far:.2g} of the size"
+            rules = Solver(rig, (), self.reference).rules
+            if self.to == "fk" and (led := [node for node in self.chain if node in rules]):
+                text += f": '{rig.title(led[-1])}' follows a constraint, which IK had overruled"
+            self.report.warn("snap-off", text, geometry=True)
         self.report.added.append(
             {
                 "type": "snap",
@@ -326,10 +328,15 @@ class _Limb:
         """How far joints are from where they were, at most, as a share of the size."""
         before, after = (self._posed(solver, times, joints) for solver in solvers)
         far = 0.0
+        rig = solvers[1].rig
         for joint in joints:
-            apart = length(after.world(joint)[:, 3, :3] - before.world(joint)[:, 3, :3])
+            off = length((after.world(joint) - before.world(joint))[:, :, :3])
+            apart = off[:, 3]
+            if not rig.is_joint[list(rig.children[joint])].any():
+                # No joint below shows how it turns: what it moves is about as long as the bone above it.
+                apart = apart + off[:, :3].max(axis=1) * float(length(rig.translation[joint]))
             far = max(far, float(np.nan_to_num(apart).max()))
-        return far / skeleton_size(solvers[1].rig)
+        return far / skeleton_size(rig)
 
 
 def _joints_moved(rig: Rig, changed: Collection[int], solvers: Iterable[Solver]) -> list[int]:

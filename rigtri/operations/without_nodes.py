@@ -21,6 +21,8 @@ def without_nodes(rig: Rig, gone: Collection[int], folds: Sequence[JointMerge]) 
     rig without a name, as ``pending.removed``, until it is written.
     """
     gone = frozenset(gone)
+    merges = {merge.skin: merge for merge in rig.pending.joint_merges}
+    merges |= {fold.skin: merges[fold.skin].then(fold) if fold.skin in merges else fold for fold in folds}
     less = replace(
         rig,
         names=tuple("" if node in gone else name for node, name in enumerate(rig.names)),
@@ -29,8 +31,9 @@ def without_nodes(rig: Rig, gone: Collection[int], folds: Sequence[JointMerge]) 
             rig.pending,
             removed=rig.pending.removed | gone,
             shapes={node: shape for node, shape in rig.pending.shapes.items() if node not in gone},
-            joint_merges=(*rig.pending.joint_merges, *folds),
+            joint_merges=tuple(merges.values()),
         ),
+        content=rig.content.with_rows({fold.skin: fold.rows for fold in folds}),
         clips=tuple(
             replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in gone))
             if any(track.node in gone for track in clip.tracks)

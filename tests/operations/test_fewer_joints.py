@@ -23,6 +23,7 @@ from rigtri.formats import ReadOptions, read
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip, Track
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.skin import Skin, WeightLimit
 from rigtri.model.skin_weights import limited, within
 from rigtri.report import Report
@@ -45,6 +46,29 @@ def test_joints_without_weight_go_and_nothing_moves(suffix: str, tmp_path: Path)
     assert not any(before.type_of(before.names.index(name)) for name in gone)
     for skin in after.skins:
         assert skin.weighted.sum() + len(after.nodes_of("twist")) >= len(skin.joints)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_merges_one_after_another_are_one(suffix: str, tmp_path: Path) -> None:
+    """Before, of two merges in glTF the first was forgotten, and in USD the second refused."""
+    source = rigtri.read(SAMPLES / f"biped{suffix}")
+    for name, steps in {"one": ["fingers_?"], "two": ["fingers_L", "fingers_R"]}.items():
+        rig = source
+        for joints in steps:
+            rig = rigtri.merge_joints(rig, joints=[joints])
+        rigtri.write(rig, tmp_path / f"{name}{suffix}", tolerance=0.01)
+    assert (tmp_path / f"one{suffix}").read_bytes() == (tmp_path / f"two{suffix}").read_bytes()
+
+
+def test_meshes_know_the_joints_that_stay_before_the_file_is_written(tmp_path: Path) -> None:
+    """Before, what measured the skin found other joints there, or none: an IndexError."""
+    merged = rigtri.merge_joints(rigtri.read(SAMPLES / "biped.glb"), joints=["fingers_L"])
+    rigtri.write(merged, tmp_path / "out.glb", tolerance=0.01)
+    rings = []
+    for rig in (merged, rigtri.read(tmp_path / "out.glb")):
+        records = rigtri.add_controls(rig, limbs="auto").records(ControlRecord).values()
+        rings.append({record.joint: record.size for record in records})
+    assert rings[0] == pytest.approx(rings[1])
 
 
 def test_the_top_nodes_of_a_plain_hierarchy_stay(tmp_path: Path) -> None:

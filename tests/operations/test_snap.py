@@ -17,6 +17,7 @@ from places import SAMPLES, asset_files, slow
 from program import cli
 from second_opinions import validator
 
+import rigtri
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.fk import Fk
@@ -206,6 +207,22 @@ def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
     np.testing.assert_array_equal(now.values[[0, 1, 3, 4]], was.values)
     for time in (0.2, 0.4, 0.7, 0.9):
         np.testing.assert_array_equal(sampling.sample(now, [time]), sampling.sample(was, [time]))
+
+
+def test_an_end_joint_that_a_constraint_turns_once_fk_takes_over_is_reported() -> None:
+    """Nothing hangs below it whose place would show that."""
+    leg = ("thigh_R", "shin_R", "foot_R")
+    rig = rigtri.merge_joints(read(SAMPLES / "biped.glb").rig, joints=["toe_R"])
+    rig = rigtri.bake(rigtri.add_controls(rig, ik=[leg]), to="controls")
+    rig = rigtri.constrain(
+        rig, type="orient", child="foot_R", driver=(("hand_L", 1.0),), driver_space="local"
+    )
+    report = Report()
+    snap(rig, options=SnapOptions("fk", ("walk@0.5",), (leg,)), report=report)
+    (said,) = report.warnings
+    assert said.code == "snap-off"
+    assert "'foot_R' follows a constraint" in said.text
+    assert report.added[0]["deviation"] > 0.01
 
 
 @pytest.mark.ci
