@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -171,6 +173,11 @@ class _Limb:
         empty = replace(self.timeline, clip=Clip(self.timeline.name, ()))
         return next((each for each in timelines(rig) if first in each.members), empty)
 
+    @cached_property
+    def _rules(self) -> Mapping[int, Any]:
+        """The constraints, by the node that follows."""
+        return Solver(self.rig, (), self.reference).rules
+
     def _solver(self, rig: Rig) -> Solver:
         """The solver of a state of the rig; its rest pose is this one's but after a snap at rest."""
         same_rest = self.timeline is not None or rig is self.rig
@@ -207,8 +214,7 @@ class _Limb:
 
     def _to_ik(self, ik: Ik, before: PoseCache) -> dict[int, Parts]:
         found = SolvedControls(PoseCache(self.rig, before.parts))
-        rules = Solver(self.rig, (), self.reference).rules
-        match_limb(found, ik, before, rules, lambda node, parts: _single(parts))
+        match_limb(found, ik, before, self._rules, lambda node, parts: _single(parts))
         channels = dict(found.controls)
         if self.timeline is not None:  # at rest the controls' channels start from their offsets
             for fk in ik.below({fk.own.offset for fk in ik.fk.values()}.difference(ik.carries)):
@@ -225,9 +231,8 @@ class _Limb:
             raise GeometryError(
                 f"'{self.rig.title(missing[0])}' has no FK control; make one with: rigtri add-controls"
             )
-        rules = Solver(self.rig, (), self.reference).rules
         for node in (ik.limb.control, ik.limb.pole):
-            if node in rules:
+            if node in self._rules:
                 raise GeometryError(
                     f"'{self.rig.title(node)}' follows a constraint, so IK always moves the limb that ends "
                     f"in '{self.rig.title(self.chain[2])}'; take the constraint out first"
@@ -308,8 +313,7 @@ class _Limb:
         name = self.rig.title(self.chain[2])
         if not far <= NEAR:
             text = f"The limb that ends in '{name}' moves by {far:.2g} of the size"
-            rules = Solver(rig, (), self.reference).rules
-            if self.to == "fk" and (led := [node for node in self.chain if node in rules]):
+            if self.to == "fk" and (led := [node for node in self.chain if node in self._rules]):
                 text += f": '{rig.title(led[-1])}' follows a constraint, which IK had overruled"
             self.report.warn("snap-off", text, geometry=True)
         self.report.added.append(

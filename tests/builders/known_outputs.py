@@ -1,7 +1,8 @@
 """Hashes of what commands print and write: they see any change of it.
 
 Of texts the numbers are rounded before, and what differs from run to run or is noise of rounding is left out.
-Where something changes on purpose: pytest --update-golden, and say so in the changelog. To see what has
+Where something changes on purpose: pytest --slow --update-golden of the three files of tests that call
+`check` (without --slow one format of each would stay as it was), and say so in the changelog. To see what has
 changed, run the test in the commit before as well, with the golden of this one, and compare the texts that
 both leave.
 """

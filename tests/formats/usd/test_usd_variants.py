@@ -371,10 +371,13 @@ def test_an_output_is_edited_again_in_every_variant(name: str, tmp_path: Path) -
         assert apart(source, second, {"clip": variant}) < 1e-5
 
 
-@pytest.mark.parametrize(
+gives_other_paths = pytest.mark.parametrize(
     ("edit", "token"),
     [(["rename-joints", "--name", "b=knee"], "a/knee/c"), (["add-root", "--above", "a"], "root/a/b/c")],
 )
+
+
+@gives_other_paths
 def test_joints_get_other_paths_where_variants_decide_rotations_alone(
     edit: list[str], token: str, tmp_path: Path
 ) -> None:
@@ -416,10 +419,7 @@ def test_of_two_sets_over_one_animation_the_same_hides_the_other(
         assert stage.GetPrimAtPath("/Root").GetVariantSets().GetNames() == ["clip", "lod"]
 
 
-@pytest.mark.parametrize(
-    ("edit", "token"),
-    [(["rename-joints", "--name", "b=knee"], "a/knee/c"), (["add-root", "--above", "a"], "root/a/b/c")],
-)
+@gives_other_paths
 def test_joints_get_other_paths_in_animations_that_each_variant_has_for_itself(
     edit: list[str], token: str, tmp_path: Path
 ) -> None:
