@@ -27,6 +27,7 @@ from rigtri.maths.arrays import level
 from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions, transform_points
 from rigtri.maths.quaternions import conjugate, rotate, to_axes
 from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.ranking import axis_across
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.model.constraints import Constraint
@@ -132,7 +133,7 @@ class Ik:
     def _line(self) -> Floats:
         """The direction from root to end while controls are zero, (3,); of a folded limb, any that fits."""
         a, b, c = self._points
-        square = cross(b - a, np.eye(3)[np.argmin(np.abs(b - a))])
+        square = cross(b - a, axis_across(b - a))
         for line in (c - a, square):
             if length(line) > NOWHERE * self._size:
                 return normalise(line)
@@ -177,7 +178,7 @@ class Ik:
             if straight or self.lean or (near and dot(across, bend) > 0):
                 return np.asarray(self.reference.world[self.limb.pole, 3, :3])
         if straight:  # no direction to bend to: an axis of its own, the same one every time
-            return np.asarray(a + cross(self._line, np.eye(3)[np.argmin(np.abs(self._line))]))
+            return np.asarray(a + cross(self._line, axis_across(self._line)))
         return np.asarray(b + normalise(bend) * self._size)
 
     @cached_property

@@ -15,6 +15,7 @@ import numpy as np
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.maths.matrices import skew
 from rigtri.maths.quaternions import IDENTITY
+from rigtri.maths.ranking import first_largest
 from rigtri.maths.vectors import dot, length
 from rigtri.model.animation import Clip, key_values
 from rigtri.model.rig import Rig
@@ -47,7 +48,7 @@ def shearing_node(rig: Rig, node: int) -> int:
     sizes = length(rig.local[path, :3, :3])
     with np.errstate(divide="ignore", invalid="ignore"):
         uneven = sizes.max(axis=1) / sizes.min(axis=1) - 1.0
-    return path[int(np.maximum(uneven, skew(rig.local[path])).argmax())]
+    return path[first_largest(np.maximum(uneven, skew(rig.local[path])))]
 
 
 def seen_alone(rig: Rig, *, building: bool = False) -> tuple[Rig, list[int]]:

@@ -13,6 +13,7 @@ import numpy as np
 from rigtri.evaluation.pole_lean import ON_LINE, STRAIGHT, leaned, leaning
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.quaternions import from_axes, multiply
+from rigtri.maths.ranking import axis_across
 from rigtri.maths.trigonometry import Floats, exponential, sin_cos
 from rigtri.maths.vectors import cross, dot, length, normalise
 
@@ -143,7 +144,7 @@ def sides(along: Floats, pole: Floats, side: Floats, total: Floats) -> tuple[Flo
     lost = length(across) <= ON_LINE * total
     own = side - dot(side, along)[..., np.newaxis] * along
     # A limb that points where its side was: any direction is as good, the same one every time.
-    aside = cross(along, np.eye(3)[np.argmin(np.abs(along), axis=-1)])
+    aside = cross(along, axis_across(along))
     own = np.where((length(own) <= NOWHERE)[..., np.newaxis], aside, own)
     return normalise(np.where(lost[..., np.newaxis], own, across)), lost
 

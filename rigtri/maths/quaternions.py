@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rigtri.maths import vectors
+from rigtri.maths.ranking import axis_across
 from rigtri.maths.trigonometry import Floats, arc_tangent, sin_cos, sine
 from rigtri.maths.vectors import as_vectors, by_component, cross, length
 
@@ -279,7 +280,7 @@ def between(a: ArrayLike, b: ArrayLike) -> Floats:
         return np.array([*cross(a, half).tolist(), vectors.dot(a, half)])
     opposite = vectors.dot(halfway, halfway) < 1e-24  # 1e-12 rad from opposite: the cross product is noise
     # The unit axis least parallel to a: crossing with it never degenerates.
-    aside = cross(a, np.eye(3)[np.argmin(np.abs(a), axis=-1)])
+    aside = cross(a, axis_across(a))
     half = vectors.normalise(np.where(opposite[..., np.newaxis], aside, halfway))
     turn = np.concatenate([cross(a, half), vectors.dot(a, half)[..., np.newaxis]], axis=-1)
     flip = np.concatenate([half, np.zeros((*half.shape[:-1], 1))], axis=-1)

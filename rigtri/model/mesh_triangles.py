@@ -20,6 +20,8 @@ from rigtri.model.rig import Rig
 
 # A triangle has no area whose height is below this share of its longest side.
 FLAT = 1e-9
+# Triangles are equally near whose distances differ by less than this share of the mesh.
+_EQUALLY_NEAR = 1e-12
 
 
 def meshes_named(rig: Rig, name: str) -> list[Mesh]:
@@ -109,7 +111,10 @@ def nearest(point: Floats, corners: Floats) -> tuple[int, Floats]:
     there = np.zeros((len(usable), 3))
     for k in range(3):
         there = there + weights[:, k, np.newaxis] * corners[usable, k]
-    best = int(np.argmin(length(there - point)))
+    off = length(there - point)
+    # On an edge of two triangles rounding alone says which is nearer.
+    span = float(np.ptp(corners[usable].reshape(-1, 3), axis=0).max())
+    best = int(np.argmax(off <= off.min() + _EQUALLY_NEAR * span))
     return int(usable[best]), weights[best]
 
 

@@ -17,6 +17,7 @@ from rigtri.errors import GeometryError, NameNotFoundError, NoLimbError, UsageEr
 from rigtri.evaluation.pole_lean import ON_LINE
 from rigtri.evaluation.zero_pose import moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference
+from rigtri.maths.ranking import first_largest
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle, bend_direction, bend_sine, frame, pole_position
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance, dot, length, normalise, project
@@ -139,7 +140,7 @@ def _of_chain(rig: Rig, start: str, end: str, middle: str | None, pose: str) -> 
     ref = posed(rig, pose)
     points = ref.world[inner, 3, :3]
     off = distance(points, project(points, ref.position(path[0]), ref.position(path[-1])))
-    return Limb(path[0], inner[int(np.argmax(off))], path[-1])
+    return Limb(path[0], inner[first_largest(off)], path[-1])
 
 
 def posed(rig: Rig, pose: str) -> ReferencePose:

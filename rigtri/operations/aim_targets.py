@@ -13,6 +13,7 @@ from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import transform_directions, transform_points
 from rigtri.maths.quaternions import between, rotate
+from rigtri.maths.ranking import largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, normalise, unit_of
 from rigtri.model.dataclass import dataclass
@@ -278,7 +279,7 @@ def _branching(tree: Skeleton, ref: ReferencePose, joint: int, candidates: list[
     if branch == "first":
         return _at(ref, joint, candidates[0], "first child") or Aim("keep")
     if branch == "longest":
-        far = max(candidates, key=lambda k: (_distance(ref, joint, k), -k))
+        far = largest(sorted(candidates), lambda k: _distance(ref, joint, k))
         return _at(ref, joint, far, "longest child") or Aim("keep")
     if branch == "incoming":
         return _incoming(tree, ref, joint) or Aim("keep")

@@ -17,6 +17,7 @@ from rigtri.frames.rig_size import placing_node
 from rigtri.frames.skeleton import Skeleton
 from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import from_frame, transform_directions
+from rigtri.maths.ranking import axis_across, first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.characters import characters
@@ -69,7 +70,7 @@ class ControlSizes:
         normal = np.array([1.0, 0.0, 0.0])
         if aim.direction is not None:
             along = dot(transform_directions(aim.direction, self.world[from_]), normalise(stand[:3, :3]))
-            axis = int(np.argmax(np.abs(along)))
+            axis = first_largest(np.abs(along))
             normal = np.where(np.arange(3) == axis, np.sign(along[axis]), 0.0)
         around = self.sections.radius(joint, stand[3, :3], normalise(transform_directions(normal, stand)))
         bone = max(bone, SHORTEST * self.typical)
@@ -303,7 +304,7 @@ def _half(cuts: list[Floats], normal: Floats) -> float:
 
 def _ends(lines: Floats, normal: Floats) -> Floats:
     """How far lines, (m, 2, 3), lie away at most in each of the directions `_AROUND` a normal, (8,)."""
-    u = normalise(perpendicular(np.eye(3)[int(np.argmin(np.abs(normal)))], normal))
+    u = normalise(perpendicular(axis_across(normal), normal))
     v = cross(normal, u)
     ahead = _AROUND[:, :1] * u + _AROUND[:, 1:] * v
     aside = cross(normal, ahead)

@@ -17,6 +17,7 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.maths.matrices import determinant
 from rigtri.maths.quaternions import between, rotate
+from rigtri.maths.ranking import axis_across, first_largest
 from rigtri.maths.triangle import axis_of, bend_angle, bend_sine, frame, hinge
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project, triple
@@ -175,7 +176,7 @@ def _refuse_one_place(points: Floats, titles: Sequence[str], size: float, *, cho
 def _middle(points: Floats) -> int:
     """The inner point farthest from the chord, where the limb bends."""
     off = distance(points[1:-1], project(points[1:-1], points[0], points[-1]))
-    return 1 + int(np.argmax(off))
+    return 1 + first_largest(off)
 
 
 def _chain_plane(points: Floats, options: MakeLimbOptions) -> tuple[Floats, Floats, str] | None:
@@ -198,7 +199,7 @@ def _chain_plane(points: Floats, options: MakeLimbOptions) -> tuple[Floats, Floa
         )
     up = np.eye(3)[1] if options.style.world else _up(line, normal, options.style.up_from)
     if not crossing(up, line):
-        up = np.eye(3)[np.argmin(np.abs(line))]
+        up = axis_across(line)
     normal = normalise(perpendicular(up, line))
     return normal, normalise(cross(line, normal)), "given"
 

@@ -15,6 +15,7 @@ from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.evaluation.rig_space import shearing_node
 from rigtri.maths.matrices import local, multiply
 from rigtri.maths.quaternions import angle_between
+from rigtri.maths.ranking import first_largest, largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, distance, length
 from rigtri.model.animation import PATHS, Clip, Track
@@ -260,14 +261,14 @@ def _refuse_other_axes(rig: Rig, like: Rig, theirs: Mapping[int, int]) -> None:
         ways = (here[0], there[0])
         if len(nodes) > 1:  # across them, which proportions change least
             one, other = np.unravel_index(
-                int(distance(here[:, np.newaxis], here).argmax()), (len(nodes),) * 2
+                first_largest(distance(here[:, np.newaxis], here).ravel()), (len(nodes),) * 2
             )
             ways = (here[one] - here[other], there[one] - there[other])
         if min(length(way) for way in ways) > 0:
             turned[joint] = float(np.degrees(angle(*ways)))
     off = [joint for joint, degrees in turned.items() if degrees > OTHER_AXES]
     if len(off) > FEW * len(turned):
-        worst = max(off, key=lambda joint: turned[joint])
+        worst = largest(off, lambda joint: turned[joint])
         raise GeometryError(
             f"--like: {len(off)} of {len(turned)} joints have other axes there, such as '{rig.title(worst)}' "
             f"(by {turned[worst]:.0f}°), in which its rest rotations are another pose. Give these joints its "

@@ -19,6 +19,7 @@ from rigtri.evaluation.two_bone_ik import BEYOND
 from rigtri.evaluation.zero_pose import SAME_POSITION
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.quaternions import rotate
+from rigtri.maths.ranking import first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, dot, length
 from rigtri.model.animation import Track
@@ -101,7 +102,7 @@ def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
         text = f"'{name}' is scaled to zero in {at(int(most.argmin()))}: so is its joint, with all below it"
     elif uneven.max() > 0:
         text = (
-            f"'{name}' is scaled unevenly in {at(int(uneven.argmax()))}: "
+            f"'{name}' is scaled unevenly in {at(first_largest(uneven))}: "
             "so is its joint, and what turns below it is sheared"
         )
     elif mirrored.any():
@@ -148,7 +149,7 @@ def _limb(ik: Ik, posed: PoseCache, at: Moment) -> Iterator[Notice]:
         if off.max() > 0:
             yield Notice(
                 "ik-unreachable",
-                f"'{rig.title(limb.control)}' is {how} in {at(int(off.argmax()))} for the limb that ends in "
+                f"'{rig.title(limb.control)}' is {how} in {at(first_largest(off))} for the limb that ends in "
                 f"'{end}' to reach it; the limb points there",
                 end,
                 geometry=True,

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from rigtri.maths.ranking import SAME_SCORE, ranked
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
@@ -18,7 +19,6 @@ from rigtri.recognition.limb_pairs import Limbs, lacks_hand
 from rigtri.recognition.limb_triples import TIE, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement
 from rigtri.recognition.naming_schemes import parse_name
-from rigtri.recognition.ranking import SAME_SCORE, ranked
 from rigtri.recognition.two_or_four import may_be_front_legs
 from rigtri.text import a
 

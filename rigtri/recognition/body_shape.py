@@ -11,12 +11,12 @@ from dataclasses import replace
 from math import copysign, fsum
 from typing import Literal
 
+from rigtri.maths.ranking import SAME_SCORE, ranked
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import TRIED, Limbs
 from rigtri.recognition.naming_schemes import roles_in_name
-from rigtri.recognition.ranking import SAME_SCORE, ranked
 from rigtri.recognition.symmetry import Plane, between
 
 # Another file's up than the one it says counts so much less.
@@ -247,7 +247,7 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
         score = _mean([*points, *turned]) - cost - upwards
         form: Literal["biped", "quadruped"] = "quadruped" if four else "biped"
         seen.append(Body(legs, arms, form, up, score, doubt=lies and not front_legs))
-    return max(seen, key=lambda body: body.score)
+    return ranked(seen, lambda body: body.score, SAME_SCORE)[0]
 
 
 def _are_front_and_hind(arms: Limbs, legs: Limbs) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import combinations
 
+from rigtri.maths.ranking import largest
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
@@ -263,7 +264,7 @@ def _in_order(
         (at[chain[min(max(steps) - step, len(chain) - 1)]], chain)
         for step, chain in zip(steps, others, strict=True)
     ]
-    (start, _), (end, _) = max(combinations(row, 2), key=lambda two: (two[0][0] - two[1][0]).length)
+    (start, _), (end, _) = largest(combinations(row, 2), lambda two: (two[0][0] - two[1][0]).length)
     if thumb and (end - at[thumb[0]]).length < (start - at[thumb[0]]).length:
         start, end = end, start
     along = (end - start).unit

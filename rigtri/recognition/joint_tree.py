@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rigtri.maths.ranking import SAME_SHARE
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -107,7 +108,10 @@ class Tree:
         paths: dict[int, tuple[int, ...]] = {}
         for node in reversed(self.nodes):
             below = self.below[node]
-            longest = max(below, key=lambda k: (self.bone[k] + self.reach[k], self.size[k]), default=-1)
+            ways = [self.bone[k] + self.reach[k] for k in below]
+            least = max(ways, default=0.0) * (1.0 - SAME_SHARE)
+            equal = [k for k, way in zip(below, ways, strict=True) if way >= least]
+            longest = max(equal, key=self.size.__getitem__, default=-1)
             paths[node] = (node, *paths[longest][:_LONGEST]) if below else (node,)
         return paths
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.maths.angle_limits import cosine_below
+from rigtri.maths.ranking import SAME_SCORE, ranked
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, normalise
 from rigtri.model.joint_names import side
@@ -168,7 +169,7 @@ def facing(rig: Rig) -> Floats | None:
     """Where a character looks, unit, (3,): as the surest of a rig was recognised, else as its format says."""
     known = [character for character in layout_of(rig).characters if any(character.facing)]
     if known:
-        return np.array(max(known, key=lambda character: character.confidence).facing)
+        return np.array(ranked(known, lambda k: k.confidence, SAME_SCORE)[0].facing)
     return None if rig.rules.facing is None else np.asarray(rig.rules.facing, dtype=np.float64)
 
 
@@ -179,7 +180,7 @@ def upright(rig: Rig) -> Floats:
     """
     up = np.asarray(rig.rules.up, dtype=np.float64)
     known = [k for k in layout_of(rig).characters if any(k.up) and k.confidence >= CONFIDENT]
-    stands = np.array(max(known, key=lambda character: character.confidence).up) if known else up
+    stands = np.array(ranked(known, lambda k: k.confidence, SAME_SCORE)[0].up) if known else up
     if float(dot(stands, up)) >= _UPRIGHT:
         return up
     axis = int(np.argmax(np.abs(stands)))

@@ -12,12 +12,12 @@ from math import fsum
 
 import numpy as np
 
+from rigtri.maths.ranking import SAME_LENGTH, ranked
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.ranking import SAME_LENGTH, ranked
 
 # Branches shorter than this part of the whole are no limbs.
 SHORT = 0.06

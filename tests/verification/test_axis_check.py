@@ -188,3 +188,14 @@ def test_joints_without_weight_are_left_out() -> None:
     assert "axes.hinge" in rules(out)
     assert "axes.hinge" not in rules(bare)
     assert np.count_nonzero(weighted) < len(weighted)
+
+
+def test_rounding_does_not_choose_which_of_equally_distant_fingers_are_named() -> None:
+    rig, found = rolled(posed_body(Pose()), left_ring_1=50.0), set()
+    for seed in range(6):
+        noise = np.random.default_rng(seed).uniform(-1e-9, 1e-9, (len(rig), 4))
+        ((_, _, text),) = [
+            each for each in axis_findings(reframe(rig, IDENTITY + noise)) if each[0] == "axes.fingers"
+        ]
+        found.add(text)
+    assert len(found) == 1

@@ -18,6 +18,7 @@ import numpy as np
 
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.matrices import from_frame, orthonormal_axes
+from rigtri.maths.ranking import axis_across
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.model.animation import Track, off_rest
@@ -201,7 +202,7 @@ def frame(place: Floats, along: Floats, side: Floats) -> Floats:
     y = normalise(along)
     x = side - dot(side, y) * y
     if not length(x) > 0:
-        x = cross(y, np.eye(3)[np.argmin(np.abs(y))])
+        x = cross(y, axis_across(y))
     x = normalise(x)
     return from_frame(np.stack([x, y, cross(x, y)]), place)
 

@@ -15,6 +15,7 @@ from rigtri.evaluation.rig_space import seen_alone
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, timelines
+from rigtri.maths.ranking import largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
@@ -146,7 +147,7 @@ def _difference(
     """Where what a solver makes of a pose is not what is kept of it, in words; "" where it is."""
     rig, posed = solver.rig, solver.run(sampled)
     found = {node: _deviation(kept, posed, node, size) for node in _joints(rig, set(solver.sets) - rig.own)}
-    worst = max(found, key=lambda node: found[node], default=-1)
+    worst = largest(found, lambda node: found[node]) if found else -1
     if worst < 0 or found[worst] <= bound:
         return ""
     title, far = rig.title(worst), found[worst]

@@ -17,6 +17,7 @@ from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.rig_space import uneven_above
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.quaternions import dot
+from rigtri.maths.ranking import SAME_SHARE, first_largest, largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Track, key_values
@@ -50,7 +51,7 @@ def _warn_undersampled(rig: Rig, report: Report, most: float) -> None:
     far = [entry for entry in _clips(report) if entry.get("limited") and entry["between_samples"] > most]
     if not far:
         return
-    worst = max(far, key=lambda entry: float(entry["between_samples"]))
+    worst = largest(far, lambda entry: float(entry["between_samples"]))
     more = f" ({len(far) - 1} more clips alike)" if len(far) > 1 else ""
     end = _end_of(rig, worst["between_node"])
     limb = f", of the limb of '{end}'," if end else ""
@@ -202,8 +203,8 @@ def _farthest(
         for joint in (joint for joint in joints if joint not in without):
             a, b = found.posed.world(joint), source.world(joint)
             apart = np.nan_to_num(length(a[:, 3, :3] - b[:, 3, :3]))
-            row, count = int(np.argmax(apart)), max(count, len(apart))
-            if apart[row] > worst[2]:
+            row, count = first_largest(apart), max(count, len(apart))
+            if apart[row] > worst[2] * (1.0 + SAME_SHARE):
                 worst = (joint, float(times[start + row]), float(apart[row]))
         start += count
         if len(blocks) > 1:

@@ -72,7 +72,7 @@ class Asymmetry:
     def worse(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> list[Pair]:
         """The pairs that are not symmetric, worst place first."""
         found = [pair for pair in self.pairs if not pair.symmetric(tolerance, degrees)]
-        return sorted(found, key=lambda pair: (-pair.distance, -pair.degrees))
+        return sorted(found, key=lambda pair: (-float(f"{pair.distance:.5g}"), -float(f"{pair.degrees:.5g}")))
 
 
 def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Convention | None = None) -> Asymmetry:

@@ -20,6 +20,7 @@ from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.maths.quaternions import rotates
+from rigtri.maths.ranking import SAME_SHARE, first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
@@ -69,6 +70,8 @@ def _deviation(
         # Of a joint that stands still there is one row.
         off = posed[0].world(joint)[:, 3, :3] - posed[1].world(joint)[:, 3, :3]
         far = np.broadcast_to(np.nan_to_num(length(off)), times.shape)
-        at = int(far.argmax())
-        worst = max(worst, (float(far[at]) / skeleton_size(one[0]), joint, float(times[at])))
+        at = first_largest(far)
+        share = float(far[at]) / skeleton_size(one[0])
+        if share > worst[0] * (1.0 + SAME_SHARE):
+            worst = (share, joint, float(times[at]))
     return worst

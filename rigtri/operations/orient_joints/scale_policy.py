@@ -29,6 +29,7 @@ from rigtri.maths.quaternions import (
     to_axes,
     unit,
 )
+from rigtri.maths.ranking import first_largest
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import angle, cross, dot, triple
@@ -56,7 +57,7 @@ def nearest_cardinal(delta: Floats) -> Floats:
     """The cardinal rotations nearest to deltas, (k, 4), by the angle between them."""
     rotations = cardinal_rotations()
     overlap = np.abs(quaternions.dot(rotations, delta[:, np.newaxis]))
-    return np.asarray(rotations[np.argmax(overlap, axis=1)])
+    return np.asarray(rotations[[first_largest(each) for each in overlap]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,7 +278,7 @@ def first_uneven(rig: Rig, node: int, scales: ScaleTable) -> Uneven:
     largest = np.abs(rows).max(axis=1)
     spread = np.ptp(rows * scales.sign[node], axis=1) / np.where(largest == 0, 1.0, largest)
     over = spread > scales.same[node]
-    first = int(np.argmax(over if over.any() else spread))
+    first = int(np.argmax(over)) if over.any() else first_largest(spread)
     key = first - 1
     for name, times, _, tangent in found if first else ():
         if key < len(times):

@@ -20,6 +20,7 @@ import numpy as np
 from rigtri.errors import UsageError
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.quaternions import between, rotate
+from rigtri.maths.ranking import axis_across
 from rigtri.maths.triangle import STRAIGHT_SINE, axis_of
 from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import cross, length, normalise
@@ -147,10 +148,7 @@ class UpLadder:
             pole = self._targets.styles[joint].up_from == "pole"
             self.normals.set([joint], cross(own, bone) if pole else own, 8, "its present axis")
             return
-        # The first axis of those that are about the least parallel: rounding is not to choose.
-        off = np.abs(normalise(bone))
-        least = np.eye(3)[int(np.argmax(off <= off.min() + 0.1))]
-        self.normals.set([joint], least, 9, "world axis least parallel to the bone")
+        self.normals.set([joint], axis_across(bone), 9, "world axis least parallel to the bone")
 
     def _take_pole(self, joint: int) -> None:
         """``pole``: up is the side that the limb bends to, in its plane."""

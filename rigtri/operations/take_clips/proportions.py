@@ -20,6 +20,7 @@ from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.frames.skeleton import reference, skeleton
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions, transform_points
+from rigtri.maths.ranking import largest, ranked
 from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_PLACE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, cross, dot, length, normalise
@@ -166,7 +167,7 @@ class Proportions:
             return [], []
         up, places = np.array(self.both.rig.rules.up), self._reference[:, 3, :3]
         heights = np.where(np.isfinite(places).all(axis=1), dot(places, up), np.inf)
-        path = [min(self.bones, key=lambda n: float(heights[n]))]
+        path = [ranked(self.bones, lambda n: -float(heights[n]), SAME_PLACE * self.both.size)[0]]
         while path[-1] in self.bones:
             path.append(self.both.line(path[-1])[2])
         top = int(np.argmax(heights[path]))
@@ -288,7 +289,7 @@ def warn_lengths(bodies: Proportions, report: Report) -> None:
     if longer := bodies.other_lengths:
         texts.append(f"The bones of {_names(both, longer)} have other lengths in EDITED; RIG's were kept")
     if turned := bodies.other_directions:
-        worst = max(turned, key=lambda node: turned[node])
+        worst = largest(turned, lambda node: turned[node])
         text = (
             f"The bones of {_names(both, turned)} point in other directions in EDITED, by up to "
             f"{turned[worst]:.3g}° ('{both.rig.title(worst)}'); RIG's were kept"

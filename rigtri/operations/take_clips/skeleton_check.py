@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.maths.ranking import SAME_SHARE, ranked
 from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
@@ -120,8 +121,8 @@ def _of_one_skeleton(both: Counterparts, moved: Collection[int]) -> Proportions:
 def _other_bones(both: Counterparts, found: Sequence[_Off]) -> str:
     """Which bones or nodes differ by more than the bounds; "" where none do."""
     rig = both.rig
-    turned = sorted((bone for bone in found if bone.degrees > MOST_DEGREES), key=lambda b: -b.degrees)
-    long = sorted((bone for bone in found if bone.stretch > MOST_STRETCH), key=lambda b: -b.stretch)
+    turned = ranked((b for b in found if b.degrees > MOST_DEGREES), lambda b: b.degrees, SAME_SHARE)
+    long = ranked((b for b in found if b.stretch > MOST_STRETCH), lambda b: b.stretch, SAME_SHARE)
     if turned:
         names = list_names(f"{rig.title(bone.joint)}: {bone.degrees:.3g}°" for bone in turned)
         return (

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
+from rigtri.maths.ranking import first_largest
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.axis_summary import angles, names
 from rigtri.pipeline.batch.file_task import STATUSES, missing
@@ -164,7 +165,7 @@ def _groups(kinds: Counter[bytes], joints: Sequence[str], within: float) -> list
             near["files"] += files
             continue
         apart = angles(groups[0]["turns"], turns) if groups else None
-        far = -1 if apart is None else int(apart.argmax())
+        far = -1 if apart is None else first_largest(apart)
         groups.append(
             {
                 "turns": turns,

@@ -22,6 +22,7 @@ from rigtri.frames.skeleton import Skeleton, reference, skeleton
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import determinant
 from rigtri.maths.quaternions import between, from_axis_angle, rotate
+from rigtri.maths.ranking import largest
 from rigtri.maths.triangle import bend_sine
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, dot, length, normalise, perpendicular
@@ -231,7 +232,7 @@ class _Seen:
         if aim is None:
             return
         rolls = [(self._roll(aim, a.joints[0], b.joints[0]), a, b) for a, b in combinations(hand, 2)]
-        most, a, b = max(rolls, key=lambda roll: roll[0])
+        most, a, b = largest(rolls, lambda roll: roll[0])
         if most > FINGERS:
             text = f"the fingers of the {f'{side} hand'.strip()} curl about axes up to {most:.0f}° apart"
             yield "axes.fingers", a.joints[0], f"{text}: {a.name} and {b.name}"

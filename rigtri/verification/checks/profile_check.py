@@ -16,6 +16,7 @@ import numpy as np
 from rigtri.formats.rules import Rule
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import determinant
+from rigtri.maths.ranking import first_largest
 from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
@@ -284,11 +285,11 @@ def _scale(rig: Rig, joints: list[int]) -> Iterator[tuple[str, int, str]]:
     sizes = length(rig.world[joints, :3, :3])
     off = np.abs(sizes - 1.0).max(axis=1)
     if off.max() > _ONE:
-        worst = joints[int(off.argmax())]
+        worst = first_largest(off)
         count = int(np.count_nonzero(off > _ONE))
-        size = " ".join(f"{each:.6g}" for each in sizes[int(off.argmax())])
+        size = " ".join(f"{each:.6g}" for each in sizes[worst])
         others = f"{count} of {len(joints)} joints have another than 1"
-        yield "scale", worst, f"its scale is {size} in the world, and {others}"
+        yield "scale", joints[worst], f"its scale is {size} in the world, and {others}"
 
 
 def _uneven(rig: Rig, joints: list[int]) -> Iterator[tuple[str, int, str]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.ranking import first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.verification.diff.change import furthest, rows, same_numbers
@@ -49,8 +50,7 @@ def turns(before: Floats, after: Floats) -> tuple[Floats, Floats]:
 def _half_turns(change: Floats) -> Floats:
     """The axes of half turns, (k, 3), whose matrices are 2·aaᵀ − 1."""
     outer = (change + np.eye(3)) / 2.0
-    longest = np.argmax(np.diagonal(outer, axis1=1, axis2=2), axis=1)
-    return np.asarray(outer[np.arange(len(outer)), longest])
+    return np.array([each[first_largest(np.diagonal(each))] for each in outer]).reshape(-1, 3)
 
 
 def axis_words(axis: Floats) -> str:

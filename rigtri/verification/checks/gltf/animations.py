@@ -27,6 +27,7 @@ from rigtri.formats.gltf.rules import (
 )
 from rigtri.formats.json_values import short_repr
 from rigtri.maths.quaternions import norm
+from rigtri.maths.ranking import first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.checks.gltf.plain_animation import HALF_TURN, are_sound, is_plain, uneven
 from rigtri.verification.checks.gltf.tolerant_reader import Item, View
@@ -212,7 +213,7 @@ def _check_keys(view: View, keys: Keys) -> None:
     if note("gltf.animation.rotation-zero", size == 0, lambda k: f"{at(k)} is 0 0 0 0"):
         return
     off = np.abs(size - 1.0)
-    worst = int(off.argmax())
+    worst = first_largest(off)
     if off[worst] > NON_UNIT:
         count = int((off > NON_UNIT).sum())
         text = f"{count} keys are not unit; the worst, {at(worst)}, has the length {size[worst]:.6g}"

@@ -14,6 +14,7 @@ import numpy as np
 
 from rigtri.formats.gltf.accessors import FLOAT
 from rigtri.formats.gltf.mesh_reader import DRACO
+from rigtri.maths.ranking import first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.text import and_more
 from rigtri.verification.checks.gltf.tolerant_reader import FOREIGN, Item, View
@@ -181,7 +182,7 @@ def _check_weights(primitive: Primitive) -> None:
     total = known.sum(axis=1)
     zero = finite & (known == 0).all(axis=1)
     off = finite & ~zero & (np.abs(total - 1.0) > primitive.allowed)
-    worst = int(np.argmax(np.where(off, np.abs(total - 1.0), -1.0)))
+    worst = first_largest(np.where(off, np.abs(total - 1.0), -1.0))
     for rule, wrong, message in (
         ("gltf.mesh.weight-nan", ~finite, lambda k: f"vertex {k} has a weight that is not a number"),
         (

@@ -15,6 +15,7 @@ from rigtri.formats.usd.composition.time_samples import array_edits
 from rigtri.formats.usd.reading.animation_reader import NON_UNIT, PROPERTIES
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.quaternions import norm
+from rigtri.maths.ranking import first_largest
 from rigtri.text import and_more
 from rigtri.verification.checks.usd.scene import Scene, at_time
 
@@ -112,7 +113,7 @@ def _check_values(
     array = np.where(lost[:, np.newaxis], 1.0, array)
     if name == "rotations":
         size = np.where(lost, 1.0, norm(array))
-        worst = int(np.abs(size - 1.0).argmax())
+        worst = first_largest(np.abs(size - 1.0))
         note("usd.anim.rotation-zero", size == 0, "is (0, 0, 0, 0)")
         off = (size != 0) & (np.abs(size - 1.0) > NON_UNIT) & (np.arange(len(size)) == worst)
         note("usd.anim.rotation-not-unit", off, f"has the length {size[worst]:.6g}")

@@ -15,6 +15,7 @@ from rigtri.formats.usd.composition.animation_binding import idle_above
 from rigtri.formats.usd.composition.value_types import BIND, INDICES, WEIGHTS
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.skeleton_reader import singular
+from rigtri.maths.ranking import first_largest
 from rigtri.text import and_more
 from rigtri.verification.checks.usd.scene import BINDING, Scene
 
@@ -190,7 +191,7 @@ def _check_weights(scene: Scene, prim: Any, weights: np.ndarray) -> None:
     total = known.sum(axis=1)
     zero = finite & (known == 0).all(axis=1)
     off = finite & ~zero & (np.abs(total - 1.0) > OFF + OFF_EACH * weights.shape[1])
-    worst = int(np.argmax(np.where(off, np.abs(total - 1.0), -1.0))) if len(weights) else 0
+    worst = first_largest(np.where(off, np.abs(total - 1.0), -1.0)) if len(weights) else 0
     problems: tuple[tuple[str, Any, Callable[[int], str]], ...] = (
         ("usd.binding.weight-nan", ~finite, lambda k: f"point {k} has a weight that is not a number"),
         (
