@@ -55,10 +55,10 @@ PASSES: tuple[Pass, ...] = (
     # What the rig has no longer goes last; until then the rig has it again.
     remove_joints,
     *VALUES,
-    keep_followers,
     write_binding,
     write_skin_weights,
     limit_weights,
+    keep_followers,
     route_variants,
     confine_keys,
 )

@@ -11,7 +11,7 @@ from places import slow
 from program import cli
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 from second_opinions import usd_errors
-from usd_files import MESH, animation, read, save, scene, skeleton, skinned, write
+from usd_files import ANIMATION, MESH, animation, deviation, read, save, scene, skeleton, skinned, write
 
 import rigtri
 from rigtri.model.metadata import ConstraintRecord, ControlRecord
@@ -245,6 +245,30 @@ def test_a_skeleton_that_is_composed_from_another_rests_as_it_did(character: str
     for name in ("Root", "Two"):
         was, now = (s.GetAttributeAtPath(f"/{name}/Skel.restTransforms").Get() for s in (before, after))
         assert (was == now) == (name != character)
+
+
+OWN_SCALE = "uniform token[] xformOpOrder = []\n"
+OWN_MOTION = 'over "Skel"\n{\nrel skel:animationSource = </Two/Run>\n}\n' + animation("Run")
+
+
+@pytest.mark.parametrize(
+    ("words", "own", "instance"),
+    [
+        (["freeze", "--character", "/Root"], OWN_SCALE, False),
+        (["freeze"], OWN_SCALE + OWN_MOTION, False),
+        (["orient-joints", "--aim", "-x", "--joints", "/Root/Skel:a/b"], OWN_MOTION, False),
+        (["freeze", "--character", "/Root"], "", True),
+    ],
+    ids=["scale", "scale and motion", "motion", "instance"],
+)
+def test_a_character_that_is_composed_from_another_looks_as_before(
+    words: list[str], own: str, instance: bool, tmp_path: Path
+) -> None:
+    scaled = 'float3 xformOp:scale = (2, 2, 2)\nuniform token[] xformOpOrder = ["xformOp:scale"]'
+    two = f'def "Two" (references = </Root>\ninstanceable = {str(instance).lower()})\n{{\n{own}\n}}\n'
+    source, out = save(tmp_path, scene(skeleton(), animation(), MESH, scaled) + two), tmp_path / "out.usda"
+    cli(*words, source, "-o", out, code=0)
+    assert deviation(source, out) < 1e-6
 
 
 def test_joints_below_a_new_root_are_below_it_too_where_paths_skip_levels(tmp_path: Path) -> None:

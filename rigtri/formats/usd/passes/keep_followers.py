@@ -1,32 +1,77 @@
-"""Keep the rest pose of skeletons that are composed from one that rests otherwise now."""
+"""Keep prims as they are that are composed from edited ones, and are not edited themselves."""
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterator
+from typing import Any
 
-from rigtri.formats.usd.composition.stage import refuse
-from rigtri.formats.usd.opinions.edits import Edit, Setting, set_matrices
+from pxr import Sdf, Usd
+
+from rigtri.formats.usd.composition.layers import listed_items
+from rigtri.formats.usd.composition.stage import DEFAULT, refuse
+from rigtri.formats.usd.composition.time_samples import Samples, time_samples
+from rigtri.formats.usd.composition.value_types import BIND
+from rigtri.formats.usd.opinions.edits import Setting, set_value
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.metadata_attributes import PREFIX
+
+# What means something where nothing is said: an empty value says the same.
+_UNSAID = ("xformOpOrder", BIND)
 
 
 def keep_followers(edit: UsdEdit) -> None:
-    """Let skeletons rest as they did that are composed from one that rests otherwise now.
+    """Let prims hold what they held that an internal arc (``references = </Hero>``) brings from edited ones.
 
-    Where that one is bound otherwise, too, as in other axes, they follow in all, and look as before.
+    They would follow in part: what they have of their own, such as another animation, would not.
     """
-    edited = {str(value.prim): value for value in edit.values}
-    reposed = [value for value in edited.values() if _lists(edit, value) == {"restTransforms"}]
-    others = edit.source.skeletons.keys() - edit.source.animations.keys() - edited.keys()
-    if not reposed or not others:
+    edited = {value.path: value for value in edit.values if isinstance(value, Setting)}
+    if not edited or not any(map(_refers_within, edit.source.stage.Traverse())):
         return
-    stage = edit.preview(reposed)
-    for path in sorted(others):
-        was, now = (each.GetAttributeAtPath(f"{path}.restTransforms") for each in (edit.source.stage, stage))
-        if was and was.Get() is not None and was.Get() != now.Get():
-            refuse(edit.source.skeletons[path].locked)
-            edit.values.append(set_matrices(path, "restTransforms", np.array(was.Get())))
+    names: dict[Any, list[str]] = {}
+    for value in edited.values():
+        names.setdefault(value.prim, []).append(value.name)
+    after, shown = edit.preview(edit.values), set()
+    for prim in Usd.PrimRange.Stage(after, Usd.TraverseInstanceProxies()):
+        if prim.IsInstanceProxy():  # what the first of several instances holds, all do
+            if prim.GetPrimInPrototype() in shown:
+                continue
+            shown.add(prim.GetPrimInPrototype())
+        sources = {spec.path for spec in prim.GetPrimStack()} & names.keys() - {prim.GetPath()}
+        for name in dict.fromkeys(name for path in sorted(sources) for name in names[path]):
+            path = prim.GetPath().AppendProperty(name)
+            if path not in edited and not name.startswith(PREFIX):
+                edit.values += _held(edit, path, after.GetAttributeAtPath(path))
 
 
-def _lists(edit: UsdEdit, value: Edit) -> set[str]:
-    """What of the prim that an edit is about is edited."""
-    return {each.name for each in edit.values if isinstance(each, Setting) and each.prim == value.prim}
+def _refers_within(prim: Any) -> bool:
+    """Whether a prim has an arc to another prim of the same layer stack."""
+    if not (prim.HasAuthoredReferences() or prim.HasAuthoredPayloads()):
+        return bool(prim.HasAuthoredInherits() or prim.HasAuthoredSpecializes())
+    arcs = (
+        arc
+        for spec in prim.GetPrimStack()
+        for arcs in ("references", "payload")
+        for arc in listed_items(spec, arcs)
+    )
+    within = any(not arc.assetPath for arc in arcs)
+    return bool(within or prim.HasAuthoredInherits() or prim.HasAuthoredSpecializes())
+
+
+def _held(edit: UsdEdit, path: Any, now: Any) -> Iterator[Setting]:
+    """The values that an attribute has, where edits of another prim would change them."""
+    was = edit.source.stage.GetAttributeAtPath(path)
+    before = _values(was) if was else (None, [])
+    value, samples = before
+    nothing = value is None and not samples
+    if not was or before == _values(now) or (nothing and path.name not in _UNSAID):
+        return
+    skeleton = edit.source.skeletons.get(str(path.GetPrimPath()))
+    refuse(skeleton.locked if skeleton else "")
+    uniform = was.GetVariability() == Sdf.VariabilityUniform
+    value = type(now.Get(DEFAULT))() if nothing else value
+    kind = was.GetTypeName()
+    yield set_value(path.GetPrimPath(), path.name, kind, value, samples=dict(samples), uniform=uniform)
+
+
+def _values(attribute: Any) -> tuple[Any, Samples]:
+    return attribute.Get(DEFAULT), time_samples(attribute)
