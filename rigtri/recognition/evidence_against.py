@@ -39,6 +39,8 @@ _TWINS = 0.15
 _BALANCE = 0.4
 # Of a body without legs and without a second arm, so many bones beside the arm's own, or fingers, are named.
 _ENOUGH = 3
+# Bones of counted joints are clearly those of a limb if they are so much alike.
+_CLEARLY = 0.45
 # Of a body one of these names alone does not tell: planes have tails.
 _HEADS = frozenset(["skull", "tail"])
 # Of an animal all of these do.
@@ -160,11 +162,14 @@ def _unlike_twin(draft: Draft, each: Found, found: Sequence[Found]) -> str:
 
 
 def _counted(draft: Draft, each: Found) -> str:
-    """An arm of joints that names only count, more than three, where shape does not tell which bend.
+    """A limb of joints that names only count, more than three, where shape does not tell which bend.
 
-    The first may be a clavicle; of legs it is the hip.
+    The first of an arm may be a clavicle, and any may be a segment of a bone: names have chosen those that
+    shape has, too, so that has to be clearly a limb's.
     """
-    if each.kind != "arm" or (AGREED in each.evidence and not rival(draft, each)):
+    if each.kind == "leg" and (each.pair is None or each.pair.quality > _CLEARLY):
+        return ""  # the first is the hip
+    if each.kind == "arm" and AGREED in each.evidence and not rival(draft, each):
         return ""
     names, below = draft.tree.rig.names, draft.tree.below[each.joints[2]]
     words = {parse_name(names[joint]).plain for joint in each.joints}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field, replace
+from itertools import pairwise
 
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side, number, without_prefix
@@ -18,18 +19,24 @@ _MIDDLE = frozenset(["trunk", "skull", "tail"])
 _SIDES: tuple[Side, ...] = ("left", "right", "")
 # What a whole limb, a bone beside it, and a word that one scheme alone has count for.
 _LIMB, _BONE, _MARK = 3.0, 0.25, 0.6
+# Of a limb made in segments those of one bone are at least so long a part of each other, and so both bones.
+_EVEN, _BALANCED = 0.7, 0.5
+# They are in line up to 25° (a cosine), and two joints of an elbow so near to each other, as a part of both.
+_IN_LINE, _ONE_JOINT = 0.9, 0.1
 # What each name that is known counts for, and that a scheme belongs to nobody.
 _NAME, _COMMON = 0.03, 0.3
 
 
 @dataclass
 class Reading:
-    """limbs: start, middle and end by kind and side. bones: node by bone, with its side. score: how much
-    of the names the scheme makes sense of."""
+    """limbs: start, middle and end by kind and side. bones: node by bone, with its side. segments: all
+    joints of limbs that are counted through to their end. score: how much of the names the scheme makes
+    sense of."""
 
     scheme: Scheme
     limbs: dict[tuple[LimbKind, Side], tuple[int, int, int]] = field(default_factory=dict)
     bones: dict[str, int] = field(default_factory=dict)
+    segments: dict[tuple[LimbKind, Side], tuple[int, ...]] = field(default_factory=dict)
     score: float = 0.0
 
     @property
@@ -88,6 +95,11 @@ def limb_names(rig: Rig, nodes: Iterable[int], reading: Reading | None) -> dict[
             if own in _LEVELS:
                 kinds = [kind for kind, bones in BENDS.items() if own in bones]
                 found[node] = LimbWords({_LEVELS[own]: 1.0}, kinds[0] if kinds else "")
+    for (kind, side), nodes in (reading.segments if reading is not None else {}).items():
+        assert reading is not None
+        found |= dict.fromkeys(nodes, LimbWords({}, kind))
+        for level, node in zip(LEVELS[1:4], reading.limbs[kind, side], strict=True):
+            found[node] = LimbWords({level: 1.0}, kind)
     scheme = reading.scheme if reading is not None else None
     return {
         node: replace(each, trunk=True) if _is_of_trunk(rig.names[node], scheme) else each
@@ -118,7 +130,11 @@ def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Rea
         for which in _SIDES:
             triple = _triple(tree, *(by_bone.get((part, which), []) for part in parts))
             ends = [node for _, node in by_bone.get((parts[2], which), [])]
-            triple = triple or _numbered(tree, words, scheme, kind, which, ends)
+            chain = () if triple else _counted(tree, words, scheme, kind, which)
+            closed = _through_to_its_end(tree, words, chain)
+            if closed is not None:
+                reading.segments[kind, which], triple = closed
+            triple = triple or _numbered(tree, kind, chain, ends)
             if triple is not None:
                 reading.limbs[kind, which] = triple
                 for part, node in zip(parts, triple, strict=True):
@@ -218,29 +234,66 @@ def _only_below(tree: Tree, node: int) -> list[int]:
     return found if len(found) == 1 else []
 
 
-def _numbered(
-    tree: Tree,
-    words: Mapping[int, ParsedName],
-    scheme: Scheme,
-    kind: LimbKind,
-    which: Side,
-    ends: Sequence[int],
-) -> tuple[int, int, int] | None:
-    """A limb of joints that are only numbered (``leg_joint_L_1`` …): the first three of its chain.
-
-    Where an arm of three goes on in a hand, the first is a clavicle.
-    """
+def _counted(
+    tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme, kind: LimbKind, which: Side
+) -> tuple[int, ...]:
+    """Joints of one line that are only numbered (``leg_joint_L_1`` …); () for fewer than two numbers."""
     if not which or not scheme.chains:
-        return None
+        return ()
     mine = [node for node, each in words.items() if scheme.chains.get(each.plain) == kind]
     mine = [node for node in mine if words[node].side == which]
     if len([k for k in mine if number(tree.rig.names[k]) is not None]) < 2:
-        return None
+        return ()
     chain = mine[:1]
     for node in mine[1:]:  # once one is not below the one before, none is below all of them
         if not tree.is_below(node, chain[-1]):
             break
         chain.append(node)
+    return tuple(chain)
+
+
+def _through_to_its_end(
+    tree: Tree, words: Mapping[int, ParsedName], chain: Sequence[int]
+) -> tuple[tuple[int, ...], tuple[int, int, int]] | None:
+    """A limb made in segments, which a joint called its end closes, ``arm_L0_0`` … ``arm_L0_end``, and its bend.
+
+    Both bones have as many segments, alike and in line, so that it bends at the middle one; or at one of two
+    in the same place. Source: mGear, ``arm_2jnt_01``, whose divisions are so.
+    """
+    if len(chain) < 2:
+        return None
+    last = words[chain[-1]]
+    ends = [k for k in tree.below[chain[-1]] if k in words and words[k].plain == f"{last.plain}end"]
+    ends = [k for k in ends if words[k].side == last.side]
+    if len(ends) != 1:
+        return None
+    whole = (*chain, ends[0])
+    half = len(whole) // 2
+    upper, lower = whole[: half + len(whole) % 2], whole[half:]
+    bones = [[tree.bone[k] for k in part[1:]] for part in (upper, lower)]
+    a, b = map(sum, bones)
+    if len(whole) % 2 == 0 and not tree.bone[lower[0]] < _ONE_JOINT * (a + b):
+        return None
+    even = all(min(part) >= _EVEN * max(part) for part in bones)
+    if not (
+        even and min(a, b) >= _BALANCED * max(a, b) and all(_are_in_line(tree, k) for k in (upper, lower))
+    ):
+        return None
+    return whole, (whole[0], whole[half], whole[-1])
+
+
+def _are_in_line(tree: Tree, nodes: Sequence[int]) -> bool:
+    ways = [(tree.at[b] - tree.at[a]).unit for a, b in pairwise(nodes)]
+    return all(one.dot(other) > _IN_LINE for one, other in pairwise(ways))
+
+
+def _numbered(
+    tree: Tree, kind: LimbKind, chain: Sequence[int], ends: Sequence[int]
+) -> tuple[int, int, int] | None:
+    """A limb of joints that are only numbered: the first three of its chain.
+
+    Where an arm of three goes on in a hand, the first is a clavicle.
+    """
     hands = [node for node in ends if kind == "arm" and len(chain) == 3 and tree.above[node] == chain[-1]]
     chain = [*chain[1:], *hands] if hands else chain
     return (chain[0], chain[1], chain[2]) if len(chain) >= 3 else None

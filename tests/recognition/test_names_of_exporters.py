@@ -1,0 +1,77 @@
+"""How rigs of some makers are called: in segments, as controls, with hands left out, with uneven twins."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from recognition_bodies.skeletons import ARM, LEG, MAN, TRUNK, Joint, both, line, rig_with, without
+
+from rigtri.model.rig import Rig
+from rigtri.recognition.layout import Chain
+from rigtri.recognition.recognise import recognise
+
+SIDES = ("left", "right")
+
+
+def limbs(rig: Rig) -> dict[str, Chain]:
+    return {chain.name: chain for chain in recognise(rig).chains if chain.kind in ("arm", "leg")}
+
+
+def joints_of(rig: Rig, *, sure: bool = True) -> dict[str, str]:
+    """Start, middle and end of each limb by its name; sure: of those alone that may be acted upon."""
+    return {
+        name: " ".join(rig.names[k] for k in chain.bend)
+        for name, chain in limbs(rig).items()
+        if chain.is_sure or not sure
+    }
+
+
+def in_segments(limb: str, bones: Sequence[Joint], parts: int, *, elbow: bool = False) -> list[Joint]:
+    """A limb each of whose bones has so many segments, as mGear names it; elbow: with two joints there."""
+    (_, above, a), (_, _, b), (_, _, c) = bones
+    shares = np.arange(parts)[:, np.newaxis] / parts
+    places = [
+        *(a + shares * np.subtract(b, a)),
+        *([b] if elbow else []),
+        *(b + shares * np.subtract(c, b)),
+        c,
+    ]
+    names = [*(f"{limb}_{k}" for k in range(len(places) - 1)), f"{limb}_end"]
+    tops = [above, *names]
+    return [
+        (f"{n}.L", t if k == 0 else f"{t}.L", tuple(p))
+        for k, (n, t, p) in enumerate(zip(names, tops, places, strict=False))
+    ]
+
+
+@pytest.mark.parametrize(
+    ("parts", "elbow", "middle"), [(1, False, 1), (2, False, 2), (3, False, 3), (3, True, 4)]
+)
+def test_a_limb_in_counted_segments_bends_in_the_middle_of_its_count(
+    parts: int, elbow: bool, middle: int
+) -> None:
+    """Before, the first three of ``arm_0`` … ``arm_end`` were the arm, and of legs surely so."""
+    arm, leg = (
+        in_segments(limb, bones, parts, elbow=elbow) for limb, bones in (("arm", ARM[1:]), ("leg", LEG[:3]))
+    )
+    rig = rig_with([*TRUNK, *both([ARM[0], *arm, *leg])])
+    assert joints_of(rig) == {
+        f"{side} {limb}": " ".join(f"{limb}_{k}.{side[0].upper()}" for k in (0, middle, "end"))
+        for side in SIDES
+        for limb in ("arm", "leg")
+    }
+
+
+def test_a_leg_whose_last_joint_is_called_its_end_still_bends_at_its_second() -> None:
+    """The law beside it: thigh, shin and foot that are counted are no segments, though a tip follows them."""
+    words = {"thigh": "leg1", "shin": "leg2", "foot": "leg3", "toe": "leg_end"}
+
+    def called(name: str) -> str:
+        part, dot, side = name.partition(".")
+        return words.get(part, part) + dot + side
+
+    rig = rig_with([(called(n), called(a), at) for n, a, at in MAN])
+    assert joints_of(rig, sure=False)["left leg"] == "leg1.L leg2.L leg3.L"
