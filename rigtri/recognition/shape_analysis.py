@@ -22,7 +22,8 @@ from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.many_legs import many_legs
 from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.pose_samples import Measured, Poses
-from rigtri.recognition.symmetry import Pair, Plane, opposite, plane_of
+from rigtri.recognition.ranking import SAME_LENGTH, ranked
+from rigtri.recognition.symmetry import Pair, Plane, named_pairs, opposite, plane_of
 from rigtri.recognition.two_or_four import settled
 
 # Where a body looks has to be so sure, 0 to 1, before knees and elbows are taken to point as they should.
@@ -87,6 +88,9 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
     measured = _measured(nodes, poses, pose)
     pairs = [pair for pair in measured.pairs if not _of_one_side(tree, pair)]
     plane = measured.plane if len(pairs) == len(measured.pairs) else plane_of(tree, pairs)
+    if more := named_pairs(tree, pairs):
+        pairs = ranked([*pairs, *more], lambda pair: pair.reach, SAME_LENGTH * tree.span)
+        plane = plane or plane_of(tree, pairs)
     pairs = opposite(tree, pairs, plane)
     limbs = limbs_of(tree, pairs, poses, names)
     ways = bodies(tree, limbs, plane)

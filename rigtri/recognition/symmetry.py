@@ -17,6 +17,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
 from rigtri.model.dataclass import dataclass
+from rigtri.model.joint_names import twin
 from rigtri.recognition.joint_tree import Tree
 
 # Branches shorter than this part of the whole are no limbs.
@@ -25,6 +26,8 @@ SHORT = 0.06
 SIMILAR_LENGTH = 0.15
 # Short bones may differ by this part of the whole branch.
 SLACK = 0.02
+# Bones whose names are each other's on the other side are alike up to this part.
+_NAMED = 0.4
 # Pairs shorter than this part of the longest have no say in where the plane is.
 _VOTING = 0.35
 # By so much a plane through two pairs has to be better than that of one.
@@ -93,6 +96,38 @@ def _mirrored_pair(tree: Tree, above: int, a: int, b: int) -> Pair | None:
     ends = [(tree.at[left], tree.at[right]) for left, right in zip(*paths, strict=True)]
     apart = max(abs(far) for left, right in ends for far in left - right)
     return Pair(above, paths, reach) if apart > 0.01 * reach else None
+
+
+def named_pairs(tree: Tree, pairs: Sequence[Pair]) -> list[Pair]:
+    """Further pairs of branches: those that names say are twins, ``humerus_L`` and ``humerus_R``.
+
+    Noise and sculpted poses make bones of twins less alike than those that shape alone has for such.
+    """
+    names, known = tree.rig.names, [pair.nodes for pair in pairs]
+    found = []
+    for above, below in tree.below.items():
+        by_name = {names[k]: k for k in below if names[k]}
+        for name, a in by_name.items():
+            b = by_name.get(twin(name), a)
+            if a >= b or any(a in nodes and b in nodes for nodes in known):
+                continue
+            paths = _named_alike(tree, a, b)
+            reach = min(fsum(tree.bone[k] for k in path[1:]) for path in paths)
+            if reach > max(SHORT * tree.span, 0.6 * min(tree.reach[a], tree.reach[b])):
+                found.append(Pair(above, paths, reach))
+    return found
+
+
+def _named_alike(tree: Tree, a: int, b: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """The longest ways down from two twins, as far as names say that and bones do not deny it."""
+    same, names, bone = 1, tree.rig.names, tree.bone
+    for left, right in zip(tree.paths[a][1:], tree.paths[b][1:], strict=False):
+        if twin(names[left]) != names[right] or abs(bone[left] - bone[right]) > _NAMED * max(
+            bone[left], bone[right]
+        ):
+            break
+        same += 1
+    return tree.paths[a][:same], tree.paths[b][:same]
 
 
 def _near(a: float, b: float, reach: float) -> bool:

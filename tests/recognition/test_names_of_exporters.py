@@ -75,3 +75,18 @@ def test_a_leg_whose_last_joint_is_called_its_end_still_bends_at_its_second() ->
 
     rig = rig_with([(called(n), called(a), at) for n, a, at in MAN])
     assert joints_of(rig, sure=False)["left leg"] == "leg1.L leg2.L leg3.L"
+
+
+def test_limbs_that_names_call_twins_are_a_pair_though_their_bones_differ() -> None:
+    """Before, no limb was found of words that no scheme has, where noise made twins unlike."""
+    words = {"upper_arm": "humerus", "forearm": "radius", "hand": "carpus"}
+
+    def called(name: str) -> str:
+        part, dot, side = name.partition(".")
+        return words.get(part, part) + dot + side
+
+    moved = {"forearm.L": (0.52, 1.45, -0.005), "hand.L": (0.71, 1.45, 0)}
+    rig = rig_with([(called(n), called(a), moved.get(n, at)) for n, a, at in MAN])
+    found = joints_of(rig, sure=False)
+    assert found["left arm"] == "humerus.L radius.L carpus.L"
+    assert found["right arm"] == "humerus.R radius.R carpus.R"
