@@ -366,10 +366,12 @@ def _is_within(each: Found, other: Found) -> bool:
 def _by_words(draft: Draft, each: Found) -> Found:
     """A limb without a twin, its three joints by its shape and the single words of its names.
 
-    Of ``arm``, ``shoulder``, ``elbow`` and ``wrist`` a scheme takes the first for the upper arm.
+    Of ``arm``, ``shoulder``, ``elbow`` and ``wrist`` a common scheme takes the first for the upper arm; that
+    of one maker knows.
     """
     tree, (start, _, end) = draft.tree, each.joints
-    if not tree.is_below(end, start):
+    own = draft.reading is not None and not draft.reading.scheme.is_common
+    if own or not tree.is_below(end, start):
         return each
     path = [*each.before, *tree.way(start, end), *tree.paths[end][1:]]
     found = triple_of(tree, [path], [], draft.words)

@@ -90,3 +90,23 @@ def test_limbs_that_names_call_twins_are_a_pair_though_their_bones_differ() -> N
     found = joints_of(rig, sure=False)
     assert found["left arm"] == "humerus.L radius.L carpus.L"
     assert found["right arm"] == "humerus.R radius.R carpus.R"
+
+
+def test_an_uneven_arm_begins_where_its_makers_scheme_says() -> None:
+    """Before, single words of a Daz arm without a twin surely had it begin at its ``ShldrTwist``."""
+    words = {"clavicle": "Collar", "upper_arm": "ShldrBend", "forearm": "ForearmBend", "hand": "Hand"}
+    words |= {"thigh": "ThighBend", "shin": "Shin", "foot": "Foot", "toe": "Toe", "chest": "chestUpper"}
+
+    def called(name: str) -> str:
+        part, _, side = name.partition(".")
+        return side.lower() + words.get(part, part)
+
+    given = [(called(n), called(a), at) for n, a, at in without(MAN, "clavicle")]
+    given = [(n, "rShldrTwist" if n == "rForearmBend" else a, at) for n, a, at in given]
+    row = [n for n, *_ in given].index("rForearmBend")
+    given[row:row] = [("rShldrTwist", "rShldrBend", (-0.25, 1.39, 0.0))]
+    given = [
+        (n, a.replace("rCollar", "chestUpper").replace("lCollar", "chestUpper"), at) for n, a, at in given
+    ]
+    found = joints_of(rig_with(given), sure=False)
+    assert found["right arm"] == "rShldrBend rForearmBend rHand"
