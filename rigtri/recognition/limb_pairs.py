@@ -120,7 +120,8 @@ def _kind_of(
 ) -> LimbKind | Literal["other", ""]:
     """What names say that two limbs are; ``other`` where one says a trunk, a wing, or something worn.
 
-    The arm of a machine may end in its gun.
+    The arm of a machine may end in its gun. What is called a control and moves points is a bone, as in rigs
+    whose joints all are (``CTRL_FK_Thigh_L``).
     """
     kinds: set[LimbKind] = {word.kind for word in words if word.kind}
     kind = kinds.pop() if len(kinds) == 1 else ""
@@ -128,6 +129,8 @@ def _kind_of(
         armed = kind and len(bones) == 2 and poses.moves_points(end)
         roles = {role for joint in bones for role in roles_in_name(tree.rig.names[joint])}
         roles |= {role for role in roles_in_name(tree.rig.names[end]) if not (armed and role == "attachment")}
+        if "control" in roles and poses.weighed.issuperset(bones):
+            roles.discard("control")
         if NO_LIMB & roles:
             return "other"
     return "other" if any(word.trunk for word in words) else kind

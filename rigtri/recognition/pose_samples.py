@@ -113,6 +113,12 @@ class Poses:
     def _movers(self) -> frozenset[int]:
         return frozenset(k for skin in self.rig.skins for k in skin.joints[skin.weighted].tolist())
 
+    @cached_property
+    def weighed(self) -> frozenset[int]:
+        """The joints that move points, of skins whose weights can be read."""
+        skins = [skin for skin in self.rig.skins if skin.weigh]
+        return frozenset(k for skin in skins for k in skin.joints[skin.weighted].tolist())
+
     def moves_points(self, node: int) -> bool:
         """Whether a joint has weight of any point. It reads the weights of all meshes when first called."""
         return node in self._movers

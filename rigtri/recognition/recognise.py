@@ -117,9 +117,8 @@ def _deforming(nodes: Sequence[int], poses: Poses) -> list[int]:
     marked = are_marked(names)
     if not any(marked):
         return list(nodes)
-    weighed = {k for skin in poses.rig.skins if skin.weigh for k in skin.joints[skin.weighted].tolist()}
     each = zip(nodes, names, marked, strict=True)
-    return [node for node, name, marks in each if marks or not name or node in weighed]
+    return [node for node, name, marks in each if marks or not name or node in poses.weighed]
 
 
 def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:

@@ -77,6 +77,15 @@ def test_a_leg_whose_last_joint_is_called_its_end_still_bends_at_its_second() ->
     assert joints_of(rig, sure=False)["left leg"] == "leg1.L leg2.L leg3.L"
 
 
+def test_what_is_called_a_control_and_moves_points_is_a_bone() -> None:
+    """Before, none of a rig's limbs was found if all its joints are called ``CTRL_FK_…``."""
+    called = {name: f"CTRL_{'FK_' * ('.' in name)}{name}" for name, *_ in MAN}
+    joints = [(called[name], called.get(above, ""), at) for name, above, at in MAN]
+    rig = rig_with(joints)
+    weighed = (replace(rig.skins[0], weigh=lambda: np.ones(len(joints), dtype=bool)),)
+    assert set(joints_of(replace(rig, skins=weighed))) == {f"{s} {k}" for s in SIDES for k in ("arm", "leg")}
+
+
 def test_limbs_that_names_call_twins_are_a_pair_though_their_bones_differ() -> None:
     """Before, no limb was found of words that no scheme has, where noise made twins unlike."""
     words = {"upper_arm": "humerus", "forearm": "radius", "hand": "carpus"}
