@@ -92,7 +92,7 @@ def limbs_of(
     for pair in tried:
         bend = triple_of(tree, pair.paths, sharpest, names, towards, kind)
         if bend is None or (len(pair.paths[0]) <= 3 and bend.quality < 0.3):
-            pair = loose_ends(tree, pair, poses)
+            pair = loose_ends(tree, pair, poses, names)
             bend = triple_of(tree, pair.paths, sharpest, names) if len(pair.paths[0]) > 2 else None
         if bend is not None or len(pair.paths[0]) > 1:
             limbs = _limbs(tree, pair, bend)

@@ -341,13 +341,14 @@ def offset(start: Floats, middle: Floats, end: Floats) -> Floats:
     return arm - dot(arm, line)[..., np.newaxis] * line
 
 
-def loose_ends(tree: Tree, pair: Pair, poses: Poses) -> Pair:
+def loose_ends(tree: Tree, pair: Pair, poses: Poses, names: Mapping[int, LimbWords]) -> Pair:
     """A pair of two joints each, with the joints elsewhere that end it; as it is where none do.
 
     Only joints that move points, or have such below, are taken: a control stands in the same place. And no
-    joint that more hangs from than from a hand or a foot: another limb begins there.
+    joint that more hangs from than from a hand or a foot, or that has a name of the other kind of limb:
+    another limb begins there.
     """
-    ends = [_loose_end(tree, path[:2], poses) if len(path) >= 2 else -1 for path in pair.paths]
+    ends = [_loose_end(tree, path[:2], poses, names) if len(path) >= 2 else -1 for path in pair.paths]
     if min(ends) < 0 or ends[0] == ends[1] or pair.nodes.intersection(ends):
         return pair
     (a, b) = (path[:2] for path in pair.paths)
@@ -358,7 +359,8 @@ def loose_ends(tree: Tree, pair: Pair, poses: Poses) -> Pair:
     return replace(pair, paths=((*a, ends[0]), (*b, ends[1])), reach=reach)
 
 
-def _loose_end(tree: Tree, path: tuple[int, ...], poses: Poses) -> int:
+def _loose_end(tree: Tree, path: tuple[int, ...], poses: Poses, names: Mapping[int, LimbWords]) -> int:
+    kinds = {names.get(k, NO_WORDS).kind for k in path} - {""}
     middle = tree.at[path[1]]
     bone = middle - tree.at[path[0]]
     top = tree.way(-1, path[0])[0]
@@ -372,6 +374,8 @@ def _loose_end(tree: Tree, path: tuple[int, ...], poses: Poses) -> int:
         if _SHORTEST * size < way.length < _LONGEST * size and way.unit.dot(on) > _ONWARD
     ]
     for _, node in sorted(found):
+        if kinds and names.get(node, NO_WORDS).kind not in ("", *kinds):
+            continue
         if any(poses.moves_points(k) for k in tree.branch(node)):
             return node
     return -1

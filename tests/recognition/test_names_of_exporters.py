@@ -86,6 +86,15 @@ def test_what_is_called_a_control_and_moves_points_is_a_bone() -> None:
     assert set(joints_of(replace(rig, skins=weighed))) == {f"{s} {k}" for s in SIDES for k in ("arm", "leg")}
 
 
+def test_an_arm_without_a_hand_does_not_end_at_a_leg() -> None:
+    """Before, legs without feet were the hands of such arms, and the arms legs."""
+    arm = line("Arm.L ForeArm.L", "body", (0.17, 0.72, 0), (0.21, 0.55, 0))
+    leg = line("Leg.L Shin.L", "waist", (0.055, 0.37, 0), (0.055, 0.2, 0))
+    trunk = line("root waist body head", "", (0, 0, 0), (0, 0.4, 0), (0, 0.6, 0), (0, 0.79, 0))
+    found = joints_of(rig_with([*trunk, *both([*arm, *leg])]), sure=False)
+    assert found == {f"{side} {kind}": "" for side in SIDES for kind in ("arm", "leg")}
+
+
 def test_limbs_that_names_call_twins_are_a_pair_though_their_bones_differ() -> None:
     """Before, no limb was found of words that no scheme has, where noise made twins unlike."""
     words = {"upper_arm": "humerus", "forearm": "radius", "hand": "carpus"}
