@@ -28,7 +28,8 @@ def plain(text: str, *, one_line: bool = False) -> str:
     kept = "" if one_line else "\n\t"
     if text.isprintable():
         return text
-    return "".join(letter if letter in kept or not _controls(letter) else _escape(letter) for letter in text)
+    controls = {letter for letter in set(text) if letter not in kept and _controls(letter)}
+    return text.translate({ord(letter): _escape(letter) for letter in controls})
 
 
 def plain_lines(lines: Iterable[str]) -> str:

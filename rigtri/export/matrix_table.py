@@ -7,11 +7,11 @@ rotation of ``local`` is ``rotate · joint_orient``, as a joint's is in Maya.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.maths import RotateOrder
 from rigtri.maths.euler import from_angles, to_angles
 from rigtri.maths.matrices import SKEW, decompose, skew
@@ -44,57 +44,73 @@ def matrix_table(
     """
     posed = pose_of(rig, options, report)
     named = {node for glob in options.joints for node in rig.match(glob)}
-    return [_entry(rig, posed, node, options) for node in sorted(named) or range(len(rig))]
-
-
-def _entry(rig: Rig, posed: PoseCache, node: int, options: MatrixTableOptions) -> dict[str, Any]:
-    parent, oriented = int(rig.parents[node]), joint_orient(rig, node, options.joint_orient)
-    binds = [
-        {"skin": skin.name or f"#{number}"} | _numbers(skin.inverse_bind[row], options.rotate_order)
-        for number, skin in enumerate(rig.skins)
-        for row in np.flatnonzero(skin.joints == node).tolist()
+    nodes = sorted(named) or list(range(len(rig)))
+    if not nodes:
+        return []
+    orients = joint_orients(rig, nodes, options.joint_orient)
+    local = _numbers(np.stack([posed.local(node)[0] for node in nodes]), options.rotate_order, orients)
+    world = _numbers(np.stack([posed.world(node)[0] for node in nodes]), options.rotate_order)
+    binds = _inverse_binds(rig, set(nodes), options.rotate_order)
+    return [
+        {
+            "node": rig.address(node),
+            "kind": rig.kind_of(node),
+            "parent": rig.address(parent) if (parent := int(rig.parents[node])) >= 0 else None,
+            "local": here,
+            "world": there,
+            "inverse_binds": binds[node],
+        }
+        for node, here, there in zip(nodes, local, world, strict=True)
     ]
-    return {
-        "node": rig.address(node),
-        "kind": rig.kind_of(node),
-        "parent": rig.address(parent) if parent >= 0 else None,
-        "local": _numbers(posed.local(node)[0], options.rotate_order, oriented),
-        "world": _numbers(posed.world(node)[0], options.rotate_order),
-        "inverse_binds": binds,
-    }
 
 
-def joint_orient(rig: Rig, node: int, chosen: JointOrient = "rest") -> Floats:
-    """The rotation after which a joint is rotated, (4,); only joints have one."""
-    if not rig.is_joint[node] or chosen == "none":
-        return IDENTITY.copy()
-    if chosen == "rest":
-        return decompose(rig.normalised_local[node])[1]
-    return from_angles(np.array(chosen) / _DEGREES, "xyz")
-
-
-def _numbers(matrix: Floats, order: RotateOrder, oriented: Floats | None = None) -> dict[str, Any]:
-    """A matrix, and what it is made of; angles are degrees about x, y, z. oriented: see `joint_orient`."""
-    translation, rotation, scale = decompose(matrix)
-    turned = rotation if oriented is None else multiply(conjugate(oriented), rotation)
-    found = {
-        "matrix": [_clean(row) for row in matrix],
-        "translation": _clean(translation),
-        "rotation": _clean(rotation),
-        "order": order,
-        "rotate": _clean(to_angles(turned, order) * _DEGREES),
-        "scale": _clean(scale),
-        "sheared": bool(skew(matrix) > SKEW),
-    }
-    if oriented is not None:
-        found["joint_orient"] = _clean(to_angles(oriented, "xyz") * _DEGREES)
+def _inverse_binds(rig: Rig, nodes: set[int], order: RotateOrder) -> dict[int, list[dict[str, Any]]]:
+    """Of each node the inverse bind matrices, in the order of the skins."""
+    found: dict[int, list[dict[str, Any]]] = {node: [] for node in nodes}
+    for number, skin in enumerate(rig.skins):
+        rows = [row for row, node in enumerate(skin.joints.tolist()) if node in nodes]
+        for row, numbers in zip(rows, _numbers(skin.inverse_bind[rows], order), strict=True):
+            found[int(skin.joints[row])].append({"skin": skin.name or f"#{number}"} | numbers)
     return found
+
+
+def joint_orients(rig: Rig, nodes: Sequence[int], chosen: JointOrient = "rest") -> Floats:
+    """The rotations after which joints are rotated, (n, 4); only joints have one."""
+    turned = np.tile(IDENTITY, (len(nodes), 1))
+    joint = rig.is_joint[nodes]
+    if chosen == "rest":
+        turned[joint] = decompose(rig.normalised_local[nodes])[1][joint]
+    elif chosen != "none":
+        turned[joint] = from_angles(np.array(chosen) / _DEGREES, "xyz")
+    return turned
+
+
+def _numbers(matrices: Floats, order: RotateOrder, orients: Floats | None = None) -> Iterator[dict[str, Any]]:
+    """Matrices, (n, 4, 4), and what each is made of; angles are degrees about x, y, z. orients: (n, 4)."""
+    translation, rotation, scale = decompose(matrices)
+    turned = rotation if orients is None else multiply(conjugate(orients), rotation)
+    angles, sheared = to_angles(turned, order) * _DEGREES, skew(matrices) > SKEW
+    orient_angles = None if orients is None else to_angles(orients, "xyz") * _DEGREES
+    for k, matrix in enumerate(matrices):
+        found = {
+            "matrix": [_clean(row) for row in matrix],
+            "translation": _clean(translation[k]),
+            "rotation": _clean(rotation[k]),
+            "order": order,
+            "rotate": _clean(angles[k]),
+            "scale": _clean(scale[k]),
+            "sheared": bool(sheared[k]),
+        }
+        if orient_angles is not None:
+            found["joint_orient"] = _clean(orient_angles[k])
+        yield found
 
 
 def _clean(row: Floats) -> list[float | None]:
     """Numbers for JSON: null for what is none, and 0 for what is nothing beside the largest of a row."""
-    most = float(np.abs(row[np.isfinite(row)]).max(initial=0.0))
-    return [None if not np.isfinite(x) else 0.0 if abs(x) <= _NOISE * most else float(x) for x in row]
+    numbers = row.tolist()
+    least = _NOISE * max((abs(x) for x in numbers if isfinite(x)), default=0.0)
+    return [None if not isfinite(x) else 0.0 if abs(x) <= least else x for x in numbers]
 
 
 def matrix_text(table: Sequence[dict[str, Any]]) -> str:

@@ -109,8 +109,8 @@ def _cover(covered: Booleans, corners: Floats) -> None:
     inside = ((high >= 0) & (low < covered.shape[::-1])).all(axis=1)
     corners, sides = corners[inside], (high - low)[inside].max(axis=1)
     parts = np.maximum(np.ceil(sides / _STEP), 1)
-    for large in corners[parts > 2**_MOST]:
-        _fill(covered, large)
+    large = parts > 2**_MOST
+    _fill(covered, corners[large], low[inside][large], high[inside][large])
     for power in range(_MOST + 1):
         count = 2**power
         some = corners[(parts <= count) & (parts > count // 2)]
@@ -123,20 +123,23 @@ def _cover(covered: Booleans, corners: Floats) -> None:
             _mark(covered, laid.reshape(-1, 2))
 
 
-def _fill(covered: Booleans, corners: Floats) -> None:
-    """Mark the cells whose middle lies in a triangle, (3, 2)."""
-    room = np.array(covered.shape[::-1], dtype=np.float64)
-    low = np.floor(np.clip(corners.min(axis=0), 0, room)).astype(np.int64)
-    high = np.ceil(np.clip(corners.max(axis=0), 0, room)).astype(np.int64)
-    x = np.arange(low[0], high[0])[np.newaxis, :] + 0.5
-    y = np.arange(low[1], high[1])[:, np.newaxis] + 0.5
-    sides = []
-    for k in range(3):
-        (ax, ay), (bx, by) = corners[k], corners[(k + 1) % 3]
-        sides.append((bx - ax) * (y - ay) - (by - ay) * (x - ax))
-    one, two, three = sides
-    inside = ((one >= 0) & (two >= 0) & (three >= 0)) | ((one <= 0) & (two <= 0) & (three <= 0))
-    covered[low[1] : high[1], low[0] : high[0]] |= inside
+def _fill(covered: Booleans, corners: Floats, low: Floats, high: Floats) -> None:
+    """Mark the cells whose middle lies in a triangle, of (t, 3, 2), between ``low`` and ``high``, (t, 2)."""
+    room = covered.shape[::-1]
+    first = np.floor(np.clip(low, 0, room)).astype(np.int64).tolist()
+    behind = np.ceil(np.clip(high, 0, room)).astype(np.int64).tolist()
+    for triangle, (left, top), (right, bottom) in zip(corners, first, behind, strict=True):
+        cells = covered[top:bottom, left:right]
+        if cells.all():  # as most are, where a mesh has many triangles of this size
+            continue
+        x = np.arange(left, right)[np.newaxis, :] + 0.5
+        y = np.arange(top, bottom)[:, np.newaxis] + 0.5
+        sides = []
+        for k in range(3):
+            (ax, ay), (bx, by) = triangle[k], triangle[(k + 1) % 3]
+            sides.append((bx - ax) * (y - ay) - (by - ay) * (x - ax))
+        one, two, three = sides
+        cells |= ((one >= 0) & (two >= 0) & (three >= 0)) | ((one <= 0) & (two <= 0) & (three <= 0))
 
 
 def _mark(covered: Booleans, laid: Floats) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from rigtri.errors import UsageError
 from rigtri.export.explain.explain import Explanation, explain_points
 from rigtri.export.explain.matrix_steps import Worlds
-from rigtri.export.matrix_table import joint_orient
+from rigtri.export.matrix_table import joint_orients
 from rigtri.frames.skeleton import skeleton
 from rigtri.maths.matrices import local
 from rigtri.model.rig import Rig
@@ -91,7 +91,7 @@ def explain_limb(
         q=posed.world(above_c)[0] if above_c != b else None,
         q_name=rig.title(above_c) if above_c >= 0 else "the world",
         rest=rest,
-        orient=joint_orient(rig, c),
+        orient=joint_orients(rig, [c])[0],
         of_file=True,
     )
     names = (rig.title(a), rig.title(b), rig.title(c))
