@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.maths.arrays import Integers
+from rigtri.maths.ranking import SAME_LENGTH, ranked
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
 from rigtri.model.dataclass import dataclass
@@ -22,7 +23,6 @@ from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.many_legs import many_legs
 from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.pose_samples import Measured, Poses
-from rigtri.recognition.ranking import SAME_LENGTH, ranked
 from rigtri.recognition.symmetry import Pair, Plane, named_pairs, opposite, plane_of
 from rigtri.recognition.two_or_four import settled
 
