@@ -255,7 +255,9 @@ def _counted(
 def _through_to_its_end(
     tree: Tree, words: Mapping[int, ParsedName], chain: Sequence[int]
 ) -> tuple[tuple[int, ...], tuple[int, int, int]] | None:
-    """A limb made in segments, which a joint called its end closes, ``arm_L0_0`` … ``arm_L0_end``, and its bend.
+    """A limb made in segments that a joint called its end closes, ``arm_L0_0`` … ``arm_L0_end``.
+
+    All its joints, and the three that bend.
 
     Both bones have as many segments, alike and in line, so that it bends at the middle one; or at one of two
     in the same place. Source: mGear, ``arm_2jnt_01``, whose divisions are so.
