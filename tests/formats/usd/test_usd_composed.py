@@ -11,7 +11,7 @@ from places import slow
 from program import cli
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 from second_opinions import usd_errors
-from usd_files import ANIMATION, MESH, animation, deviation, read, save, scene, skeleton, skinned, write
+from usd_files import MESH, animation, deviation, read, save, scene, skeleton, skinned, write
 
 import rigtri
 from rigtri.model.metadata import ConstraintRecord, ControlRecord

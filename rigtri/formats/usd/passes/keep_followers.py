@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 from pxr import Sdf, Usd
@@ -17,6 +17,13 @@ from rigtri.formats.usd.reading.metadata_attributes import PREFIX
 
 # What means something where nothing is said: an empty value says the same.
 _UNSAID = ("xformOpOrder", BIND)
+_ARCS = ("references", "payload", "inheritPaths", "specializes")
+_HAS_ARCS = (
+    Usd.Prim.HasAuthoredReferences,
+    Usd.Prim.HasAuthoredPayloads,
+    Usd.Prim.HasAuthoredInherits,
+    Usd.Prim.HasAuthoredSpecializes,
+)
 
 
 def keep_followers(edit: UsdEdit) -> None:
@@ -25,11 +32,12 @@ def keep_followers(edit: UsdEdit) -> None:
     They would follow in part: what they have of their own, such as another animation, would not.
     """
     edited = {value.path: value for value in edit.values if isinstance(value, Setting)}
-    if not edited or not any(map(_refers_within, edit.source.stage.Traverse())):
-        return
     names: dict[Any, list[str]] = {}
     for value in edited.values():
         names.setdefault(value.prim, []).append(value.name)
+    above = {prefix for path in names for prefix in path.GetPrefixes()}
+    if not any(_refers_to(prim, above) for prim in edit.source.stage.Traverse()):
+        return
     after, shown = edit.preview(edit.values), set()
     for prim in Usd.PrimRange.Stage(after, Usd.TraverseInstanceProxies()):
         if prim.IsInstanceProxy():  # what the first of several instances holds, all do
@@ -43,18 +51,16 @@ def keep_followers(edit: UsdEdit) -> None:
                 edit.values += _held(edit, path, after.GetAttributeAtPath(path))
 
 
-def _refers_within(prim: Any) -> bool:
-    """Whether a prim has an arc to another prim of the same layer stack."""
-    if not (prim.HasAuthoredReferences() or prim.HasAuthoredPayloads()):
-        return bool(prim.HasAuthoredInherits() or prim.HasAuthoredSpecializes())
-    arcs = (
-        arc
-        for spec in prim.GetPrimStack()
-        for arcs in ("references", "payload")
-        for arc in listed_items(spec, arcs)
-    )
-    within = any(not arc.assetPath for arc in arcs)
-    return bool(within or prim.HasAuthoredInherits() or prim.HasAuthoredSpecializes())
+def _refers_to(prim: Any, edited: Collection[Any]) -> bool:
+    """Whether an arc of a prim may bring it something of edited ones. edited: they, and all above them."""
+    layers = prim.GetStage().GetLayerStack()
+    for spec in prim.GetPrimStack() if any(has(prim) for has in _HAS_ARCS) else ():
+        for arc in _ARCS if spec.layer in layers else _ARCS[2:]:  # what is inherited, layers above may change
+            items = (item for item in listed_items(spec, arc) if not getattr(item, "assetPath", ""))
+            targets = [getattr(item, "primPath", item) for item in items]
+            if any(spec.layer not in layers or target.isEmpty or target in edited for target in targets):
+                return True
+    return False
 
 
 def _held(edit: UsdEdit, path: Any, now: Any) -> Iterator[Setting]:
