@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 from rigtri.errors import UsageError
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import nearest_rotation
-from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotate, rotation_angle
-from rigtri.maths.trigonometry import Floats
+from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, multiply, rotate, rotation_angle
+from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
@@ -33,6 +33,9 @@ LATERAL = cosine_below(45)
 SAME_POSE = 1e-3
 # A direction nearer to the up direction than this sine says nothing about where a body looks.
 ALONG_UP = 0.1
+# Hips and chest whose lines are further apart than this (a cosine) are turned against each other: shoulders
+# that are drawn ahead lean the line less.
+TURNED = cosine_below(20)
 _TRUNK = ("spine", "neck", "head")
 
 
@@ -40,11 +43,14 @@ _TRUNK = ("spine", "neck", "head")
 class Body:
     """A character as it stands in a pose: unit directions of the world, (3,) each.
 
-    nodes: all joints of the character. limbs: those whose limbs say it. unsure: joints of what may be limbs.
-    hinges: what it says of the others.
+    hips, chest: where these face, which is elsewhere where one is turned against the other. nodes: all joints
+    of the character. limbs: those whose limbs say it. unsure: joints of what may be limbs. hinges: what it
+    says of the others.
     """
 
     facing: Floats
+    hips: Floats
+    chest: Floats
     up: Floats
     left: Floats
     nodes: frozenset[int]
@@ -52,9 +58,9 @@ class Body:
     unsure: frozenset[int]
     hinges: Mapping[int, Hinge]
 
-    def facing_of(self, points: Floats) -> Floats:
-        """Where the body looks as a limb at ``points``, (3, 3), has it, unit, (3,)."""
-        return facing_along(points[2] - points[0], self.facing, self.up)
+    def facing_of(self, points: Floats, *, arm: bool) -> Floats:
+        """Where hips or chest face as a limb at ``points``, (3, 3), has it, unit, (3,)."""
+        return facing_along(points[2] - points[0], self.chest if arm else self.hips, self.up)
 
     def default(self, bone: Floats) -> Floats:
         """The hinge of a bone of which nothing else is known: lateral, or for lateral bones across them."""
@@ -80,8 +86,11 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
             nodes = frozenset(part.joint for part in character.parts)
             limbs = frozenset(k for chain in character.limbs if chain.is_sure for k in chain.bend[:2])
             unsure = frozenset(k for chain in character.limbs if not chain.is_sure for k in chain.joints)
-            hinges = dict(_hinges(character, world[:, 3, :3], ahead, up, mirrored=mirrored))
-            found.append(Body(ahead, up, left, nodes, limbs, unsure, hinges))
+            at = world[:, 3, :3]
+            ends = None if facing is not None else _turned(character, at, up, mirrored=mirrored)
+            hips, chest = ends or (ahead, ahead)
+            hinges = dict(_hinges(character, at, (hips, chest), up, mirrored=mirrored))
+            found.append(Body(ahead, hips, chest, up, left, nodes, limbs, unsure, hinges))
     return found
 
 
@@ -91,7 +100,7 @@ def _hands_alone(character: Character, at: Floats) -> Body:
     sides: dict[Side, bool | None] = {side: side == "left" if side else None for side in hands}
     hinges = hand_hinges(character.chains, sides, at, None)
     nodes = frozenset(part.joint for part in character.parts)
-    return Body(unknown, unknown, unknown, nodes, none, none, dict(hinges))
+    return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, dict(hinges))
 
 
 def lone_feet(characters: Sequence[Character], bodies: Sequence[Body], at: Floats) -> dict[int, Floats]:
@@ -107,7 +116,7 @@ def lone_feet(characters: Sequence[Character], bodies: Sequence[Body], at: Float
             (joint,), body = foot.joints, body_of(bodies, foot.joints[0])
             if body is not None:
                 shin = at[joint] - at[knees[foot.side]]
-                found[joint] = facing_along(shin, body.facing, body.up)
+                found[joint] = facing_along(shin, body.hips, body.up)
     return found
 
 
@@ -208,33 +217,62 @@ def _in_pose(
 
 def _lateral(character: Character, at: Floats) -> Floats | None:
     """From one side to the other, unit, (3,), as both legs and both arms begin; None without a pair."""
-    total = np.zeros(3)
-    for kind in ("leg", "arm"):
-        starts = {chain.side: at[chain.bend[0]] for chain in character.limbs if chain.kind == kind}
-        if starts.keys() >= {"left", "right"}:
-            total = total + normalise(starts["left"] - starts["right"])
+    lines = _lines(character, at)
+    total = np.sum([normalise(line) for line in lines.values()], axis=0) if lines else np.zeros(3)
     return normalise(total) if length(total) > 0.5 else None
 
 
+def _lines(character: Character, at: Floats) -> dict[str, Floats]:
+    """From where the right one of two limbs begins to where the left one does, (3,): of legs and of arms."""
+    found = {}
+    for kind in ("leg", "arm"):
+        starts = {chain.side: at[chain.bend[0]] for chain in character.limbs if chain.kind == kind}
+        if starts.keys() >= {"left", "right"}:
+            found[kind] = starts["left"] - starts["right"]
+    return found
+
+
+def _turned(character: Character, at: Floats, up: Floats, *, mirrored: bool) -> tuple[Floats, Floats] | None:
+    """Where hips and chest of a body on two legs face, (3,) each, that are turned against each other.
+
+    Square to the lines between both legs and both arms. None where they are not turned.
+    """
+    lines = [perpendicular(line, up) * (-1.0 if mirrored else 1.0) for line in _lines(character, at).values()]
+    if character.form != "biped" or len(lines) < 2:
+        return None
+    hips, chest = (normalise(cross(line, up)) for line in lines)
+    return (hips, chest) if dot(hips, chest) < TURNED else None
+
+
 def _hinges(
-    character: Character, at: Floats, ahead: Floats, up: Floats, *, mirrored: bool
+    character: Character, at: Floats, facing: tuple[Floats, Floats], up: Floats, *, mirrored: bool
 ) -> Iterator[tuple[int, Hinge]]:
-    """What a character says of its joints; later ones count."""
-    left = cross(up, ahead)
+    """What a character says of its joints; later ones count. facing: of hips and chest, (3,) each."""
+    hips, left = (cross(up, ahead) for ahead in facing)
     chains = character.sure_chains
     if character.hips >= 0:
-        yield character.hips, Hinge("lateral axis of the body", left)
+        yield character.hips, Hinge("lateral axis of the body", hips)
     for chain in chains:
         if chain.kind in (*_TRUNK, "tail") or (chain.kind == "foot" and character.form == "biped"):
-            for joint in chain.joints:
-                yield joint, Hinge("lateral axis of the body", left)
+            for k, joint in enumerate(chain.joints, 1):
+                # A spine shares what the chest is turned against the hips.
+                share = k / len(chain.joints) if chain.kind == "spine" else chain.kind in _TRUNK
+                yield joint, Hinge("lateral axis of the body", _between(hips, left, up, float(share)))
     bones = character.bones
     chest = cross(left, _up_of_chest(chains, at, up))
     for side in ("left", "right"):
         if f"{side}Shoulder" in bones:
             yield bones[f"{side}Shoulder"], Hinge("facing direction of the chest", chest, ahead=True)
     # Of a body whose names say left where it faces right, the place says which hand it is.
-    yield from hand_hinges(chains, {"left": not mirrored, "right": mirrored}, at, (ahead, up))
+    yield from hand_hinges(chains, {"left": not mirrored, "right": mirrored}, at, (facing[1], up))
+
+
+def _between(one: Floats, other: Floats, up: Floats, share: float) -> Floats:
+    """A level direction turned by a share of the way to another about the up direction, unit, (3,)."""
+    if share in (0.0, 1.0) or not (one != other).any():
+        return other if share == 1.0 else one
+    turn = arc_tangent(dot(cross(one, other), up), dot(one, other))
+    return rotate(from_axis_angle(up, share * turn), one)
 
 
 def _up_of_chest(chains: Sequence[Chain], at: Floats, up: Floats) -> Floats:

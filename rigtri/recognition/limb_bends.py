@@ -91,7 +91,11 @@ class LimbBends:
     def _facing_of(self, limb: Limb) -> Floats | None:
         """Where the body looks as a limb has it, unit, (3,)."""
         body = body_of(self.bodies, limb.start)
-        return self.facing if body is None else body.facing_of(self.world[list(limb.triple), 3, :3])
+        return (
+            self.facing
+            if body is None
+            else body.facing_of(self.world[list(limb.triple), 3, :3], arm=limb.kind == "arm")
+        )
 
     def _natural(self, limb: Limb, facing: Floats | None) -> Bend | None:
         """Knees bend forward, and elbows back."""

@@ -174,6 +174,7 @@ class Pose:
     short: float = 1.0
     twists: int = 0
     chained: bool = False
+    turned: float = 0.0
 
     @property
     def title(self) -> str:
@@ -211,15 +212,20 @@ def posed_body(pose: Pose) -> PosedBody:
         if n is not None:
             hinge[part] = n
 
+    def turned(part: str, parent: str, place: Floats, n: Floats | None = None) -> None:
+        """As `put`, for what stands as the hips do, which stand on the axis that they are turned about."""
+        turn = _about(Y, pose.turned)
+        put(part, parent, place @ turn, None if n is None else n @ turn)
+
     height, legs = 1.7, 1.7 * pose.legs
     hips = np.array([0.0, legs + 0.05, 0.0])
-    put("hips", "", hips, X)
+    turned("hips", "", hips, X)
     trunk, spine = (height - legs) * 0.55, hips
     parent = "hips"
     for k, part in enumerate(("spine", "chest", "upper chest", "neck", "head")):
         lean = pose.hunch * (k / 4.0)
         spine = spine + (Y @ _about(X, lean)) * trunk * (0.3, 0.27, 0.25, 0.3, 0.15)[k]
-        put(part, parent, spine, X)
+        put(part, parent, spine, X @ _about(Y, pose.turned * max(0.0, 1.0 - (k + 1) / 3.0)))
         parent = part
     if pose.ends:
         put("head end", "head", spine + Y * 0.2)
@@ -228,7 +234,7 @@ def posed_body(pose: Pose) -> PosedBody:
         for side, s in SIDES.items():
             put(f"{side} eye", "head", spine + X * s * 0.03 + Y * 0.07 + Z * 0.08)
     for side, s in SIDES.items():
-        _leg(put, pose, side, s, hips, legs)
+        _leg(turned, pose, side, s, hips, legs)
         _arm(put, pose, side, s, at["upper chest"])
         for bone, end in _BONES:
             start, way = at[f"{side} {bone}"], at[f"{side} {end}"] - at[f"{side} {bone}"]
@@ -397,3 +403,4 @@ def poses() -> Iterator[Pose]:
     yield from (Pose(little_first=True), Pose("blender", arms=80.0, little_first=True))
     yield from (Pose(slots=True), Pose("unreal", slots=True, arms=60.0))
     yield from (Pose("none"), Pose("none", arms=90.0), Pose("none", curl=6.0, noise=1.0))
+    yield from (Pose(turned=30.0), Pose("blender", turned=-75.0, stride=25.0, knee=5.0))

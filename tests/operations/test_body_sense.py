@@ -19,6 +19,7 @@ from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Report
+from rigtri.verification.checks.axis_check import axis_findings
 
 # The axis that is the hinge n, with its sign, as docs/presets.md has it.
 HINGES = {
@@ -93,6 +94,17 @@ def test_every_preset_closes_hands_and_bends_trunks_and_limbs_about_one_axis(pos
         assert broken_laws(body, pose, out, hinge) == [], preset
         for socket in body.sockets:
             np.testing.assert_allclose(out.world[socket], body.rig.world[socket], atol=1e-12)
+
+
+@pytest.mark.parametrize("knee", [0.0, 5.0])
+def test_of_hips_that_are_turned_against_the_chest_knees_bend_as_the_hips_face(knee: float) -> None:
+    """Before, they bent where half of the body faces: up to 62° off."""
+    body = posed_body(Pose(turned=90.0, knee=knee, arms=70.0))
+    out = orient_joints(body.rig)
+    for part in ("hips", "left upper leg", "right lower leg", "left foot", "right lower arm", "upper chest"):
+        cosine = hinge_axes(out, "+y")[body.parts[part]] @ body.hinges[body.parts[part]]
+        assert cosine > 0.98, part
+    assert list(axis_findings(out)) == []
 
 
 def test_a_report_names_the_rule_that_each_joint_follows() -> None:

@@ -25,7 +25,7 @@ from rigtri.maths.quaternions import between, from_axis_angle, rotate
 from rigtri.maths.ranking import largest
 from rigtri.maths.triangle import bend_sine
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import angle, dot, length, normalise, perpendicular
+from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular
 from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
 from rigtri.model.metadata import PoleVectorRecord
@@ -310,7 +310,9 @@ class _Seen:
         if self.body is None:
             return
         for joint in trunk[1:]:
-            facing = perpendicular(self.body.facing, bone[joint])
+            hinge = self.body.hinges.get(joint)  # of a spine that is turned the facing direction is its own
+            ahead = self.body.facing if hinge is None else cross(hinge.direction, self.body.up)
+            facing = perpendicular(ahead, bone[joint])
             others = [self.axes[joint, j] * s for j in range(3) for s in (1.0, -1.0) if j != k]
             least = min(float(np.degrees(angle(axis, facing))) for axis in others)
             if length(facing) > FLEXES and least > FORWARD:
