@@ -54,6 +54,8 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
         made = move(rig, still, hips, root, options, report)
         if made is not clip:
             _refuse_driven(rig, chosen[k], [root] if options.mode == "extract" else [root, hips])
+        if made is not still and options.mode == "extract":
+            _refuse_skinned(rig, root)
         if made is not still:
             made = keeping_children(rig, still, made, hips, others)
         if made is still and still is not clip:
@@ -88,6 +90,16 @@ def _refuse_driven(rig: Rig, timeline: Timeline, nodes: list[int]) -> None:
             f"Controls move '{rig.title(lost[0])}' in clip '{timeline.name}': other keys of its own would be "
             "lost with the next bake. Take the motion to the joints and the controls out before, with: "
             "rigtri bake --to joints, then rigtri strip"
+        )
+
+
+def _refuse_skinned(rig: Rig, root: int) -> None:
+    """GeometryError where points have weight of the root: what moves it would move them."""
+    skins = [skin for skin in rig.skins if skin.weigh is not None and root in skin.joints]
+    if any(skin.weighted[skin.joints == root].any() for skin in skins):
+        raise GeometryError(
+            f"Points have weight of the root '{rig.title(root)}', and would move over the ground with it: "
+            "give their weight to other joints in a DCC, or name another root with --to"
         )
 
 
