@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -21,18 +22,20 @@ from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.rig_space import seen_alone
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import Timeline, as_float32, timeline_and_time, times_within
+from rigtri.evaluation.timelines import Timeline, as_float32, timeline_and_time, timelines, times_within
 from rigtri.evaluation.twist_joints import with_stored_rest
-from rigtri.evaluation.zero_pose import refuse_lost_zero, with_stored_scales
+from rigtri.evaluation.zero_pose import ControlsAtZero, refuse_lost_zero, with_stored_scales
 from rigtri.maths.matrices import compose, decompose
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import PATHS
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.operation import operation
 from rigtri.operations.options.pose import PoseOptions as PoseOptions
 from rigtri.operations.solver_warnings import solver_warnings
 from rigtri.report import Report
+from rigtri.text import and_more
 
 # Types of nodes of ours that a new rest pose leaves where they are: motion is counted from there.
 KEPT = ("control", "offset", "poleVector", "group", "constraintWeight")
@@ -130,10 +133,35 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     weights = _morphed(rig, timeline, time)
     report.added.append({"type": "pose", "at": options.at, "nodes": len(moved), "morphs": len(weights)})
     report.reposed |= bool(moved or weights)
+    _warn_shown(rig, taken, moved, report)
     if not weights:
         return taken
     morph_weights = {**rig.pending.morph_weights, **weights}
     return replace(taken, pending=replace(taken.pending, morph_weights=morph_weights))
+
+
+def _warn_shown(rig: Rig, taken: Rig, moved: Collection[int], report: Report) -> None:
+    """Tell of clips that show the new rest pose of what they have no keys of, and controls do not move."""
+    fixed = rig.has_matrix & (not rig.rules.raw_quaternions)  # by a matrix, which no clip can move
+    changed = {
+        (node, path)
+        for node, path in product(moved, PATHS)
+        if fixed[node] or (getattr(rig, path)[node] != getattr(taken, path)[node]).any()
+    }
+    if not changed:
+        return
+    reference, shown, clips = ControlsAtZero(rig), set[int](), list[str]()
+    for timeline in timelines(rig):
+        solver = Solver(rig, controls_at_work(rig, timeline), reference)
+        set_anew = {node for step in solver.steps for node in step.sets}
+        keyed = {(track.node, track.path) for track in timeline.clip.tracks}
+        if still := {node for node, _ in changed - keyed} - set_anew:
+            shown |= still
+            clips.append(timeline.name)
+    if shown:
+        names = and_more([rig.title(node) for node in sorted(shown)], 4)
+        text = f"Clips without keys of {names} show them in this pose ({and_more(clips, 4)})"
+        report.warn("pose-shown", f"{text}; with rigtri set-rest they play as before")
 
 
 def _morphed(rig: Rig, timeline: Timeline | None, time: float) -> dict[int, Floats]:

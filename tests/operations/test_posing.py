@@ -144,6 +144,20 @@ def test_a_time_outside_of_the_clip_is_reported_and_holds_the_nearest_pose() -> 
     assert [notice["code"] for notice in found["warnings"]] == ["pose-outside"]
 
 
+def test_a_pose_that_another_clip_shows_is_reported_with_its_joints() -> None:
+    """Clips show the rest pose of what they have no keys of, but for what controls or constraints move."""
+    rig = read(SAMPLES / "biped.glb").rig
+    for at, told in (
+        ("wave@0.5", "Clips without keys of chest show them in this pose (walk)"),
+        ("walk@0.5", "Clips without keys of hips, upper_arm_L, forearm_L, hand_L and 9 more show"),
+    ):
+        take_pose(rig, at=at, report=(report := Report()))
+        (notice,) = (each for each in report.warnings if each.code == "pose-shown")
+        assert notice.text.startswith(told)
+    take_pose(with_keyed_controls(), at="walk@0.5", report=(report := Report()))
+    assert not report.warned("pose-shown")
+
+
 def test_a_printed_pose_is_strict_and_quiet_as_other_commands_are() -> None:
     line = ("pose", SAMPLES / "biped.glb", "--at", "walk@99")
     refused = cli(*line, "--strict", code=5)
