@@ -10,6 +10,7 @@ from rigtri.evaluation.sampling import world_of
 from rigtri.maths.matrices import from_frame, multiply, orthonormal_axes
 from rigtri.maths.quaternions import conjugate, from_axes, norm, normalise, rotation_angle, to_axes
 from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.similarity_fit import AXIS_TURNS
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
@@ -17,6 +18,8 @@ from rigtri.model.skin import Skin
 
 # Spaces that exporters bind in differ by quarter turns: what a topmost joint leans is less than half of one.
 _LEAN = np.pi / 4
+# Radians: a turn that is nearer to quarter turns is between two spaces, and no pose.
+_QUARTER = np.radians(1.0)
 # Radians, and shares: inverses of float32 leave as much, so that spaces that differ by less turn alike.
 _ROUNDING = 3e-5
 # Rotations whose length is off by more are not unit for other reasons than rounding.
@@ -84,12 +87,7 @@ def placed_bind_worlds(rig: Rig, number: int) -> Floats:
     bound = bind_worlds(rig, skin)
     if not skin.stored or not len(skin.joints) or not np.isfinite(bound[skin.joints]).all():
         return bound
-    row = int(np.argmin(skin.joints))
-    top = int(skin.joints[row])
-    carriers = [*rig.path_to_root(top)[1:], *(mesh.node for mesh in rig.meshes if mesh.skin == number)]
-    spaces = np.concatenate([np.eye(4)[np.newaxis], rig.world[carriers]])
-    frames = multiply(skin.bind[row], spaces)
-    turns = product(from_axes(orthonormal_axes(frames)), conjugate(from_axes(orthonormal_axes(bound[top]))))
+    top, frames, turns = _as_bound(rig, number, bound)
     angles = rotation_angle(turns)
     if not angles.min() <= _LEAN:
         return bound
@@ -103,3 +101,29 @@ def placed_bind_worlds(rig: Rig, number: int) -> Floats:
     place = frames[near][3, :3] if np.abs(sizes - 1.0).max() <= _UNEVEN else bound[top, 3, :3]
     back, there = from_frame(np.eye(3), -bound[top, 3, :3]), from_frame(np.eye(3), place)
     return np.asarray(multiply(bound, multiply(back, multiply(turn, there))))
+
+
+def left_leaning(rig: Rig, number: int) -> tuple[int, float] | None:
+    """The topmost joint of a skin that `placed_bind_worlds` leaves as it rests, and its angle, in radians.
+
+    None where it stands as it was bound, or in a space by quarter turns from one that is known.
+    """
+    skin, bound = rig.skins[number], bind_worlds(rig, rig.skins[number])
+    if not skin.stored or not len(skin.joints) or not np.isfinite(bound[skin.joints]).all():
+        return None
+    top, _, turns = _as_bound(rig, number, bound)
+    angle = float(rotation_angle(turns).min())
+    beside = rotation_angle(product(turns[:, np.newaxis], conjugate(from_axes(AXIS_TURNS))))
+    return None if angle <= _LEAN or beside.min() <= _QUARTER else (top, angle)
+
+
+def _as_bound(rig: Rig, number: int, bound: Floats) -> tuple[int, Floats, Floats]:
+    """The topmost joint of a skin, and its frames and turns as it was bound, in each space that may be it."""
+    skin = rig.skins[number]
+    row = int(np.argmin(skin.joints))
+    top = int(skin.joints[row])
+    carriers = [*rig.path_to_root(top)[1:], *(mesh.node for mesh in rig.meshes if mesh.skin == number)]
+    spaces = np.concatenate([np.eye(4)[np.newaxis], rig.world[carriers]])
+    frames = multiply(skin.bind[row], spaces)
+    turns = product(from_axes(orthonormal_axes(frames)), conjugate(from_axes(orthonormal_axes(bound[top]))))
+    return top, frames, turns

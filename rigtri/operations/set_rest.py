@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import NOTHING, skeleton_size
-from rigtri.evaluation.bind_pose import placed_bind_worlds, with_unit_rotations
+from rigtri.evaluation.bind_pose import left_leaning, placed_bind_worlds, with_unit_rotations
 from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.evaluation.rig_space import shearing_node
 from rigtri.maths.matrices import local, multiply
@@ -94,9 +94,9 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
     if options.like is not None:
         return _of_names(rig, options.like, joints)
     if options.pose == "bind":
-        return _of_locals(rig, _bind(rig), joints)
+        return _of_locals(rig, _bind(rig, report), joints)
     if options.pose in ("tpose", "apose"):
-        worlds = _bind(rig)
+        worlds = _bind(rig, report)
         found = _of_locals(rig, worlds, joints)
         # As it is bound, for up and ahead of a body may lean with how it rests.
         layout = recognise(at_rest(rig, found, _least(rig))[0])
@@ -184,7 +184,7 @@ def _differs(rig: Rig, node: int, part: Parts, noise: float) -> bool:
     return place > least * far or turn > least or size > least * float(np.abs(was.scale).max())
 
 
-def _bind(rig: Rig) -> Floats:
+def _bind(rig: Rig, report: Report) -> Floats:
     """World matrices with all joints in the bind pose of the first skin that has them and can be inverted.
 
     Joints that move no point and keep still stand as they rest beside those above: exporters make up how they
@@ -195,14 +195,26 @@ def _bind(rig: Rig) -> Floats:
     shows = rig.with_ancestors(np.flatnonzero(weighted_joints(rig) | moving_nodes(rig)).tolist())
     for number in sorted(range(len(rig.skins)), key=lambda k: -len(rig.skins[k].joints)):
         skin = rig.skins[number]
-        bound = placed_bind_worlds(rig, number)
+        bound, left = placed_bind_worlds(rig, number), left_leaning(rig, number)
         for joint in skin.joints.tolist():
             if joint in shows and not known[joint] and np.isfinite(bound[joint]).all():
                 world[joint], known[joint] = bound[joint], True
+                if left is not None and joint == left[0]:
+                    _warn_leaning(rig, *left, report)
     for level in rig.levels[1:]:
         for node in level[~known[level]].tolist():
             world[node] = multiply(rig.local[node], world[rig.parents[node]])
     return world
+
+
+def _warn_leaning(rig: Rig, top: int, angle: float, report: Report) -> None:
+    report.warn(
+        "bind-leaning",
+        f"'{rig.title(top)}' rests {np.degrees(angle):.0f}° from how it may have been bound and stays so, "
+        "lying or leaning with all that it carries. If it is to stand, first take the pose of a moment in "
+        "which it does: rigtri set-rest --pose CLIP@TIME",
+        geometry=True,
+    )
 
 
 def _of_locals(rig: Rig, worlds: Floats, joints: list[int]) -> dict[int, Parts]:

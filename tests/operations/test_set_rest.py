@@ -233,6 +233,18 @@ def test_hips_that_rest_leaning_without_a_root_stand_as_they_were_bound(suffix: 
     assert np.allclose(places(stands, 0), places(leaning, 0), atol=1e-5)
 
 
+@pytest.mark.parametrize(("degrees", "told"), [(30, []), (70, ["70°"]), (90, [])])
+def test_hips_that_lie_as_no_exporter_binds_stay_with_a_warning(degrees: int, told: list[str]) -> None:
+    """Spaces that exporters bind in differ by quarter turns, so 90° may be no pose."""
+    rig, report = rigtri.read(SAMPLES / "biped.glb"), Report()
+    hips, rotation = rig.find("hips"), rig.rotation.copy()
+    rotation[hips] = product(from_axis_angle(np.array([1.0, 0, 0]), np.radians(degrees)), rotation[hips])
+    rigtri.set_rest(replace(rig, rotation=rotation, source=None), pose="bind", report=report)
+    notices = [each.text for each in report.warnings if each.code == "bind-leaning"]
+    assert [word for text in notices for word in ("'hips' rests", *told) if word not in text] == []
+    assert len(notices) == len(told)
+
+
 def test_joints_that_rest_within_a_clip_are_refused(tmp_path: Path) -> None:
     """Where samples of a USD animation are blocked, UsdSkel shows the rest pose."""
     still = "[(1, 0, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0)]"
