@@ -138,13 +138,16 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     if turned[0] == -down or not turned[0].dot(on) > 0:
         turned = [spine.unit, limbs.unit]
     others = [(up, _OTHER_UP) for up in turned if any(up)]
+    # Legs of a body that sits go as far ahead as down, by 45°; of one that crawls the arms hang down, too,
+    # and the feet trail behind.
+    seat = _axis(on)
+    sits = seat.dot(on) > _ALONG_AXIS and down.dot(-seat) > _ASIDE
+    sits = sits and (out.dot(-standing) < _ASIDE or _feet_stand(tree, legs, seat))
+    if sits:
+        others = [(seat, _OTHER_UP)]
     if abs(between(tree, legs.pair)[1].dot(standing)) > _STANDS:
         return others
-    # Legs of a body that sits go as far ahead as down, by 45°; of one that crawls the arms hang down, too.
-    seat = _axis(on)
-    if seat.dot(on) > _ALONG_AXIS and down.dot(-seat) > _ASIDE and abs(out.dot(standing)) < _ASIDE:
-        others = [(seat, _OTHER_UP)]
-    elif down.dot(-standing) > _STANDS or on.dot(standing) > _STANDS:
+    if not sits and (down.dot(-standing) > _STANDS or on.dot(standing) > _STANDS):
         others = []
     return [(standing, 1.0), *others]
 
@@ -172,6 +175,19 @@ def _sits_upright(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
         return False
     knees = [[tree.at[joint] for joint in legs.joints(which)] for which in (0, 1)]
     return all((b - a).unit.dot((c - b).unit) > _STRETCHED for a, b, c in knees)
+
+
+def _feet_stand(tree: Tree, legs: Limbs, seat: Vector) -> bool:
+    """Whether feet are square to shins that go down, and go where the thighs go."""
+    found = []
+    for which in (0, 1):
+        places = [tree.at[joint] for joint in legs.joints(which)]
+        tip = tree.at[tree.paths[legs.joints(which)[-1]][-1]]
+        thigh = (places[1] - places[0]) - seat * (places[1] - places[0]).dot(seat)
+        foot = tip - places[-1]
+        shin = places[-1] - places[1]
+        found.append(shin.unit.dot(-seat) > _STANDS and foot.unit.dot(thigh.unit) > _STANDS)
+    return len(legs.at) == 3 and all(found)
 
 
 def _axis(way: Vector) -> Vector:

@@ -257,7 +257,7 @@ def _leg(put, pose: Pose, side: str, s: float, hips: Floats, legs: float) -> Non
     put(f"{side} foot", f"{side} lower leg", ankle, X)
     if not pose.toes:
         return
-    toes = _about(X, -pose.seated)
+    toes = _about(X, min(pose.knee, pose.seated) - pose.seated)  # feet stand on the floor
     put(f"{side} toes", f"{side} foot", ankle + (Z * 0.13 - Y * 0.05) @ toes)
     if pose.ends:
         put(f"{side} toes end", f"{side} toes", ankle + (Z * 0.2 - Y * 0.05) @ toes)

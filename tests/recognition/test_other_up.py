@@ -8,6 +8,7 @@ from math import cos, radians, sin
 
 import numpy as np
 import pytest
+from posed_bodies import Pose, posed_body
 from recognition_bodies.cases import Case
 from recognition_bodies.measure import stands_right
 from recognition_bodies.population import population
@@ -16,6 +17,7 @@ from recognition_bodies.truth import nameless
 
 from rigtri import add_controls
 from rigtri.export.drawing.view import view_of
+from rigtri.maths.quaternions import from_axis_angle, multiply, rotate
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.recognition.limbs import forward, upright
@@ -240,3 +242,19 @@ def test_a_bird_that_flies_with_legs_along_its_tail_keeps_the_up_of_the_file() -
     assert bird.facing == pytest.approx((0, 0, 1), abs=0.05)
     wings = [list(chain.bend) for chain in bird.chains if chain.kind == "wing"]
     assert wings == [[k, k + 1, k + 2] for k in (10, 14)]
+
+
+@pytest.mark.parametrize("yaw", [0.0, 90.0, 180.0])
+@pytest.mark.parametrize("reach", [{"arms": 10.0, "elbow": 90.0}, {"arms": 70.0, "forward": 60.0}], ids=str)
+def test_a_driver_on_a_chair_sits_in_a_file_with_another_up(yaw: float, reach: dict[str, float]) -> None:
+    """His arms go ahead as those of one who crawls hang down, but his feet stand.
+
+    Before, he surely faced up.
+    """
+    body = posed_body(Pose(seated=90.0, knee=90.0, **reach))
+    x, y, _ = np.eye(3)
+    rotation = body.rig.rotation.copy()
+    rotation[0] = multiply(from_axis_angle(x, np.pi / 2), from_axis_angle(y, np.radians(yaw)))
+    (man,) = recognise(replace(body.rig, rotation=rotation, skins=())).characters
+    assert man.up == (0, 0, 1)
+    assert man.facing == pytest.approx(rotate(rotation[0], np.array([0.0, 0.0, 1.0])), abs=1e-6)
