@@ -36,6 +36,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.armature_motion import put_back
+from rigtri.operations.take_clips.ik_switches import warn_lost_switches
 from rigtri.report import Report
 
 # Of the size: Blender's float32, and its bones, which store their axes as two points and an angle.
@@ -450,6 +451,23 @@ def test_a_switch_below_an_ik_end_reports_ik_without_keys(
     result = cli("strip", out, "-o", bare, "-q")
     assert result.exit_code == 0, result.stderr
     assert "rigtri_ik.001" not in read(Path(bare)).rig.names
+
+
+def test_bones_of_controls_without_their_switches_are_reported() -> None:
+    """As Blender exports them with Limit to: Selected Objects."""
+    rig = with_keyed_controls()
+    ends = [rig.find(name) for name in ("hand_L_ik_ctl", "foot_R_ik_ctl")]
+    joints = np.append(rig.skins[0].joints, ends)
+    bound = np.concatenate([rig.skins[0].inverse_bind, np.tile(np.eye(4), (2, 1, 1))])
+    edited = replace(rig, skins=(replace(rig.skins[0], joints=joints, inverse_bind=bound), *rig.skins[1:]))
+    warn_lost_switches(rig, edited, dict(zip(ends, ends, strict=True)), report := Report())
+    (notice,) = report.warnings
+    assert notice.text.startswith("'hand_L_ik_ctl', 'foot_R_ik_ctl': controls that are bones")
+    switched = edited.with_nodes(["rigtri_ik.001"], ends[:1], np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]))
+    warn_lost_switches(rig, switched, dict(zip(ends, ends, strict=True)), report := Report())
+    assert [notice.names for notice in report.warnings] == [("foot_R_ik_ctl",)]
+    warn_lost_switches(rig, rig, dict(zip(ends, ends, strict=True)), report := Report())
+    assert not report.warnings
 
 
 def test_a_switch_that_is_off_takes_the_keys_of_ik_out_of_the_clip_that_has_them(

@@ -51,6 +51,30 @@ def switches(edited: Rig, ends: Mapping[int, int]) -> Switches:
     )
 
 
+def warn_lost_switches(rig: Rig, edited: Rig, ends: Mapping[int, int], report: Report) -> None:
+    """Warn of IK ends that are bones in a file without their switches, which an export may have left out.
+
+    ends: their nodes in the rig, and what they are there. Where the setup has made bones of controls, Blender
+    exports keys of what its constraints did to joints and offsets.
+    """
+    lost = [
+        rig.title(node)
+        for node, theirs in ends.items()
+        if edited.is_joint[theirs] > rig.is_joint[node]
+        and not any(SWITCH.fullmatch(edited.names[child]) for child in edited.children[theirs])
+    ]
+    if lost:
+        report.warn(
+            "ik-switches-lost",
+            f"{list_names(lost)}: controls that are bones, without the node rigtri_ik that says whether "
+            "their IK was on. Keys of their limbs count as edits, and no IK end gets a key where IK held it "
+            "without one. If the script of rigtri export-blender set them up, export with Limit to: Visible "
+            "Objects, not Selected Objects",
+            geometry=True,
+            names=lost,
+        )
+
+
 def ik_ends(rig: Rig) -> list[int]:
     """The controls that IK reaches for."""
     return [node for node, record in rig.records(ControlRecord).items() if record.kind == "ik"]

@@ -33,6 +33,7 @@ from rigtri.operations.take_clips.ik_switches import (
     hold_switched_on_ik,
     ik_ends,
     switches,
+    warn_lost_switches,
 )
 from rigtri.operations.take_clips.restore_constraints import (
     check_constraints,
@@ -99,6 +100,8 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         )
         return whole
     switched = switches(whole, {node: node for node in ik_ends(whole)})
+    ends = {node: of[node] for node in ik_ends(described) if node in of}
+    warn_lost_switches(described, whole, ends, report)
     rested = with_rest_of(whole, described, shared, report)
     whole = key_unkeyed_poses(whole, rested, described, of, report)
     whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)
