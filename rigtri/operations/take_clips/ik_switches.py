@@ -51,6 +51,16 @@ def switches(edited: Rig, ends: Mapping[int, int]) -> Switches:
     )
 
 
+def switches_of(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> Switches:
+    """The switches of a rig's IK ends in a file, with a warning of those that are lost.
+
+    of: what nodes of the rig are there.
+    """
+    ends = {node: of[node] for node in ik_ends(rig) if node in of}
+    warn_lost_switches(rig, edited, ends, report)
+    return switches(edited, {theirs: node for node, theirs in ends.items()})
+
+
 def warn_lost_switches(rig: Rig, edited: Rig, ends: Mapping[int, int], report: Report) -> None:
     """Warn of IK ends that are bones in a file without their switches, which an export may have left out.
 

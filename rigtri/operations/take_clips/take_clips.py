@@ -32,9 +32,7 @@ from rigtri.operations.take_clips.generated_names import span
 from rigtri.operations.take_clips.ik_switches import (
     as_switched,
     follow_controls,
-    ik_ends,
-    switches,
-    warn_lost_switches,
+    switches_of,
 )
 from rigtri.operations.take_clips.key_merging import merged, thinned
 from rigtri.operations.take_clips.lost_motion import others_of, refuse_lost, without
@@ -84,9 +82,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     # Where Blender's IK was on or off, as the script of export-blender stores it.
     of = pairs(rig, edited).of
     refuse_lost_instances(rig, edited, of)
-    ends = {node: of[node] for node in ik_ends(rig) if node in of}
-    switched = switches(edited, {theirs: node for node, theirs in ends.items()})
-    warn_lost_switches(rig, edited, ends, report)
+    switched = switches_of(rig, edited, of, report)
     if switched.on | switched.off:
         edited = put_back(edited, rig, of, report)
         _warn_unkeyed(rig, edited, of, report)
