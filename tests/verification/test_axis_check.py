@@ -199,3 +199,17 @@ def test_rounding_does_not_choose_which_of_equally_distant_fingers_are_named() -
         ]
         found.add(text)
     assert len(found) == 1
+
+
+@pytest.mark.parametrize("preset", ["article", "blender", "maya"])
+def test_a_trunk_that_is_rolled_as_a_whole_is_named_once(preset: str) -> None:
+    """Nothing of it differs from its neighbour, and another axis points where the character faces."""
+    body = posed_body(Pose())
+    rig = orient_joints(body.rig, preset=preset)
+    delta = np.tile(IDENTITY, (len(rig), 1))
+    trunk = [body.parts[part] for part in ("hips", "spine", "chest", "upper chest", "neck", "head")]
+    bone = np.array(PRESETS[preset].aim == np.array(list("xyz")), dtype=float)
+    delta[trunk] = from_axis_angle(bone, np.pi / 2)
+    ((rule, node, text),) = axis_findings(reframe(rig, delta))
+    assert (rule, node) == ("axes.trunk", body.parts["spine"])
+    assert text.startswith("is rolled with all of the trunk: it bends about ")

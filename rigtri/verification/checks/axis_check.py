@@ -54,6 +54,8 @@ TINY = 1e-3
 FLEXES = cosine_below(60)
 # Joints have the same axes that differ by less than this (a cosine); a character has, of which most do.
 PARALLEL, MOST = cosine_below(2), 0.5
+# An axis about which a trunk or a knee bends is within this (a cosine) of the hinge, and no other one is.
+ALONG = cosine_below(35)
 # A thumb closes over the palm in many ways: by so much (a cosine) at least.
 THUMB = cosine_below(75)
 _BENDS = {"arm": "elbow", "leg": "knee"}
@@ -183,8 +185,10 @@ class _Seen:
             what = ", ".join(f"'{self.rig.title(joint)}' by {_text(axes)}" for joint, axes in closing.items())
             yield "axes.hands", next(iter(closing)), f"no one axis and sign closes both hands: {what}"
         if self.character.form == "biped":
-            yield from self._trunk(off)
+            rolled = [*self._trunk(off)]
+            yield from rolled
             yield from self._limbs(off)
+            yield from () if rolled else self._rolled_trunk()
         if off:
             names = ", ".join(f"'{self.rig.title(joint)}'" for joint in off[:4])
             more = f" and {len(off) - 4} more" if len(off) > 4 else ""
@@ -318,6 +322,21 @@ class _Seen:
             if length(facing) > FLEXES and least > FORWARD:
                 text = f"no axis points where the character faces: the nearest is {least:.0f}° off"
                 yield "axes.forward", joint, text
+
+    def _rolled_trunk(self) -> Iterator[Found]:
+        """The trunk that as a whole bends about another axis than the knees."""
+        trunk = [(joint, self._letters(joint, self.body.left)) for joint in self.trunk[1:] if self.body]
+        legs = [(limb, self.bends.of(limb, Report())) for limb in self.limbs if limb.kind == "leg"]
+        knees = [self._letters(limb.middle, bend.hinge) for limb, bend in legs if bend is not None]
+        alike = [set.intersection(*axes) if axes else set() for axes in ([k for _, k in trunk], knees)]
+        if all(alike) and not alike[0] & alike[1]:
+            spine, knee = ("xyz"[min(axes)] for axes in alike)
+            text = f"is rolled with all of the trunk: it bends about {spine}, and the knees about {knee}"
+            yield "axes.trunk", trunk[0][0], text
+
+    def _letters(self, joint: int, direction: Floats) -> set[int]:
+        """The axis of a joint, 0 to 2, that runs along a direction either way."""
+        return {k for k in range(3) if abs(float(dot(self.axes[joint, k], direction))) > ALONG}
 
     def _limbs(self, off: list[int]) -> Iterator[Found]:
         flexing: list[tuple[Limb, set[Signed]]] = []

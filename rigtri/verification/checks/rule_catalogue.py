@@ -32,7 +32,8 @@ _INFOS = {
     "thumb by more than 30° otherwise than its twin, a joint of a finger so far against the one above it, a "
     "foot against the axis that bends the knee, or a clavicle against the one that bends the elbow.",
     "hinge": "The hinge of a knee or elbow turns by more than 20° between the two bones of the limb.",
-    "trunk": "A joint of the trunk is rolled by more than 30° against the one below it.",
+    "trunk": "A joint of the trunk is rolled by more than 30° against the one below it, or all of the trunk "
+    "bends about another axis than the knees.",
     "forward": "No axis of a joint of the trunk points within 35° of where the character faces.",
     "flex": "Knees and elbows, left and right, do not all bend by the same axis and sign.",
 }
