@@ -1,14 +1,16 @@
 """rigtri merge-joints
 
 The parent gets the weights of a merged joint; all joints below it are merged, too. Joints that never move
-(--still) are merged without moving a vertex; for others the movement of vertices is measured, and refused
-above --tolerance.
+(--still, or --joints with --keep-children) are merged without moving a vertex, and what is below them is
+parented to what is above. For others the movement of vertices is measured, and refused above --tolerance.
+Clips in other files need the same: merge the joints there by name, or rigtri take-clips them.
 
 \b
 Examples:
     rigtri merge-joints hero.glb -o out.glb --still
     rigtri merge-joints hero.glb -o far.glb --max-joints 30 --tolerance 0.02
     rigtri merge-joints hero.glb -o out.glb --joints '*Toe*' --tolerance 0.01
+    rigtri merge-joints walk.glb -o out.glb --joints Spine2 --keep-children
 """
 
 from __future__ import annotations

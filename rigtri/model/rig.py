@@ -366,6 +366,10 @@ class Rig(NodeNames):
         moved = replace(grown, parents=parents).reordered(order.tolist())
         return moved._with_references_of(self, np.argsort(order)[:count].tolist())
 
+    def with_parents(self, parents: Integers) -> Rig:
+        """This rig with other parents, (n,), each before its children; metadata mean the same nodes."""
+        return replace(self, parents=parents)._with_references_of(self, range(len(self)))
+
     def reordered(self, order: Sequence[int]) -> Rig:
         """This rig with its nodes in another order: the k-th is what was ``order[k]``.
 

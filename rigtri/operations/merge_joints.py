@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from heapq import heapify, heappop, heappush
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJointsOptions
 from rigtri.operations.prune_joints import named_nodes, sockets
+from rigtri.operations.reparented import reparented, uniform_parts
 from rigtri.operations.without_nodes import staying, warn_lost_clips, without_nodes
 from rigtri.report import Report
 from rigtri.text import and_more
@@ -38,22 +39,21 @@ _SAMPLES = 8
 def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Rig:
     """The rig without some joints; their vertices follow the nearest remaining ancestor.
 
-    A joint goes with all below it. How far vertices move is measured when the file is written, and refused
-    above the tolerance. Raises GeometryError where a joint that is named has a mesh below it, or something
-    names it.
+    A joint that is named goes with all joints below it; one that never moves goes alone, and what is below it
+    is parented to what is above. How far vertices move is measured when the file is written, and refused
+    above the tolerance. Raises GeometryError where something names a joint that is named.
     """
     if not rig.shown_clips:
         if options.still:
             raise GeometryError("--still: this file has no clips, so nothing says which joints move")
         report.warn("no-clips", "This file has no clips: vertices were compared in the rest pose alone")
     merging = _Merging(rig, options.exclude)
-    for glob in options.joints:
-        for node in rig.match(glob):
-            merging.take(node)
+    named = sorted({node for glob in options.joints for node in rig.match(glob)})
+    for node in reversed(named):  # those below first: what is left below the others stays
+        merging.take_alone(node) if options.keep_children else merging.take(node)
     spared = merging.spare_sockets() if options.still or options.max_joints is not None else set[int]()
     if options.still:
-        excluded = rig.with_ancestors([node for glob in options.exclude for node in rig.match(glob)])
-        spared |= excluded
+        spared |= {node for glob in options.exclude for node in rig.match(glob)}
         _warn_unmerged(rig, [node for node in merging.take_still() if node not in spared], report)
     if options.max_joints is not None:
         merging.take_least(options.max_joints)
@@ -64,7 +64,7 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
         report.joints.append(joint_record(rig, node, "removed", **more))
     if not gone:
         return rig
-    less = without_nodes(rig, gone, _folds(rig, merging))
+    less = without_nodes(reparented(rig, gone), gone, _folds(rig, merging))
     warn_lost_clips(rig, less, report)
     return less
 
@@ -72,17 +72,21 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
 def _warn_unmerged(rig: Rig, still: Sequence[int], report: Report) -> None:
     if still:
         names = and_more([rig.title(node) for node in still], 6)
-        why = "have a mesh, camera or light, are sockets, or the file or rigtri's metadata name them"
-        stay = "never move against the joints above them, and stay: they or joints below"
-        report.warn("still-kept", f"{names} {stay} {why}")
+        why = (
+            "they have a mesh, camera or light, or a scale that is not uniform, or the file or rigtri's "
+            "metadata name them or count from them"
+        )
+        report.warn("still-kept", f"{names} never move against the joints above them, and stay: {why}")
 
 
 class _Merging:
-    """Which joints go so far. While a joint stays, so does its heir: nodes go with all that is below them."""
+    """Which nodes go so far, each with all that is below it, or alone."""
 
     def __init__(self, rig: Rig, exclude: Collection[str]) -> None:
         self.rig, self.gone = rig, set[int]()
+        # As they are without the nodes that went alone.
         self._above: list[int] = rig.parents.tolist()
+        self._children = list(map(list, rig.children))
         self._next = self._above.copy()
         self._skins = [frozenset(skin.joints.tolist()) for skin in rig.skins]
         # Why nodes stay, for those that do not stay for the sake of others below them.
@@ -99,6 +103,10 @@ class _Merging:
         # What nothing above could take over stays: joints, and the top nodes of a plain hierarchy.
         alone = [node for node in self._joints if self.heir(node) < 0]
         self._reasons |= dict.fromkeys(alone, "has no joint above it that is in all its skins")
+        # What counts from its parent keeps it.
+        self._tied = {*rig.rules.fixed, *rig.rules.unread, *self._counting()}
+        self._moving = moving_nodes(rig)
+        self._moving[list(rig.rules.unread)] = True
         tops = np.flatnonzero(rig.parents < 0).tolist()
         self._reasons |= dict.fromkeys(tops, "has no parent")
         self.kept.update(alone, tops)
@@ -110,10 +118,19 @@ class _Merging:
                 holds[self._above[node]] = True
                 self._staying[self._above[node]] += 1
 
+    def _counting(self) -> set[int]:
+        """Nodes for which their place below their parents means something, to constraints or to springs."""
+        rig, ends = self.rig, {each.node for each in self.rig.node_constraints if each.kind == "tail"}
+        found = {node for each in rig.node_constraints for node in (each.node, each.source)} - {-1}
+        for node in rig.nodes_of("constraint", "poseReader", "twist"):
+            found |= {node, *rig.named_by(rig.metadata[node])}
+        return found | rig.with_ancestors(ends)
+
     def spare_sockets(self) -> set[int]:
         """Let sockets that are left stay, with what is above them: nobody has named these."""
         spared = sockets(self.rig) - self.gone
         self.kept |= self.rig.with_ancestors(spared)
+        self._reasons |= dict.fromkeys(spared, "is a socket")
         return spared
 
     def heir(self, node: int) -> int:
@@ -135,22 +152,72 @@ class _Merging:
         return node
 
     def take(self, node: int) -> list[int]:
-        """Let a joint go with all below it: the joints that no joint is below any more.
+        """Let a joint go with all joints below it: the joints that no joint is below any more.
 
-        GeometryError where something needs one of them.
+        What else is needed below them is parented anew. GeometryError where something needs one of them.
         """
         below = [] if node in self.gone else [node]
         for each in below:  # it grows as it is walked
-            below += [child for child in self.rig.children[each] if child not in self.gone]
-        if needed := sorted(self._reasons.keys() & set(below)):
-            reasons = [f"'{self.rig.title(each)}' {self._reasons[each]}" for each in needed]
+            below += [c for c in self._children[each] if c not in self.gone and not self._hangs(c)]
+        self._refuse(node, {each: self._reasons[each] for each in below if each in self._reasons})
+        hung = {child for each in below for child in self._children[each]} - self.gone.union(below)
+        self._refuse(node, dict.fromkeys(hung & self._tied, "counts from its parent"))
+        return self._go(node, below) if below else []
+
+    def _hangs(self, node: int) -> bool:
+        """Whether a node that is no joint, nor has any below it, stays as a child of something else."""
+        return node in self.kept and node not in self._joints and not self._staying[node]
+
+    def _refuse(self, node: int, reasons: Mapping[int, str]) -> None:
+        if reasons:
+            every = and_more([f"'{self.rig.title(k)}' {reasons[k]}" for k in sorted(reasons)], 3)
+            raise GeometryError(f"'{self.rig.title(node)}' cannot be merged: {every}. Leave it out")
+
+    def take_alone(self, node: int) -> None:
+        """Let a joint go, and parent what stays below it anew; GeometryError where that is not possible."""
+        if node in self.gone:
+            return
+        self._refuse(node, self._why_not_alone(node))
+        if self._moving[node] and (below := self._below(node)):
             raise GeometryError(
-                f"'{self.rig.title(node)}' cannot be merged: {and_more(reasons, 3)}. Leave it out"
+                f"'{self.rig.title(node)}' moves in a clip, and '{self.rig.title(below[0])}' below it stays: "
+                "name the joints below it, too, or leave out --keep-children"
             )
-        self.gone.update(below)
-        held = node in self._joints or self._staying[node]
-        above = self._above[node] if below and held else -1
-        while above >= 0:
+        self._take_alone(node)
+
+    def _below(self, node: int) -> list[int]:
+        """The children that stay where their parent goes alone: not the bare ends of a joint."""
+        left = [child for child in self._children[node] if child not in self.gone]
+        if node not in self._joints:
+            return left
+        return [c for c in left if c in self._joints or self._staying[c] or c in self.kept]
+
+    def _why_not_alone(self, node: int) -> dict[int, str]:
+        """What keeps a joint from going alone, and why."""
+        below = self._below(node)
+        found = {child: "counts from its parent" for child in below if child in self._tied}
+        if below and uniform_parts(self.rig.normalised_local[node]) is None:
+            found[node] = "has a scale that is not uniform"
+        return found | ({node: self._reasons[node]} if node in self._reasons else {})
+
+    def _take_alone(self, node: int) -> None:
+        """Let a joint go; its children become those of its parent."""
+        above, below = self._above[node], self._below(node)
+        gone = [node]
+        for each in gone:  # it grows as it is walked
+            gone += [c for c in self._children[each] if c not in self.gone and c not in below]
+        self._staying[above] += sum(child in self._joints or self._staying[child] > 0 for child in below)
+        self._staying[node] = 0
+        self._children[above] += below
+        for child in below:
+            self._above[child] = above
+        self._go(node, gone)
+
+    def _go(self, node: int, nodes: Collection[int]) -> list[int]:
+        """Let nodes go, of which one is above the others: the joints that no joint is below any more."""
+        above, held = self._above[node], node in self._joints or self._staying[node]
+        self.gone.update(nodes)
+        while held and above >= 0:
             self._staying[above] -= 1
             if self._staying[above] or above in self._joints:
                 return [above] if self._may_go(above) else []
@@ -165,30 +232,28 @@ class _Merging:
         """Joints that may go and have no joint below that stays."""
         return [node for node in sorted(self._joints) if self._may_go(node)]
 
-    def take_still(self) -> list[int]:
-        """Let joints go that never move against their heirs; those that do not either, but are needed."""
-        rig = self.rig
-        moving = moving_nodes(rig)
-        size = size_of(rig, rig.content.read_outlines())
-
-        def is_still(node: int) -> bool:
+    def take_still(self, most: int = 0) -> list[int]:
+        """Let joints go alone that never move against their heirs, until so many are left; which stay."""
+        size, rest = size_of(self.rig, self.rig.content.read_outlines()), self.rig.world[np.newaxis]
+        left, stay = len(self._joints - self.gone), []
+        for node in sorted(self._joints - self.gone, reverse=True):  # those below first
             heir, way = self.heir(node), node
-            while way != heir and not moving[way]:
+            while way != heir and not self._moving[way]:
                 way = self._above[way]
-            return way == heir and self.cost(node, rig.world[np.newaxis]) <= STILL * size
-
-        left = self.leaves()
-        while left:
-            if is_still(node := left.pop()):
-                left += self.take(node)
-        still = set[int]()  # with all that is below them
-        for node in range(len(rig) - 1, -1, -1):
-            if all(child in still for child in rig.children[node]):
-                needed = self.heir(node) >= 0 and is_still(node) if node in self._joints - self.gone else True
-                still |= {node} if needed else set[int]()
-        return sorted(still & self._joints - self.gone)
+            if left <= most or heir < 0 or way != heir or self.cost(node, rest, alone=True) > STILL * size:
+                continue
+            if self._why_not_alone(node):
+                stay.append(node)
+                continue
+            self._take_alone(node)
+            left -= 1
+            for moved in self._moved:
+                moved.inherit(heir, node)
+        return sorted(stay)
 
     def take_least(self, most: int) -> None:
+        if self.rig.shown_clips:
+            self.take_still(most)
         poses = _poses(self.rig)
         heap = [(self.cost(node, poses), node) for node in self.leaves()]
         heapify(heap)
@@ -208,14 +273,18 @@ class _Merging:
         meshes = self.rig.content.read_outlines()
         return [_moved(self.rig, mesh) for mesh in meshes if mesh.skin is not None and mesh.joints.shape[1]]
 
-    def cost(self, node: int, poses: Floats) -> float:
-        """How far the points of a joint move at most where they follow its heir; poses: (f, n, 4, 4)."""
+    def cost(self, node: int, poses: Floats, *, alone: bool = False) -> float:
+        """How far the points of a joint move at most where they follow its heir; poses: (f, n, 4, 4).
+
+        And those of all that is below it, unless it is to go alone.
+        """
         heir, far = self.heir(node), 0.0
         for moved in self._moved:
             rows, skin = moved.rows, moved.skin
-            if not np.isfinite(moved.share[node]) or heir not in rows:
+            boxes = moved.own if alone else moved.whole
+            if not np.isfinite(boxes.share[node]) or heir not in rows:
                 continue
-            points = transform_points(_corners(moved.low[node], moved.high[node]), moved.bind)
+            points = transform_points(_corners(boxes.low[node], boxes.high[node]), moved.bind)
             one, other = (
                 (
                     transform_points(points, multiply(skin.inverse_bind[rows[k]], poses[:, k])[:, np.newaxis])
@@ -224,22 +293,36 @@ class _Merging:
                 if node in rows
                 else (points, points)
             )
-            far = max(far, float(moved.share[node]) * float(distance(one, other).max()))
+            far = max(far, float(boxes.share[node]) * float(distance(one, other).max()))
         return far
 
 
-class _Moved(NamedTuple):
-    """What each node and those below it move of a mesh: the box of the points, and the largest weight.
+class _Boxes(NamedTuple):
+    """Of what nodes move of a mesh: the largest weight, (n,), −inf for none, and the points' box, (n, 3)."""
 
-    low, high: (n, 3). share: (n,), −inf for nothing. rows: of joints in the skin.
-    """
+    share: Floats
+    low: Floats
+    high: Floats
+
+    def gather(self, node: Any, others: Any) -> None:
+        """Let nodes move what others move, too; numbers, or arrays of them."""
+        np.maximum.at(self.share, node, self.share[others])
+        np.minimum.at(self.low, node, self.low[others])
+        np.maximum.at(self.high, node, self.high[others])
+
+
+class _Moved(NamedTuple):
+    """What each node moves of a mesh: by itself, and with all below it. rows: of joints in the skin."""
 
     skin: Skin
     rows: dict[int, int]
     bind: Floats
-    share: Floats
-    low: Floats
-    high: Floats
+    own: _Boxes
+    whole: _Boxes
+
+    def inherit(self, heir: int, node: int) -> None:
+        """Let a joint move what another one moved that goes."""
+        self.own.gather([heir], [node])
 
 
 def _moved(rig: Rig, mesh: Mesh) -> _Moved:
@@ -251,13 +334,11 @@ def _moved(rig: Rig, mesh: Mesh) -> _Moved:
     np.maximum.at(share, nodes, np.maximum(mesh.weights[point, slot], 0.0))
     np.minimum.at(low, nodes, mesh.points[point])
     np.maximum.at(high, nodes, mesh.points[point])
+    whole = _Boxes(share.copy(), low.copy(), high.copy())
     for level in reversed(rig.levels[1:]):
-        parents = rig.parents[level]
-        np.maximum.at(share, parents, share[level])
-        np.minimum.at(low, parents, low[level])
-        np.maximum.at(high, parents, high[level])
+        whole.gather(rig.parents[level], level)
     rows = {joint: row for row, joint in enumerate(skin.joints.tolist())}
-    return _Moved(skin, rows, mesh.bind, share, low, high)
+    return _Moved(skin, rows, mesh.bind, _Boxes(share, low, high), whole)
 
 
 def _corners(low: Floats, high: Floats) -> Floats:
@@ -276,7 +357,7 @@ def moving_nodes(rig: Rig) -> Booleans:
             values = key_values(track)
             off = np.abs(values - rest).max(initial=0.0)
             if track.path == "rotation":
-                off = min(off, float(np.abs(values + rest).max(initial=0.0)))
+                off = 2.0 * min(off, float(np.abs(values + rest).max(initial=0.0)))  # half of the angle
             found[track.node] |= bool(off > STILL * max(1.0, float(np.abs(rest).max())))
     return found
 

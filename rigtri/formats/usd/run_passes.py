@@ -8,6 +8,7 @@ from __future__ import annotations
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.passes.add_joints import add_joints
 from rigtri.formats.usd.passes.confine_keys import confine_keys
+from rigtri.formats.usd.passes.drop_joints import drop_joints
 from rigtri.formats.usd.passes.find_changes import find_changes
 from rigtri.formats.usd.passes.keep_followers import keep_followers
 from rigtri.formats.usd.passes.keep_splines import keep_splines
@@ -61,6 +62,7 @@ PASSES: tuple[Pass, ...] = (
     keep_followers,
     route_variants,
     confine_keys,
+    drop_joints,
 )
 
 

@@ -17,10 +17,15 @@ Count = Annotated[int, Kind("number", "N", low=1)]
 class MergeJointsOptions:
     """Options of merge-joints."""
 
-    joints: Nodes = option((), help="Merge these joints, with all below them.", group="what")
+    joints: Nodes = option((), help="Merge these joints, with all joints below them.", group="what")
+    keep_children: bool = option(
+        False,
+        help="Joints below those of --joints stay, as children of their parents; for joints that never move.",
+        group="what",
+    )
     still: bool = option(
         False,
-        help="Merge joints that never move relative to their parent, with all below them.",
+        help="Merge joints that never move relative to their parent; those below them that move stay.",
         group="what",
     )
     max_joints: Count | None = option(
@@ -34,3 +39,5 @@ class MergeJointsOptions:
         """UsageError where nothing says what is to be merged."""
         if not (self.joints or self.still or self.max_joints):
             raise UsageError("name joints to merge: --joints GLOB, --still or --max-joints N")
+        if self.keep_children and not self.joints:
+            raise UsageError("--keep-children is about joints that --joints names")

@@ -23,7 +23,7 @@ def nothing(_: Any) -> Any:
 
 
 def setting(name: str, samples: int = 0) -> Setting:
-    return Setting(CONTROL, nothing, name, None, dict.fromkeys(map(float, range(samples))), nothing)
+    return Setting(CONTROL, nothing, name, None, dict.fromkeys(map(float, range(samples))), nothing, nothing)
 
 
 @pytest.mark.parametrize(

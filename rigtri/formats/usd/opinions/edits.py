@@ -34,12 +34,16 @@ class Edit:
 
 @dataclass(frozen=True, eq=False)
 class Setting(Edit):
-    """An attribute that gets a value, samples, or both. at: the same for another prim."""
+    """An attribute that gets a value, samples, or both.
+
+    at: the same for another prim. picked: with some items of arrays alone, by their numbers.
+    """
 
     name: str
     value: Any
     samples: Mapping[float, Any]
     at: Callable[[Any], Setting]
+    picked: Callable[[Sequence[int]], Setting]
 
     @property
     def path(self) -> Any:
@@ -99,12 +103,22 @@ def set_value(
         for time, sample in (samples or {}).items():
             layer.SetTimeSample(path, time, Sdf.ValueBlock() if sample is None else sample)
 
-    def at(other: Any) -> Setting:
+    def again(other: Any, value: Any, samples: Mapping[float, Any]) -> Setting:
         return set_value(
             other, name, type_name, value, samples=samples, uniform=uniform, custom=custom, alone=alone
         )
 
-    return Setting(path.GetPrimPath(), edit, name, value, samples or {}, at)
+    def at(other: Any) -> Setting:
+        return again(other, value, samples or {})
+
+    def picked(items: Sequence[int]) -> Setting:
+        default, *rest = (
+            None if array is None else type(array)([array[k] for k in items])
+            for array in (value, *(samples or {}).values())
+        )
+        return again(prim, default, dict(zip(samples or {}, rest, strict=True)))
+
+    return Setting(path.GetPrimPath(), edit, name, value, samples or {}, at, picked)
 
 
 def define(path: Any, type_name: str) -> Edit:

@@ -64,6 +64,13 @@ def check_joints_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
         variants.refuse_dependent(own, f"A joint cannot be {change}")
 
 
+def check_motion_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
+    """FileError where variants decide what moves the joints of a skeleton; change: what cannot be done."""
+    for variants in variants_of(stage, skeleton.path, skeleton.animations):
+        arrays = [Sdf.Path(variants.animation).AppendProperty(name) for name in ("joints", *PROPERTIES)]
+        variants.refuse_dependent([Sdf.Path(skeleton.path).AppendProperty(SOURCE), *arrays], change)
+
+
 def bound_in(variants: SkeletonVariants) -> set[str]:
     """The animations that variants bind to their Skeleton, where they are on the stage as it is."""
     bound = Sdf.Path(variants.skeleton).AppendProperty(SOURCE)

@@ -1,4 +1,7 @@
-"""Remove joints of rigtri that go: their rows in skeletons, and their columns in animations."""
+"""Remove joints that go: their rows in skeletons, and their columns in animations.
+
+The path of a joint below still leads through them: in UsdSkel the nearest one that is listed is its parent.
+"""
 
 from __future__ import annotations
 
@@ -14,24 +17,18 @@ from rigtri.evaluation.timelines import timelines
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.composition.variants import variants_of
-from rigtri.formats.usd.opinions.edits import Edit, remove_prim, remove_properties, set_tokens
+from rigtri.formats.usd.opinions.edits import remove_prim
 from rigtri.formats.usd.opinions.joint_influences import check_moves_nothing
 from rigtri.formats.usd.opinions.skeleton_edits import (
-    REST_ADDED,
     check_joints_editable,
+    check_motion_editable,
     is_decided,
-    joint_names,
-    joint_primvars,
-    set_array,
-    set_joints,
 )
-from rigtri.formats.usd.passes.usd_edit import UsdEdit, changed_besides
-from rigtri.formats.usd.reading.animation_reader import PROPERTIES, Animation
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
-from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
@@ -42,7 +39,7 @@ _STILL = 1e-4
 
 
 def remove_joints(edit: UsdEdit) -> None:
-    """Give the rig all rows of its skins and all tracks again; the last edits take rows and columns out.
+    """Give the rig all rows of its skins and all tracks again; `drop_joints` takes rows and columns out.
 
     A skeleton that loses all its joints is removed; columns of joints that stay, of any skeleton, stay.
     FileError where a skeleton or an animation cannot be edited.
@@ -54,36 +51,30 @@ def remove_joints(edit: UsdEdit) -> None:
 
 def _remove_rows(edit: UsdEdit) -> None:
     source, rig = edit.source, edit.rig
-    skins, edits = list(rig.skins), list[Edit]()
+    skins = list(rig.skins)
     for number, old in enumerate(source.rig.skins):
         new = rig.skins[number]
         keep = np.isin(old.joints, new.joints)
         if kind(old.key) == "root" or keep.all():
             continue
         skeleton = source.skeletons[parts(old.key)[1]]
-        joints = old.joints[keep]
-        # A shorter skeleton would lose another pose.
-        pairs = (
-            (source.rig.local[joints], rig.local[joints]),
-            (old.inverse_bind[keep], new.inverse_bind),
-        )
-        if not all(np.array_equal(one, other, equal_nan=True) for one, other in pairs):
-            raise changed_besides(skeleton.path)
-        skins[number] = replace(new, joints=old.joints, inverse_bind=old.inverse_bind)
+        binds = old.inverse_bind.copy()
+        binds[keep] = new.inverse_bind
+        skins[number] = replace(new, joints=old.joints, inverse_bind=binds)
         check_joints_editable(source.stage, skeleton, "removed")
+        if (source.rig.local[old.joints[keep]] != rig.local[old.joints[keep]]).any():
+            check_motion_editable(source.stage, skeleton, "A joint with others below it cannot be removed")
         gone = [token for token, stays in zip(skeleton.tokens, keep.tolist(), strict=True) if not stays]
         check_moves_nothing(source.stage, skeleton.path, skeleton.tokens, gone)
         weighing = np.flatnonzero(~keep & old.weighted[: len(keep)]).tolist()
         if weighing:
             _check_still(source, skeleton, [skeleton.tokens[row] for row in weighing])
         if keep.any():
-            edits += _without_rows(source, skeleton, keep)
+            edit.staying[skeleton.path] = keep
             continue
         refuse(why_instanced(source.stage.GetPrimAtPath(skeleton.path)), "A skeleton cannot be removed")
-        edits.append(remove_prim(skeleton.path))
-    if edits:
-        edit.rig = replace(rig, skins=tuple(skins))
-        edit.removals += edits
+        edit.removals.append(remove_prim(skeleton.path))
+    edit.rig = replace(rig, skins=tuple(skins))
 
 
 def _check_still(source: Source, skeleton: Skeleton, gone: Collection[str]) -> None:
@@ -112,18 +103,6 @@ def _check_still(source: Source, skeleton: Skeleton, gone: Collection[str]) -> N
                     )
 
 
-def _without_rows(source: Source, skeleton: Skeleton, keep: Booleans) -> Iterator[Edit]:
-    path, rows = skeleton.path, np.flatnonzero(keep).tolist()
-    added = source.stage.GetPrimAtPath(path).GetAttribute("restTransforms").GetCustomDataByKey(REST_ADDED)
-    rest = skeleton.rest[rows] if skeleton.has_rest and not added else None
-    names = joint_names(source.stage, skeleton)
-    names = None if names is None else [names[k] for k in rows]
-    yield from set_joints(path, [skeleton.tokens[k] for k in rows], skeleton.bind[rows], rest, names)
-    yield from joint_primvars(source.stage, skeleton, rows)
-    if skeleton.has_rest and added:
-        yield remove_properties(path, "restTransforms")
-
-
 def _drop_columns(edit: UsdEdit) -> None:
     source, rig = edit.source, edit.rig
     stay: set[str] = set()
@@ -136,9 +115,8 @@ def _drop_columns(edit: UsdEdit) -> None:
         if animation.path not in source.skeletons and is_decided(source.stage, users, animation.path):
             continue  # each variant has its own, and what no joint is called does nothing
         keep = np.array([token in stay or token not in gone for token in animation.tokens], dtype=bool)
-        if keep.all():
-            continue
-        edit.removals += _kept_columns(animation, keep)
+        if not keep.all():
+            edit.staying[animation.path] = keep
     clips = [
         new
         if all(track.node not in rig.pending.removed for track in old.tracks)
@@ -157,14 +135,3 @@ def _all_tracks(old: Clip, new: Clip, rig: Rig) -> Iterator[Track]:
         elif was.node not in rig.pending.removed:
             yield from islice(left, 1)
     yield from left
-
-
-def _kept_columns(animation: Animation, keep: Booleans) -> Iterator[Edit]:
-    """The joints and arrays of an animation with those columns alone that are kept."""
-    tokens = [token for token, stays in zip(animation.tokens, keep, strict=True) if stays]
-    yield set_tokens(animation.path, "joints", tokens)
-    for name in PROPERTIES:
-        if (item := animation.properties.get(name)) is not None:
-            default = None if item.default is None else item.default[keep]
-            kept = replace(item, samples=item.samples[:, keep], default=default)
-            yield set_array(animation.path, name, kept)

@@ -49,7 +49,8 @@ class UsdEdit:
     source: the stage as the passes so far have prepared it. rig: what the output is to hold, with
     source's nodes first. prepared: the opinions that source was read again with. values: opinions that
     make source match rig, by the paths of the stage. opinions: the same by the paths of the layer, within
-    variants where they need it. removals: what goes last. expected: what the composed output must show.
+    variants where they need it. removals: what goes last. staying: by path, which rows of
+    skeletons and columns of animations stay where some go. expected: what the composed output must show.
     changes: what `find_changes` has found for the passes behind it. retimed: the variants of the animations
     whose arrays get other times, as they were read.
     """
@@ -63,6 +64,7 @@ class UsdEdit:
     values: list[Edit] = field(default_factory=list)
     opinions: list[Edit] = field(default_factory=list)
     removals: list[Edit] = field(default_factory=list)
+    staying: dict[str, Booleans] = field(default_factory=dict)
     expected: Expected = field(default_factory=Expected)
     changes: Changes = field(init=False)
     retimed: list[SkeletonVariants] = field(default_factory=list)
@@ -127,8 +129,8 @@ def new_above(rig: Rig) -> dict[int, int]:
 def changed_besides(path: str) -> UsageError:
     """The error for a skeleton that loses joints, and whose other joints change in the same edit."""
     return UsageError(
-        f"Joints were taken out of <{path}>, and others of it were added or changed in the same edit: write "
-        "the file after each of the two"
+        f"Joints were taken out of <{path}>, and others were added to it in the same edit: write the file "
+        "after each of the two"
     )
 
 
