@@ -220,11 +220,11 @@ def crossings(rig: Rig, limb: Limb, clip: Clip, least_sine: float) -> list[tuple
     ``straight``: the sine of its bend is below ``least_sine``. ``flipped``: it
     bends to the other side than at the bent key before, seen in the root joint's space.
     """
-    small, (a, b, c) = between(rig, limb.triple)
     times = key_times(clip)
     if not len(times):
         return []
-    world = worlds(small, locals_at(small, small.clips[rig.clips.index(clip)], times))
+    small, (a, b, c) = between(replace(rig, clips=(clip,)), limb.triple)
+    world = worlds(small, locals_at(small, small.clips[0], times))
     points = world[:, [a, b, c], 3, :3]
     sine = bend_sine(points[:, 0], points[:, 1], points[:, 2])
     normal = hinge(points[:, 0], points[:, 1], points[:, 2])

@@ -6,6 +6,7 @@ import base64
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,12 +14,14 @@ from baked_rigs import WHOLE, control
 from morphs import arm
 from places import SAMPLES, slow
 from program import cli
+from rigs import random_rig
 
 import rigtri
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
 from rigtri.formats import read
-from rigtri.model.animation import Track
+from rigtri.formats.gltf.animation_writer import refuse_early
+from rigtri.model.animation import Clip, Track, Tracks
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
@@ -281,6 +284,19 @@ def test_a_key_before_0_is_refused_in_gltf(name: str, tmp_path: Path) -> None:
     with pytest.raises(GeometryError, match="at -5 s in clip 'walk', and glTF has no time before 0"):
         edit(source, out, earlier, verify=False)
     assert not out.exists()
+
+
+def test_a_new_key_is_not_looked_for_among_the_tracks_of_all_clips() -> None:
+    class Unread(Tracks):
+        def __iter__(self) -> Any:
+            raise AssertionError
+
+    rig = random_rig(1)
+    clips = tuple(Clip(f"{k}", Unread(clip.columns), key=k) for k, clip in enumerate(rig.clips * 2))
+    first, *others = clips
+    own = tuple(Tracks(first.columns))
+    added = replace(first, tracks=(*own, replace(own[0], times=own[0].times + 1.0)))
+    refuse_early(replace(rig, clips=clips), replace(rig, clips=(added, *others)))
 
 
 def test_other_morph_weights_are_distinguished(tmp_path: Path) -> None:

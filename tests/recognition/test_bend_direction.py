@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from rigs import chain
 
 from rigtri.maths.quaternions import from_axis_angle
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Clip, Column, Track
 from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
 from rigtri.recognition.bend_direction import crossings, facing_along, in_motion, in_pose, mirrored, towards
@@ -108,6 +108,19 @@ def test_the_other_pose_of_a_file_is_heard_too() -> None:
     assert bend is not None
     assert_allclose(bend.direction, Y, atol=1e-9)
     assert bend.source == "other pose"
+
+
+def test_a_limb_is_looked_at_in_one_clip_without_the_tracks_of_the_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = arm(0.5, [0, 90, 180])
+    rig = replace(rig, clips=(*rig.clips, *(Clip(f"{k}", rig.clips[0].tracks) for k in range(9))))
+    copied: list[Column] = []
+    moved = Column.moved
+    monkeypatch.setattr(Column, "moved", lambda self, place: copied.append(self) or moved(self, place))
+    for clip in rig.clips:
+        crossings(rig, LIMB, clip, 0.1)
+    assert len(copied) == len(rig.clips)
 
 
 def test_times_at_which_a_limb_is_straight_or_bends_the_other_way() -> None:

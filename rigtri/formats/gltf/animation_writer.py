@@ -38,22 +38,22 @@ KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 def refuse_early(before: Rig, after: Rig) -> None:
     """GeometryError for a key before 0 that an edit makes, which glTF does not have; old ones stay."""
     olds = {clip.key: clip.columns for clip in before.clips}
+    early: list[tuple[str, Track]] = []
     for k, clip in enumerate(after.clips):
-        old = olds.get(clip.key, ())
+        old = [column for column in olds.get(clip.key, ()) if len(column.times)]
         times = {id(column.times) for column in old}
-        made = [t for c in clip.columns if id(c.times) not in times and len(c.times) for t in Tracks([c])]
-        if not made:
-            continue
-        known = {id(track) for clip in before.clips for track in clip.tracks}
-        made = [track for track in made if id(track) not in known]
-        first = min((float(column.times[0]) for column in old if len(column.times)), default=0.0)
-        for track in made:
-            if track.times[0] < min(first, 0.0):
-                raise GeometryError(
-                    f"'{after.title(track.node)}' would get a key at {track.times[0]:g} s in clip "
-                    f"'{clip.name or f'#{k}'}', and glTF has no time before 0. Choose a later time, or move "
-                    "the keys of the clip"
-                )
+        first = min((float(column.times[0]) for column in old), default=0.0)
+        made = (c for c in clip.columns if id(c.times) not in times and len(c.times))
+        sooner = Tracks(c for c in made if c.times[0] < min(first, 0.0))
+        early += [(clip.name or f"#{k}", track) for track in sooner]
+    # The tracks of all clips are looked at once, and only where one of them can be at fault.
+    known = {id(track) for clip in before.clips for track in clip.tracks} if early else ()
+    for name, track in early:
+        if id(track) not in known:
+            raise GeometryError(
+                f"'{after.title(track.node)}' would get a key at {track.times[0]:g} s in clip "
+                f"'{name}', and glTF has no time before 0. Choose a later time, or move the keys of the clip"
+            )
 
 
 class _NewOutput(NamedTuple):
