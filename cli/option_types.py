@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -84,6 +85,10 @@ class FilePath(click.Path):
             self.fail("the name of the file is empty", param, ctx)
         if value == "-" and not self.allow_dash:
             self.fail("- stands for a stream, and this needs a file; one of that name is ./-", param, ctx)
+        # pathlib drops the slash at the end, and with it that a folder is meant.
+        meant = str(value).endswith((os.sep, os.altsep or os.sep)) or os.path.isdir(value)
+        if meant and not self.dir_okay:
+            self.fail(f"{value} is a folder; give the name of a file", param, ctx)
         return super().convert(value, param, ctx)
 
 

@@ -32,7 +32,7 @@ source_argument = click.argument("source", metavar="IN", type=FilePath(allow_das
 
 def output_option(words: str, metavar: str = "OUT", **more: Any) -> Callable[[F], F]:
     """-o OUT: the file that a command writes; ``more`` as click.option takes it."""
-    more = {"type": FilePath(allow_dash=True)} | more
+    more = {"type": FilePath(allow_dash=True, dir_okay=False)} | more
     return option("-o", "--output", "output", metavar=metavar, help=words, group="output", **more)
 
 

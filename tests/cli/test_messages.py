@@ -221,3 +221,16 @@ def test_json_is_beside_no_colours(monkeypatch: pytest.MonkeyPatch) -> None:
     line = ("inspect", BIPED.parent / "none.glb")
     assert "\x1b[" in cli(*line, env={"FORCE_COLOR": "1"}, code=3).stderr
     assert "\x1b[" not in cli(*line, "--json", env={"FORCE_COLOR": "1"}, code=3).stderr
+
+
+@pytest.mark.parametrize("name", ["gone.glb/", ".", "folder.glb"])
+@pytest.mark.parametrize("words", [["orient-joints", "-o"], ["draw", "-o"], ["auto", "--report"]])
+def test_a_name_that_is_a_folders_is_refused_as_that_of_a_file(
+    words: list[str], name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder.glb").mkdir()
+    command, option = words
+    result = cli(command, SAMPLES / "arm.gltf", option, name, code=2)
+    assert f"{name} is a folder; give the name of a file" in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["folder.glb"]
