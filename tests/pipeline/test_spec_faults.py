@@ -16,11 +16,12 @@ from hypothesis import strategies as st
 from places import ROOT, SAMPLES, every_other
 from ruamel.yaml import YAML
 
+from rigtri.pipeline.rigspec import positions
 from rigtri.pipeline.rigspec.build import build
 from rigtri.pipeline.rigspec.errors import SpecError
 from rigtri.pipeline.rigspec.load import Spec, load
 from rigtri.pipeline.rigspec.models.spec import SpecModel
-from rigtri.pipeline.rigspec.parse import _first_line, json_values
+from rigtri.pipeline.rigspec.parse import _first_line, json_values, parse
 
 
 def write(folder: Path, text: str, name: str = "rig.yaml") -> Path:
@@ -543,3 +544,13 @@ def test_a_file_without_a_skeleton_is_read_where_a_step_makes_one(steps: list[st
     model = SpecModel.model_validate({"lenient": True, "steps": [{"do": step} for step in steps]})
     reading = model.reading()
     assert (reading.empty, reading.lenient, reading.allow_missing) == (empty, True, False)
+
+
+def test_too_many_values_are_refused_before_the_rest_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(positions, "MOST_VALUES", 100)
+    path = tmp_path / "long.yaml"
+    path.write_text(f"version: 1\nsteps: [{'1, ' * 200}\n}}", "utf-8")
+    with pytest.raises(SpecError, match="long.yaml:2:.* more values, or deeper, than a spec can have"):
+        parse(path)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rigtri.errors import FileError
 from rigtri.files.text_files import text_of
 from rigtri.pipeline.rigspec.errors import Fault, Place, SpecError
-from rigtri.pipeline.rigspec.positions import TOO_MUCH, Spot, Spots, Tree
+from rigtri.pipeline.rigspec.positions import MOST_DEEP, TOO_MUCH, Spot, Spots, Tree
 
 if TYPE_CHECKING:
     from ruamel.yaml import YAML
@@ -105,6 +105,7 @@ def yaml_values(file: str, text: str) -> tuple[Any, Spot]:
     from ruamel.yaml.reader import ReaderError
 
     yaml = YAML(typ="safe", pure=True)
+    yaml.Composer = _bounded(file, text)
     try:
         root = yaml.compose(text)
         if root is None:
@@ -121,21 +122,27 @@ def yaml_values(file: str, text: str) -> tuple[Any, Spot]:
         raise SpecError([Fault(place, "", words)]) from error
     except (YAMLError, ValueError) as error:
         raise SpecError([Fault(Place(file, 1, 1), "", f"not valid YAML: {_first_line(error)}")]) from error
-    except RecursionError:
-        _find_depth(file, text)
-        raise
 
 
-def _find_depth(file: str, text: str) -> None:
-    """SpecError where a text gets deeper than a spec can be."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.events import CollectionEndEvent, CollectionStartEvent
+def _bounded(file: str, text: str) -> type:
+    """Puts a document together, and refuses one that is too large or too deep while it is read."""
+    from ruamel.yaml.composer import Composer
 
-    spots, depth = Spots(file, text), 0
-    for event in YAML(typ="safe", pure=True).parse(text):
-        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
-        mark = event.start_mark
-        spots.spot(Place(file, mark.line + 1, mark.column + 1), depth)
+    class Bounded(Composer):
+        spots, around = Spots(file, text), 0
+
+        def compose_node(self, parent: Any, index: Any) -> Any:
+            is_key = index is None and parent is not None
+            if not is_key or self.around > MOST_DEEP:
+                mark = self.parser.peek_event().start_mark
+                self.spots.spot(Place(file, mark.line + 1, mark.column + 1), self.around)
+            self.around += 1
+            try:
+                return super().compose_node(parent, index)
+            finally:
+                self.around -= 1
+
+    return Bounded
 
 
 class _Yaml:
