@@ -49,6 +49,8 @@ _HIGH, _NO_HOCK = 0.4, 0.82
 _FURTHER = 0.75
 # First joints are so near to each other, of what the next ones are, that they may be in the middle.
 _INNER = 0.3
+# A bone goes on into the next one up to 25° (a cosine), and is a part of it if it is so long a part of that.
+_GOES_ON, _HALF = 0.906, 0.5
 # What a foot moves goes less far beyond it than this part of the lower bone.
 _SOLE = 0.5
 # A joint of a leg with a hock stands so far beside the line of its neighbours, as a part of that.
@@ -182,6 +184,7 @@ def has_hock(draft: Draft, joints: Sequence[int], after: int) -> bool:
 def later_start(draft: Draft, each: Found) -> str:
     """A leg of a body on two that begins two joints from the middle: the one between may be its hip.
 
+    Or one with a bone before it that is nearly as long as the upper one and goes on into it: a part of that.
     And a front leg whose upper bone has a joint within it, below what may be a shoulder blade.
     """
     mine, body = each.pair, draft.shape.body
@@ -190,10 +193,19 @@ def later_start(draft: Draft, each: Found) -> str:
     if body.form == "quadruped" and mine is body.arms and mine.at[0] == 0 and mine.at[1] == 2:
         inner = draft.tree.rig.title(mine.pair.paths[0][1])
         return f"'{inner}' in its upper bone may be where it begins, below a shoulder blade"
-    if body.form != "biped" or mine.at[0] < 2 or not begin_as_one(draft.tree, mine.pair.paths):
+    if body.form != "biped":
         return ""
-    hip = mine.pair.paths[0][1]
-    return f"'{draft.tree.rig.title(hip)}' before it may be where it begins"
+    path, start = mine.pair.paths[0], mine.at[0]
+    first = 1 if start > 1 and begin_as_one(draft.tree, mine.pair.paths) else -1
+    if first < 0 and start > 0 and _leads_on(draft.tree, [path[k] for k in (start - 1, *mine.at[:2])]):
+        first = start - 1
+    return f"'{draft.tree.rig.title(path[first])}' before it may be where it begins" if first >= 0 else ""
+
+
+def _leads_on(tree: Tree, joints: Sequence[int]) -> bool:
+    """Whether the first of two bones goes on into the second and is more than half as long."""
+    a, b, c = (tree.at[k] for k in joints)
+    return (b - a).unit.dot((c - b).unit) > _GOES_ON and (b - a).length > _HALF * (c - b).length
 
 
 def middle_bone(draft: Draft, each: Found) -> str:

@@ -498,3 +498,11 @@ def test_a_joint_that_names_call_a_part_of_a_bone_and_no_pose_bends_is_one(
     draft: Any = SimpleNamespace(segments=segments, poses=SimpleNamespace(moving=moving))
     bare: Any = SimpleNamespace(tree=SimpleNamespace(below=below, above=[-1, 0, 1]))
     assert _parts_a_bone(draft, bare, 1) is parts
+
+
+def test_a_leg_is_not_sure_to_begin_where_a_bone_as_long_leads_on_into_it() -> None:
+    """Before, a crooked twist joint was surely the hip of such a leg without names."""
+    places = ((0.1, 0.95, 0), (0.1, 0.74, -0.025), (0.1, 0.5, 0.05), (0.1, 0.1, -0.02), (0.1, 0.03, 0.12))
+    leg = line("thigh.L part.L shin.L foot.L toe.L", "hips", *places)
+    joints = [*TRUNK, *both([*ARM, *leg])]
+    assert wrong(joints, recognise(rig_with(joints, named=False))) == []
