@@ -29,7 +29,13 @@ from rigtri.recognition.shape_doubts import (
     upside_down,
 )
 from rigtri.recognition.split_bones import further_part, no_hand, split_bone
-from rigtri.recognition.things import bends_to_and_fro, may_be_a_thing, only_things, points_ahead
+from rigtri.recognition.things import (
+    bends_to_and_fro,
+    may_be_a_thing,
+    may_be_wings,
+    only_things,
+    points_ahead,
+)
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
 _UNSURE = 0.6
@@ -367,5 +373,5 @@ _OF_SHAPES = (
         reaches_further,
         other_end,
     ),
-    *_alone(points_ahead, may_be_a_thing),
+    *_alone(points_ahead, may_be_wings, may_be_a_thing),
 )

@@ -26,6 +26,9 @@ _POINTED, _MOVED = 0.5, 0.26
 # Legs go down by this (a cosine), of those that sit, too; and by the second (45°) where they carry a trunk
 # that lies: fins go aside.
 _STANDS, _CARRIES = 0.5, 0.7
+# Wings go aside by more than this (a cosine, 60°). The bone below a hock goes down by as much, and is so long
+# a part of the one above it.
+_SPREAD, _DOWN, _LONG = 0.5, 0.5, 0.4
 # A clavicle is at most so long a part of the upper arm.
 _CLAVICLE = 0.6
 
@@ -56,6 +59,30 @@ def points_ahead(draft: Draft, each: Found) -> str:
     drop = (start - end).dot(draft.up)
     aimed = (end - middle).unit.dot(draft.facing) > _AIMED
     return "it points ahead as a gun does" if aimed and drop < _DROOPS * (end - start).length else ""
+
+
+def may_be_wings(draft: Draft, each: Found) -> str:
+    """Arms without names or hands that go aside, of a body whose legs have hocks: wings."""
+    mine, body, plane = each.pair, draft.shape.body, draft.shape.plane
+    if each.kind != "arm" or mine is None or body is None or body.legs is None or plane is None:
+        return ""
+    if mine.named > 0.0 or mine.kind or mine.fingers >= 2:
+        return ""
+    start, _, end = (draft.tree.at[joint] for joint in each.joints)
+    aside = abs((end - start).unit.dot(plane.normal)) > _SPREAD
+    hocks = all(_has_hock(draft, path) for path in body.legs.pair.paths)
+    return "its legs have hocks, so it may be a wing" if aside and hocks else ""
+
+
+def _has_hock(draft: Draft, path: Sequence[int]) -> bool:
+    """Whether a leg bends back at a joint from which a long bone goes on down, as no foot does."""
+    tree = draft.tree
+    for over, node, under in zip(path, path[1:], path[2:], strict=False):
+        back = beside(tree, (over, node, under)).dot(draft.facing) < -ZIGZAG
+        down = (tree.at[node] - tree.at[under]).unit.dot(draft.up) > _DOWN
+        if back and down and tree.bone[under] > _LONG * tree.bone[node]:
+            return True
+    return False
 
 
 def may_be_a_thing(draft: Draft, each: Found) -> str:

@@ -506,3 +506,25 @@ def test_a_leg_is_not_sure_to_begin_where_a_bone_as_long_leads_on_into_it() -> N
     leg = line("thigh.L part.L shin.L foot.L toe.L", "hips", *places)
     joints = [*TRUNK, *both([*ARM, *leg])]
     assert wrong(joints, recognise(rig_with(joints, named=False))) == []
+
+
+def test_the_wings_of_a_bird_without_names_are_not_surely_arms() -> None:
+    """Before, wings without a joint before the first, or after the third, surely were."""
+    trunk = line(
+        "hips spine chest neck head",
+        "",
+        *((0, y, z) for y, z in ((1, 0), (1.04, 0.15), (1.12, 0.45), (1.22, 0.62), (1.55, 0.86))),
+    )
+    tail = line("tail1 tail2", "hips", (0, 0.97, -0.2), (0, 0.95, -0.3))
+    leg = line(
+        "thigh.L shin.L ankle.L foot.L toe.L",
+        "hips",
+        (0.13, 0.95, 0),
+        (0.16, 0.62, 0.2),
+        (0.16, 0.3, -0.12),
+        (0.16, 0.05, 0.03),
+        (0.16, 0.02, 0.16),
+    )
+    wing = line("a.L b.L c.L", "chest", (0.13, 1.02, 0.6), (0.42, 1.1, 0.55), (0.8, 1.12, 0.6))
+    (bird,) = recognise(rig_with([*trunk, *tail, *both([*wing, *leg])], named=False)).characters
+    assert {chain.kind for chain in bird.limbs if chain.is_sure} == {"leg"}
