@@ -227,7 +227,8 @@ def segments_of(tree: Tree) -> frozenset[int]:
         if robot and _ROLL in parse_name(names[node]).words:
             continue
         after = tree.below[node][0] if tree.below[node] else -1
-        if after < 0 or (_is_between(tree, over, node, after) and not _is_lower(names, over, node, after)):
+        other = _is_lower(names, over, node, after) or _is_first(names, over, node, after)
+        if after < 0 or (_is_between(tree, over, node, after) and not other):
             found.add(node)
     return frozenset(found)
 
@@ -236,6 +237,18 @@ def _is_lower(names: Sequence[str], start: int, node: int, end: int) -> bool:
     """Whether a numbered piece of an upper bone is the lower one, not renamed: a hand or foot follows."""
     upper, last = limb_words(names[start]).levels, limb_words(names[end]).levels
     return upper.keys() == {"upper"} and "end" in last and "twist" not in roles_in_name(names[node])
+
+
+def _is_first(names: Sequence[str], start: int, node: int, end: int) -> bool:
+    """Whether a twist joint is where its bone begins, not a part of a shoulder or hip before that.
+
+    The joint after it says the same of a limb. Source: Auto-Rig Pro, ``shoulder``, ``arm_twist``,
+    ``arm_stretch``.
+    """
+    own, after = limb_words(names[node]), limb_words(names[end])
+    same = bool(own.levels) and (own.levels, own.kind) == (after.levels, after.kind)
+    of_start = parse_name(names[node]).plain.startswith(parse_name(names[start]).plain)
+    return same and not of_start and "before" in limb_words(names[start]).levels
 
 
 def _is_between(tree: Tree, start: int, node: int, end: int) -> bool:

@@ -8,7 +8,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.limb_triples import CLAVICLES, STRAIGHT, TIE
-from rigtri.recognition.limb_words import limb_words
+from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import is_segment, parse_name
 
 # Where a twist joint parts a bone that has one, as a part of the bone before.
@@ -97,9 +97,11 @@ def no_hand(draft: Draft, each: Found) -> str:
 def further_part(draft: Draft, each: Found) -> str:
     """An arm that ends in nothing, where its upper bone has more parts than its lower one, or goes on above.
 
-    Then its last joint may be one of those parts, and its hand is missing.
+    Then its last joint may be one of those parts, and its hand is missing; not if it is called a hand.
     """
     tree, (start, middle, end) = draft.tree, each.joints
+    if draft.words.get(end, NO_WORDS).levels == {"end": 1.0}:
+        return ""
     if each.kind != "arm" or tree.below[end] or not tree.is_below(end, start):
         return ""
     upper, lower = len(tree.way(start, middle)) - 1, len(tree.way(middle, end)) - 1

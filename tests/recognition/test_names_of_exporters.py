@@ -128,3 +128,14 @@ def test_an_uneven_arm_begins_where_its_makers_scheme_says() -> None:
     ]
     found = joints_of(rig_with(given), sure=False)
     assert found["right arm"] == "rShldrBend rForearmBend rHand"
+
+
+def test_an_arm_whose_last_joint_is_called_a_hand_ends_there() -> None:
+    """Before, its hand could be a twist joint, as only the upper bone was parted (Auto-Rig Pro)."""
+    arm = line(
+        "shoulder.L c_arm_twist.L arm_stretch.L forearm_stretch.L hand.L",
+        "chest",
+        *((x, 1.45, z) for x, z in ((0.04, 0), (0.16, 0), (0.3, -0.0025), (0.44, -0.005), (0.7, 0))),
+    )
+    found = joints_of(rig_with([*TRUNK, *both([*arm, *LEG])]))
+    assert found["left arm"] == "c_arm_twist.L forearm_stretch.L hand.L"
