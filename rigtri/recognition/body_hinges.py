@@ -45,7 +45,7 @@ class Body:
 
     hips, chest: where these face, which is elsewhere where one is turned against the other. nodes: all joints
     of the character. limbs: those whose limbs say it. unsure: joints of what may be limbs. hinges: what it
-    says of the others.
+    says of the others. feet: where those with toes point, by their ankles.
     """
 
     facing: Floats
@@ -57,6 +57,7 @@ class Body:
     limbs: frozenset[int]
     unsure: frozenset[int]
     hinges: Mapping[int, Hinge]
+    feet: Mapping[int, Floats]
 
     def facing_of(self, points: Floats, *, arm: bool) -> Floats:
         """Where hips or chest face as a limb at ``points``, (3, 3), has it, unit, (3,)."""
@@ -90,7 +91,9 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
             ends = None if facing is not None else _turned(character, at, up, mirrored=mirrored)
             hips, chest = ends or (ahead, ahead)
             hinges = dict(_hinges(character, at, (hips, chest), up, mirrored=mirrored))
-            found.append(Body(ahead, hips, chest, up, left, nodes, limbs, unsure, hinges))
+            toed = [k.joints for k in character.chains if k.kind == "foot" and len(k.joints) > 1]
+            feet = {ankle: normalise(at[toes] - at[ankle]) for ankle, toes, *_ in toed}
+            found.append(Body(ahead, hips, chest, up, left, nodes, limbs, unsure, hinges, feet))
     return found
 
 
@@ -100,7 +103,7 @@ def _hands_alone(character: Character, at: Floats) -> Body:
     sides: dict[Side, bool | None] = {side: side == "left" if side else None for side in hands}
     hinges = hand_hinges(character.chains, sides, at, None)
     nodes = frozenset(part.joint for part in character.parts)
-    return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, dict(hinges))
+    return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, dict(hinges), {})
 
 
 def lone_feet(characters: Sequence[Character], bodies: Sequence[Body], at: Floats) -> dict[int, Floats]:

@@ -16,7 +16,7 @@ import numpy as np
 from rigtri.maths.angle_limits import cosine_below, sine_below
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import angle, dot
+from rigtri.maths.vectors import angle, dot, normalise, perpendicular
 from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
@@ -75,10 +75,11 @@ class LimbBends:
         taken, doubted = self._shown(limb, natural)
         taken = taken or self._other_side(limb, natural, doubted) or natural
         if taken is not None:
-            if doubted is not None and natural is not None:
+            shape = doubted is not None and natural is not None and self._is_shape(limb, doubted, natural)
+            if doubted is not None and natural is not None and not shape:
                 self._warn(limb, doubted, natural, taken, report)
             elif natural is not None:
-                self._warn_aside(limb, natural, taken, report)
+                self._warn_aside(limb, natural, doubted or taken, report, shape=shape)
             return taken
         # What a format prescribes says where a straight limb bends, and is nobody's word against a bend.
         prescribed = self.rig.rules.facing
@@ -161,10 +162,29 @@ class LimbBends:
     def _is_believable(self, limb: Limb, found: Bend, natural: Bend) -> bool:
         near = float(dot(found.direction, natural.direction))
         return (
-            self._is_clear(limb, found)
+            (self._is_clear(limb, found) and not self._is_shape(limb, found, natural))
             or near >= MIRRORED
             or (near >= NATURAL and self._is_mirrored(limb, found, natural))
         )
+
+    def _is_shape(self, limb: Limb, found: Bend, natural: Bend) -> bool:
+        """Whether a knee that bends little and aside is bandy or a knock knee: the foot points ahead.
+
+        Of a leg that is turned out, as a frog's, the foot points where the knee does.
+        """
+        body = body_of(self.bodies, limb.end)
+        foot = None if body is None else body.feet.get(limb.end)
+        if foot is None or not self._is_aside(limb, found, natural):
+            return False
+        a, _, c = self.world[list(limb.triple), 3, :3]
+        foot = normalise(perpendicular(foot, normalise(c - a)))
+        ahead, aside = (float(dot(foot, each.direction)) for each in (natural, found))
+        return ahead >= NATURAL > abs(aside)
+
+    def _is_aside(self, limb: Limb, found: Bend, natural: Bend) -> bool:
+        """Whether a knee bends in the pose by less than 30°, and more than 60° off forward and back."""
+        aside = abs(float(dot(found.direction, natural.direction))) < NATURAL
+        return aside and not limb.bends_back and found.source == "pose" and found.sine < BANDY
 
     def _is_clear(self, limb: Limb, found: Bend) -> bool:
         """Whether a bend is the truth; of two poses that mirror each other by the mean, so that both are."""
@@ -222,19 +242,23 @@ class LimbBends:
             geometry=True,
         )
 
-    def _warn_aside(self, limb: Limb, natural: Bend, taken: Bend, report: Report) -> None:
+    def _warn_aside(self, limb: Limb, natural: Bend, seen: Bend, report: Report, *, shape: bool) -> None:
         """Warn of a knee that bends little and aside: bandy legs and knock knees have that shape, too."""
-        aside = abs(float(dot(taken.direction, natural.direction))) < NATURAL
-        if limb.bends_back or taken.source != "pose" or not aside or taken.sine >= BANDY:
+        if not self._is_aside(limb, seen, natural):
             return
         bent = float(np.degrees(bend_angle(*self.world[list(limb.triple), 3, :3])))
-        off = float(np.degrees(angle(taken.direction, natural.direction)))
+        off = float(np.degrees(angle(seen.direction, natural.direction)))
         title = " - ".join(self.rig.title(node) for node in limb.triple)
+        what = (
+            "but the foot points ahead: it is taken for the shape of the leg, and the knee bends forward. If "
+            "it is a bend"
+            if shape
+            else "and this is taken as the bend direction of the knee. If only the leg has this shape"
+        )
         report.warn(
             "bends-aside",
-            f"{title} is bent {bent:.2g}° to the side, {off:.0f}° off forward, and this is taken as the bend "
-            "direction of the knee. If only the leg has this shape, name the direction: add-polevector "
-            "--bend, orient-joints --chain with --up-from.",
+            f"{title} is bent {bent:.2g}° to the side, {off:.0f}° off forward, {what}, name the direction: "
+            "add-polevector --bend, orient-joints --chain with --up-from.",
             joint=title,
             geometry=True,
         )

@@ -276,6 +276,22 @@ def test_a_knee_that_bends_clearly_but_aside_is_reported(aside: float, warned: i
         assert [notice.code for notice in report.warnings].count("bends-aside") == warned
 
 
+@pytest.mark.parametrize("aside", [-0.06, 0.06])
+def test_a_knee_that_bends_aside_above_a_foot_that_points_ahead_bends_forward(aside: float) -> None:
+    """Knock knees and bandy legs; legs that are turned out have feet that point out, and are bent so."""
+    rig = knees_aside(aside, -aside)
+    knee, foot, toes = (rig.find(f"mixamorig:Left{part}") for part in ("Leg", "Foot", "ToeBase"))
+    ahead = hinge_axes(orient_joints(rig), "+y")[knee]
+    assert ahead[0] > 0.9
+    out = add_polevector(rig, limbs="auto")
+    pole = out.world[out.find("mixamorig:LeftLeg_pole"), 3, :3] - rig.world[knee, 3, :3]
+    assert pole[2] > 0.95 * np.linalg.norm(pole)
+    moved = rig.translation.copy()
+    step = np.array([-np.sign(aside) * -0.13, 0.0, -0.13])
+    moved[toes] += np.linalg.solve(rig.world[foot, :3, :3].T, step)
+    assert abs(hinge_axes(orient_joints(replace(rig, translation=moved), pose="nodes"), "+y")[knee][2]) > 0.9
+
+
 def orient_reported(rig: Rig, report: Report) -> Rig:
     return orient_joints(rig, report=report)
 
