@@ -552,5 +552,5 @@ def test_too_many_values_are_refused_before_the_rest_is_read(
     monkeypatch.setattr(positions, "MOST_VALUES", 100)
     path = tmp_path / "long.yaml"
     path.write_text(f"version: 1\nsteps: [{'1, ' * 200}\n}}", "utf-8")
-    with pytest.raises(SpecError, match="long.yaml:2:.* more values, or deeper, than a spec can have"):
+    with pytest.raises(SpecError, match=r"long.yaml:2:.* more values, or deeper, than a spec can have"):
         parse(path)

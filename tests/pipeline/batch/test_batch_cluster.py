@@ -14,7 +14,6 @@ import socket
 import subprocess
 import sys
 import sysconfig
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -27,7 +26,7 @@ pytest.importorskip("distributed", reason="distributed is not installed: pip ins
 from batch_tasks import WAITED_FOR, Turn
 from distributed import Client
 from distributed.scheduler import KilledWorker, WorkerState
-from places import BUILDERS, slow
+from places import BUILDERS
 from polling import wait_for
 from program import cli
 
