@@ -143,8 +143,8 @@ def _figure(axes: Mapping[str, Floats], random: np.random.Generator) -> Builder:
     for name, (parent, _) in JOINTS.items():
         above, origin = world[parent] if parent else (np.eye(3), np.zeros(3))
         rows, position = world[name]
-        local = {"translation": ((position - origin) @ above.T).tolist()}
-        turn = _quaternion_of(rows @ above.T)
+        local = {"translation": _portable((position - origin) @ above.T).tolist()}
+        turn = _portable(_quaternion_of(rows @ above.T))
         nodes.append({"name": name} | local | ({"rotation": turn.tolist()} if abs(turn[3]) < 1 else {}))
     for child, (parent, _) in JOINTS.items():
         if parent:
@@ -178,7 +178,7 @@ def _binds(builder: Builder, world: Mapping[str, tuple[Floats, Floats]]) -> int:
     for axes, position in world.values():
         matrix = np.eye(4)
         matrix[:3, :3], matrix[3, :3] = axes, position
-        rows.append(np.round(np.linalg.inv(matrix), 12).reshape(16) + 0.0)
+        rows.append(_portable(np.linalg.inv(matrix)).reshape(16))
     return builder.accessor(rows)
 
 
@@ -319,6 +319,11 @@ class Driven:
             swing = from_to(apply(mul(above_q, rest), constraint.axis), way / np.sqrt(way @ way))
             target = mul(mul(mul(inv(above_q), swing), above_q), rest)
         self.local[node] = slerp(rest, target, self.weights[self.rig.names[node]])
+
+
+def _portable(values: Floats) -> Floats:
+    """Numbers that are the same on every machine: products and inverses differ in the last bit."""
+    return np.round(values, 12) + 0.0
 
 
 def _axes(q: Floats) -> Floats:

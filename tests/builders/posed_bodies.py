@@ -201,6 +201,11 @@ def _about(axis: Floats, degrees: float) -> Floats:
     return np.asarray((np.eye(3) + np.sin(a) * k + (1 - np.cos(a)) * (k @ k)).T)
 
 
+def _portable(values: Floats) -> Floats:
+    """Numbers that are the same on every machine: sines, products and inverses differ in the last bit."""
+    return np.round(values, 9) + 0.0
+
+
 def posed_body(pose: Pose) -> PosedBody:
     """A body as ``pose`` says."""
     at: dict[str, Floats] = {}
@@ -340,12 +345,12 @@ def _assembled(
     parents = [-1, *(index[above[p]] if above[p] else 0 for p in parts)]
     n = len(names)
     rotation = unit(random.normal(size=(n, 4)))
-    rotation[0] = (0, np.sin(np.radians(pose.yaw) / 2), 0, np.cos(np.radians(pose.yaw) / 2))
+    rotation[0] = _portable([0, np.sin(np.radians(pose.yaw) / 2), 0, np.cos(np.radians(pose.yaw) / 2)])
     scale = np.ones((n, 3))
     scale[0] = (-1.0, 1.0, 1.0) if pose.flip else 1.0
     rig = rig_of(names, parents, np.zeros((n, 3)), rotation, scale=scale)
     places = places / pose.unit
-    rig = replace(rig, translation=translations(rig, places @ whole))
+    rig = replace(rig, translation=_portable(translations(rig, places @ whole)))
     joints = np.arange(1, n)
     sockets = [index[p] for p in parts if p.endswith("slot")]
     ends = [index[p] for p in parts if p.endswith(("end", " 4"))]
@@ -377,7 +382,7 @@ def bent(rig: Rig, joint: str, axis: Floats, degrees: float) -> Rig:
     world = rig.world[node, :3, :3] @ _about(axis, degrees)
     above = rig.world[rig.parents[node], :3, :3]
     rotation = rig.rotation.copy()
-    rotation[node] = from_axes(world @ np.linalg.inv(above))
+    rotation[node] = _portable(from_axes(world @ np.linalg.inv(above)))
     rig = replace(rig, rotation=rotation)
     (skin,) = rig.skins
     return replace(rig, skins=(replace(skin, inverse_bind=inverse(rig.world[skin.joints])),))
