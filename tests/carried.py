@@ -328,16 +328,20 @@ def carried(source: Path, edit: str, folder: Path) -> float:
     return _apart(_baked(source), _bake(rigtri.read(edited)), done, rig)
 
 
-def _apart(before: Rig, after: Rig, edit: Edit, source: Rig) -> float:
-    """How far nodes of the same names and morph weights are apart in all clips, as a share of the size."""
+def _apart(before: Rig, after: Rig, edit: Edit, source: Rig, *, frames: bool = False) -> float:
+    """How far nodes of the same names and morph weights are apart in all clips, as a share of the size.
+
+    frames: only at those of the bakes, and at both ends; else at all keys.
+    """
     without = set(edit.own(source))
     there, here = _alone(after), _alone(before)
-    both = [(k, there[name]) for name, k in here.items() if name in there and name not in without]
+    both = [(k, there[name]) for name, k in here.items() if name in there and name[-1] not in without]
     # Controls and offsets are where an edit needs them; what moves by them is compared.
     loose = set(before.nodes_of("control", "offset", "poleVector", "group"))
     loose |= {k for node in loose for k in before.children[node] if k in before.own - before.metadata.keys()}
     both = [(a, b) for a, b in both if a not in loose]
-    mine, theirs = map(list, zip(*both, strict=True))
+    assert both or edit.own(source), "no node of one name is in both"
+    mine, theirs = [a for a, _ in both], [b for _, b in both]
     points = before.world[before.is_joint, 3, :3]
     size = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) or 1.0
     start = before.world[mine]
@@ -345,6 +349,10 @@ def _apart(before: Rig, after: Rig, edit: Edit, source: Rig) -> float:
     worst = 0.0
     for clip, same in _played(before, after):
         times = sampling.key_times(clip)
+        if frames:
+            step = before.rules.per_second / FPS
+            near = np.abs(times / step - np.round(times / step)) < 1e-3
+            times = times[near | (times == times[0]) | (times == times[-1])]
         if not edit.between:
             (driving,) = (each for each, _ in _played(source, source) if each.name == clip.name)
             joints = [t for t in driving.tracks if source.is_joint[t.node] and t.node not in source.own]
@@ -355,13 +363,18 @@ def _apart(before: Rig, after: Rig, edit: Edit, source: Rig) -> float:
         ]
         with np.errstate(invalid="ignore"):
             far = np.abs(moved[0] - moved[1]).max(initial=0.0) / size
-        worst = max(worst, float(np.nan_to_num(far, nan=np.inf)), _morphs(before, after, clip, same, times))
+        worst = max(
+            worst, float(np.nan_to_num(far, nan=np.inf)), _morphs(before, after, clip, same, times, without)
+        )
     return worst
 
 
-def _alone(rig: Rig) -> dict[str, int]:
-    """The nodes by the names that no other node has."""
-    return {name: rig.names.index(name) for name, count in Counter(rig.names).items() if name and count == 1}
+def _alone(rig: Rig) -> dict[tuple[str, ...], int]:
+    """The nodes by the names that no other node has, or no other below the same top: of two characters."""
+    counts, tops = Counter(rig.names), (min(rig.with_ancestors([node])) for node in range(len(rig)))
+    both = zip(rig.names, tops, strict=True)
+    keys = [(name,) if counts[name] == 1 else (rig.names[top], name) for name, top in both]
+    return {key: keys.index(key) for key, count in Counter(keys).items() if key[-1] and count == 1}
 
 
 def _played(before: Rig, after: Rig) -> list[tuple[Clip, Clip]]:
@@ -379,9 +392,10 @@ def _moved(rig: Rig, nodes: list[int], clip: Any, times: Floats, rest: Floats, s
     return found[..., :3]
 
 
-def _morphs(before: Rig, after: Rig, clip: Any, same: Any, times: Floats) -> float:
+def _morphs(before: Rig, after: Rig, clip: Any, same: Any, times: Floats, without: set[str]) -> float:
     def weights(rig: Rig, one: Any) -> dict[str, Floats]:
-        return {rig.names[t.node]: sampling.sample(t, times) for t in one.tracks if t.path == "weights"}
+        tracks = [(rig.names[track.node], track) for track in one.tracks if track.path == "weights"]
+        return {name: sampling.sample(track, times) for name, track in tracks if name not in without}
 
     mine, theirs = weights(before, clip), weights(after, same)
     off = [np.abs(value - theirs[name]).max(initial=0.0) for name, value in mine.items() if name in theirs]
