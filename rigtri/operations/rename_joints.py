@@ -113,6 +113,9 @@ def _of_map(rig: Rig, options: RenameJointsOptions, report: Report) -> Iterator[
     if options.map is None:
         return
     table, back = _tables(options.map)
+    # What --save-map writes of a joint that had no name leads back by its number.
+    if empty := [old for old, new in table.items() if not new and old not in back.values()]:
+        raise FileError(f"--map: '{empty[0]}' has no new name there. Give it one, or leave it out")
     plain = {new: _called(old) for old, new in table.items()}
     found = (plain | back) if options.inverse else table
     # Their addresses are more than their names: these did not suffice.

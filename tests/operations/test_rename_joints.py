@@ -162,6 +162,8 @@ def test_a_map_of_others_and_a_name_that_is_taken_are_refused(tmp_path: Path) ->
     assert "others are not here" not in cli(*words, "--map", names, "--overwrite", code=0).stderr
     ran = cli(*words, "--overwrite", "--name", "head=body", code=2)
     assert "another node is called so" in ran.stderr
+    names.write_text(json.dumps({"names": {"head": "", "hips": "pelvis"}}))
+    assert "'head' has no new name" in cli(*words, "--overwrite", "--map", names, code=3).stderr
 
 
 def test_tokens_follow_everywhere_in_usd(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from places import SAMPLES
 from program import cli
+from pxr import Sdf, Usd, UsdSkel
 from still_joints import with_still_joints
 
 import rigtri
@@ -77,6 +78,23 @@ def test_a_clip_library_loses_the_same_joints_by_their_names(tmp_path: Path) -> 
     bare = replace(with_still_joints(rig, ABOVE), skins=(), attachment=np.full(len(rig) + 4, -1))
     less = rigtri.merge_joints(bare, joints=["helper_*"], keep_children=True)
     assert far_apart(rig, less) < 1e-12
+
+
+def test_a_usd_animation_without_skeleton_loses_the_same_joints(tmp_path: Path) -> None:
+    """Its columns are in another order than its joints; before, nothing could be taken out of it."""
+    source, library, out = (tmp_path / f"{name}.usda" for name in ("in", "library", "out"))
+    rig = rigtri.read(SAMPLES / "biped.usda")
+    rigtri.write(with_still_joints(rig, ABOVE), source, verify=False)
+    stage, layer = Usd.Stage.Open(str(source)), Sdf.Layer.CreateNew(str(library))
+    (animation,) = (prim for prim in stage.Traverse() if prim.IsA(UsdSkel.Animation))
+    Sdf.CopySpec(stage.GetRootLayer(), animation.GetPath(), layer, "/walk")
+    layer.Save()
+    cli("merge-joints", library, "-o", out, "--joints", "helper_*", "--keep-children", code=0)
+    less = rigtri.read(out)
+    elbow = less.find("forearm_L")
+    track = next(t for t in less.clips[0].tracks if t.node == elbow and t.path == "rotation")
+    was = next(t for t in rig.clips[0].tracks if rig.names[t.node] == "forearm_L" and t.path == "rotation")
+    assert np.allclose(track.values, was.values, rtol=0, atol=1e-6)
 
 
 @pytest.mark.ci

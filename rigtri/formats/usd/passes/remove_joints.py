@@ -61,6 +61,8 @@ def _remove_rows(edit: UsdEdit) -> None:
         binds = old.inverse_bind.copy()
         binds[keep] = new.inverse_bind
         skins[number] = replace(new, joints=old.joints, inverse_bind=binds)
+        if skeleton.path in source.animations:  # a clip library, of which the columns are all there is
+            continue
         check_joints_editable(source.stage, skeleton, "removed")
         if (source.rig.local[old.joints[keep]] != rig.local[old.joints[keep]]).any():
             check_motion_editable(source.stage, skeleton, "A joint with others below it cannot be removed")
@@ -107,14 +109,19 @@ def _drop_columns(edit: UsdEdit) -> None:
     source, rig = edit.source, edit.rig
     stay: set[str] = set()
     gone: set[str] = set()
+    lost: dict[str, set[str]] = {path: set() for path in source.animations}  # of clip libraries
     for node, (skeleton, token) in source.joints.items():
+        removed = node in rig.pending.removed
         if skeleton not in source.animations:
-            (gone if node in rig.pending.removed else stay).add(token)
+            (gone if removed else stay).add(token)
+        elif removed:
+            lost[skeleton].add(token)
     for animation in source.animations.values():
         users = [path for path, s in source.skeletons.items() if animation.path in s.every_animation]
         if animation.path not in source.skeletons and is_decided(source.stage, users, animation.path):
             continue  # each variant has its own, and what no joint is called does nothing
-        keep = np.array([token in stay or token not in gone for token in animation.tokens], dtype=bool)
+        away = lost[animation.path] | (gone - stay)
+        keep = np.array([token not in away for token in animation.tokens], dtype=bool)
         if not keep.all():
             edit.staying[animation.path] = keep
     clips = [

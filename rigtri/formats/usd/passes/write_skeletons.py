@@ -29,7 +29,8 @@ def write_skeletons(edit: UsdEdit) -> None:
         if kind(old.key) == "library" and len(posed) and not _posed_first(rig, posed):
             raise FileError(
                 f"<{parts(old.key)[1]}>: there is no Skeleton that could hold another rest pose, only an "
-                "animation. Edit the file that has the skeleton"
+                "animation, which says how joints stand whatever their rest pose. Edit the file that has the "
+                "skeleton, and take this motion to it: rigtri take-clips"
             )
         if kind(old.key) != "skeleton":
             continue

@@ -238,9 +238,9 @@ class _Reader:
         if self.skeletons:
             shown = and_more([f"<{path}>" for path in self.skeletons], 3)
             text = (
-                f"There is no skeleton; joints stand as {shown} poses them first. To give them the axes "
-                "of the skeleton they are for, save its new axes with orient-joints --save-frames and apply "
-                "them with orient-joints --frames."
+                f"There is no skeleton; joints stand as {shown} poses them first, and their rest pose and "
+                "what is above them are not known. Take the motion to the skeleton as it is now with "
+                "take-clips, or give joints its new axes with orient-joints --save-frames and --frames."
             )
             self.warnings.append(Notice("no-skeleton", text))
             self.nodes.add_joints(self.skeletons.values())
