@@ -44,7 +44,9 @@ def confine_keys(edit: UsdEdit) -> None:
     """Route new keys into variants. FileError where these decide what keys or controls would replace."""
     rig, stage = edit.source.rig, edit.source.stage
     own = {Sdf.Path(rig.labels[node]) for node in rig.own if kind(rig.keys[node]) == "prim"}
-    made = {value.prim for value in edit.opinions if not stage.GetPrimAtPath(value.prim)}
+    # What other variants have is not there either, but gets values alone.
+    new = (value.prim for value in edit.opinions if not isinstance(value, Setting))
+    made = {path for path in new if not stage.GetPrimAtPath(path)}
     held = own | made
     tops = [path for path in held if held.isdisjoint(path.GetPrefixes()[:-1])]
     confined: set[str] = set()
