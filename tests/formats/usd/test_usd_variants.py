@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from crowds import alike, contents, instance, prototypes, shot
-from places import every_other
+from places import ci, every_other
 from program import cli
 from pxr import Usd, UsdSkel
 from usd_files import MESH, animation, at, moments, read, save, scene, skeleton, skinned, turned, write
@@ -79,25 +79,63 @@ def edited(source: Path, folder: Path, turned: Callable[[Rig], Rig] = turned, **
     return out
 
 
-def left(source: Path) -> list[str]:
-    """The variants of which it is said that they have animations that no skeleton plays, and these."""
-    texts = [notice.text for notice in read(source).warnings if notice.code == "unbound-animation"]
-    return [text.split(", which no")[0] for text in texts if text.startswith("Variants")]
+def loose(source: Path) -> str:
+    """What is said of animations that no skeleton plays."""
+    return " ".join(notice.text for notice in read(source).warnings if notice.code == "unbound-animation")
 
 
-def test_an_animation_that_only_another_variant_has_and_nothing_plays_is_told(tmp_path: Path) -> None:
+def played(path: Path, chosen: dict[str, str], clip: str) -> Usd.Stage:
+    """The stage with a skeleton bound to an animation that it does not play."""
+    stage = selecting(path, "/Root", chosen)
+    stage.GetPrimAtPath("/Root/Skel").CreateRelationship("skel:animationSource").SetTargets([f"/Root/{clip}"])
+    return stage
+
+
+STILL, PLAYS = animation(rotations=""), "\n" + over("Skel", "rel skel:animationSource = </Root/Anim>")
+UNPLAYED = {
+    "in it": ("Run", [skeleton(), animation()], {"no": "", "yes": animation("Run")}),
+    "referenced": (
+        "Run",
+        [skeleton(), animation()],
+        {"no": "", "yes": 'def "Run" (references = @run.usda@) {\n}'},
+    ),
+    "both": (
+        "Run",
+        [skeleton(), animation()],
+        {"no": animation("Run"), "yes": animation("Run", rotations=RUN)},
+    ),
+    "played elsewhere": (
+        "Anim",
+        [skeleton(source=""), STILL],
+        {"no": over("Anim", HOLD) + PLAYS, "yes": over("Anim", RUN)},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ["in it", ci("referenced"), "both", ci("played elsewhere")])
+def test_an_animation_that_variants_decide_and_nothing_plays_is_edited_along(
+    name: str, tmp_path: Path
+) -> None:
+    clip, blocks, sets = UNPLAYED[name]
     save(tmp_path, f'#usda 1.0\n(\ndefaultPrim = "Run"\n)\n{animation("Run")}', "run.usda")
-    here = variant_set("more", no="", yes=animation("Run"))
-    far = variant_set("more", no="", yes='def "Run" (references = @run.usda@) {\n}')
-    where = "variant 'yes' of the variant set 'more' on </Root>"
-    for sets in (here, far):
-        source = save(tmp_path, choosing(scene(sets, skeleton(), animation(), MESH), more="no"))
-        assert left(source) == [f"Variants that are not selected have </Root/Run> ({where})"]
-    still, bound = animation(rotations=""), "\n" + over("Skel", "rel skel:animationSource = </Root/Anim>")
-    for other, told in (("", 1), (bound, 0)):
-        sets = variant_set("more", no=over("Anim", HOLD) + bound, yes=over("Anim", RUN) + other)
-        source = save(tmp_path, choosing(scene(sets, skeleton(source=""), still, MESH), more="no"))
-        assert len(left(source)) == told
+    text = choosing(scene(variant_set("more", **sets), *blocks, MESH), more="no")
+    source = save(tmp_path, text)
+    assert f"</Root/{clip}>" in loose(source)
+    assert "left as they were" not in loose(source)
+    out = edited(source, tmp_path)
+    for variant in ("no", "yes"):
+        one, other = (played(path, {"more": variant}, clip) for path in (source, out))
+        for time in moments(one):
+            first, second = (skinned(stage, time)["/Root/Skin"] for stage in (one, other))
+            assert np.abs(first - second).max() < 1e-5
+
+
+def test_an_animation_of_another_variant_whose_joints_no_skeleton_has_is_told(tmp_path: Path) -> None:
+    strange = animation("Run").replace('"a/b"', '"x/y"')
+    sets = variant_set("more", no="", yes=strange)
+    source = save(tmp_path, choosing(scene(sets, skeleton(), animation(), MESH), more="no"))
+    assert "</Root/Run> (variant 'yes' of the variant set 'more' on </Root>)" in loose(source)
+    assert "left as they were" in loose(source)
 
 
 BINDINGS = {
@@ -134,6 +172,21 @@ SCENES = {
     ),
     # The skeleton is.
     "skeleton": scene(animation(), MESH, variant_set("clip", a=skeleton(), b=skeleton(rest=TALL))),
+    # Each has a skeleton and an animation of its own.
+    "apart": scene(
+        animation(),
+        variant_set(
+            "clip",
+            a=skeleton() + "\n" + MESH,
+            b="\n".join(
+                (
+                    skeleton(rest=TALL, source="rel skel:animationSource = </Root/Low>"),
+                    animation("Low", rotations=RUN),
+                    MESH,
+                )
+            ),
+        ),
+    ),
     # Only one variant has it.
     "only": scene(animation(), variant_set("clip", a=skeleton() + "\n" + MESH, b='def Xform "Prop" {\n}')),
     # Only one variant has anything, or shows it.

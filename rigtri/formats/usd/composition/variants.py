@@ -156,6 +156,8 @@ class SkeletonVariants:
         prim = self.stage.GetPrimAtPath(self.skeleton)
         shown: Origins = {}
         targets = _targets(prim) if prim else []
+        if self.animation and self.animation not in map(str, targets):  # not played, and edited all the same
+            targets.append(Sdf.Path(self.animation))
         if prim and prim.GetTypeName() == "Skeleton" and prim.IsActive():
             paths = [path.AppendProperty(name) for path in (prim.GetPath(), *targets) for name in VALUES]
             shown = self._origins_of([*paths, prim.GetPath().AppendProperty(SOURCE)])

@@ -49,7 +49,7 @@ class JointLists:
         for path, skeleton in source.skeletons.items():
             if path in source.animations:
                 continue  # an animation that stands in for its skeleton
-            for variants in variants_of(source.stage, path, skeleton.animations):
+            for variants in variants_of(source.stage, path, skeleton.varied):
                 lists = {each for each in variants.depends if each.name == "joints"}
                 for state in _showing(variants) if lists else ():
                     self._add(variants, state, lists & state.shown.keys(), renamed.get(path, str))

@@ -60,7 +60,7 @@ def joint_primvars(stage: Any, skeleton: Skeleton, rows: Sequence[int]) -> Itera
 def check_joints_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
     """FileError where the joints of a skeleton cannot be edited; change: ``added`` or ``removed``."""
     own = [Sdf.Path(skeleton.path).AppendProperty(name) for name in _LISTS]
-    for variants in variants_of(stage, skeleton.path, skeleton.animations):
+    for variants in variants_of(stage, skeleton.path, skeleton.varied):
         variants.refuse_dependent(own, f"A joint cannot be {change}")
 
 

@@ -84,13 +84,15 @@ def _check_still(source: Source, skeleton: Skeleton, gone: Collection[str]) -> N
     rows = [row for row, token in enumerate(skeleton.tokens) if token in gone and skeleton.parents[row] >= 0]
     bound = multiply(skeleton.bind[rows], inverse(skeleton.bind[skeleton.parents[rows]]))
     size = float(np.ptp(skeleton.bind[:, 3, :3], axis=0).max()) or 1.0
-    for variants in variants_of(source.stage, skeleton.path, skeleton.animations):
+    for variants in variants_of(source.stage, skeleton.path, skeleton.varied):
         for state in (state for state in variants.states[1:] if state.shown):
             variants.choose(state.chosen)
-            there = read_source(source.path, ReadOptions(), variants.stage, played=True)
+            there = read_source(source.path, ReadOptions(), variants.stage, one_state=True)
             node_of = {token: node for node, (path, token) in there.joints.items() if path == skeleton.path}
             nodes = [node_of[skeleton.tokens[row]] for row in rows]
-            times = [(t.clip, key_times(t.clip, nodes)) for t in timelines(there.rig)]
+            idle = variants.animation in skeleton.decided
+            played = [t.clip for t in timelines(there.rig) if idle or not t.clip.idle]
+            times = [(clip, key_times(clip, nodes)) for clip in played]
             poses = [locals_at(there.rig, clip, keys) for clip, keys in times if len(keys)]
             for pose in poses or [there.rig.local[np.newaxis]]:
                 off = np.abs(pose[:, nodes] - bound)

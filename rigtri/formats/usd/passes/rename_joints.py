@@ -87,7 +87,7 @@ def _played(source: Source, path: str) -> set[str]:
     found = set(skeleton.every_animation)
     if path in source.animations:
         return found
-    for variants in variants_of(source.stage, path, skeleton.animations):
+    for variants in variants_of(source.stage, path, skeleton.varied):
         found |= bound_in(variants)
     return found
 

@@ -35,6 +35,7 @@ from rigtri.formats.usd.opinions.composition_check import Expected, agree
 from rigtri.formats.usd.opinions.edits import Binding, Edit, Setting
 from rigtri.formats.usd.opinions.variant_paths import place_in_variants
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.animation_reader import read_animation
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
@@ -72,7 +73,7 @@ def route_variants(edit: UsdEdit) -> None:
     for skeleton in source.skeletons.values():
         about = {Sdf.Path(path) for path in (skeleton.path, *skeleton.animations)}
         if any(value.prim in about for value in edit.values):
-            every = variants_of(source.stage, skeleton.path, skeleton.animations)
+            every = variants_of(source.stage, skeleton.path, skeleton.varied)
             changing += [(skeleton, variants) for variants in every if variants.depends]
     if not changing:
         edit.opinions = list(edit.values)
@@ -170,7 +171,7 @@ class _Reorientation:
                 continue
             for name, values in rest.items():
                 values[node] = getattr(self.edit.rig, name)[mine]
-        for path in source.skeletons[self.skeleton.path].animations if self.reposed else ():
+        for path in source.skeletons[self.skeleton.path].every_animation if self.reposed else ():
             listed = source.animations[path].tokens if path in source.animations else ()
             if held := [token for token in self.reposed if token not in listed]:
                 raise FileError(
@@ -182,7 +183,8 @@ class _Reorientation:
     def settings(self, variants: SkeletonVariants, state: VariantState) -> list[Setting]:
         """What must be set so that a state is reoriented, too."""
         variants.choose(state.chosen)
-        source = read_source(self.edit.source.path, ReadOptions(), variants.stage, played=True)
+        source = read_source(self.edit.source.path, ReadOptions(), variants.stage, one_state=True)
+        _refuse_strange(variants, state, source)
         before = source.rig
         delta = self._deltas(source)
         odd = np.flatnonzero((delta != IDENTITY).any(axis=1) & ~ScaleTable.of(before).allows(delta))
@@ -204,7 +206,23 @@ class _Reorientation:
                 f"In {state.title}, one animation drives skeletons that were re-oriented differently. Give "
                 "that variant a file of its own."
             )
-        return settings
+        # What is not played is written for this state where it is another than elsewhere.
+        idle = {path for skeleton in source.skeletons.values() for path in skeleton.unbound}
+        own = {path for path in variants.depends if str(path.GetPrimPath()) == variants.animation}
+        return [each for each in settings if str(each.prim) not in idle or each.path in own]
+
+
+def _refuse_strange(variants: SkeletonVariants, state: VariantState, source: Source) -> None:
+    """FileError where an animation is of no Skeleton in a state, though it is elsewhere."""
+    prim = variants.stage.GetPrimAtPath(variants.animation) if variants.animation else None
+    animation = read_animation(prim, []) if prim and prim.GetTypeName() == "SkelAnimation" else None
+    edited = source.skeletons[variants.skeleton].every_animation
+    is_decided = any(str(path.GetPrimPath()) == variants.animation for path in variants.depends)
+    if is_decided and animation is not None and animation.properties and variants.animation not in edited:
+        raise FileError(
+            f"In {state.title}, <{variants.animation}> does not list the joints of <{variants.skeleton}>, as "
+            f"it does elsewhere. {_APART}"
+        )
 
 
 def _refuse_new_bindings(variants: SkeletonVariants, others: Sequence[Edit]) -> None:

@@ -184,7 +184,7 @@ def _check(
     skeleton, holders = splits[path].skeleton, splits[path].holders
     refuse(skeleton.locked)
     if skeleton.path not in source.animations:  # not an animation that stands in for its skeleton
-        for variants in variants_of(source.stage, path, skeleton.animations):
+        for variants in variants_of(source.stage, path, skeleton.varied):
             if why := split_by(variants, decisive, listed=False):
                 raise FileError(f"{why}{instead}.")
     played = [source.animations[path] for path in skeleton.every_animation if path in source.animations]
@@ -268,7 +268,7 @@ def _edits_in_variants(source: Source, splits: Mapping[str, Split]) -> Iterator[
         if path in source.animations:
             continue
         names = splits[path].holders if path in splits else {}
-        for variants in variants_of(source.stage, path, skeleton.animations):
+        for variants in variants_of(source.stage, path, skeleton.varied):
             for animation in sorted(bound_in(variants) - source.animations.keys()):
                 if holders.setdefault(animation, names) != names:
                     raise FileError(

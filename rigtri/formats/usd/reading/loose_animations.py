@@ -12,6 +12,7 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.composition.animation_binding import SOURCE, named
 from rigtri.formats.usd.composition.layers import listed_items
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
+from rigtri.formats.usd.composition.stage import tokens_of
 from rigtri.formats.usd.composition.variants import (
     VALUES,
     SkeletonVariants,
@@ -27,15 +28,14 @@ from rigtri.model.animation import Track
 _ARCS = ("references", "payload", "inheritPaths", "specializes")
 
 
-def owners(stage: Any, animation: str, tokens: Iterable[str], skeletons: Mapping[str, Set[str]]) -> list[str]:
+def fitting(animation: str, tokens: Iterable[str], skeletons: Mapping[str, Set[str]]) -> list[str]:
     """The Skeletons whose joints an animation lists that nothing plays: all that are equally near to it.
 
-    skeletons: their joints. None where variants have a say in it: it is edited with the Skeleton of those.
+    skeletons: their joints.
     """
     listed = set(tokens)
     fits = [path for path, known in skeletons.items() if listed <= known or listed >= known]
-    found = nearest(animation, fits) if listed else []
-    return [] if any(_decided(stage, path, animation) for path in found) else found
+    return nearest(animation, fits) if listed else []
 
 
 def nearest(animation: str, skeletons: Iterable[str]) -> list[str]:
@@ -45,10 +45,13 @@ def nearest(animation: str, skeletons: Iterable[str]) -> list[str]:
     return [path for path, shared in near.items() if shared == most]
 
 
-def _decided(stage: Any, skeleton: str, animation: str) -> bool:
-    """Whether another variant binds an animation, or gives it other values."""
-    if any(path.GetPrimPath() == animation for path in deciding_sets(stage, skeleton, [animation])):
-        return True
+def decided(stage: Any, skeleton: str, animation: str) -> bool:
+    """Whether variants give an animation that nothing plays values of their own."""
+    return any(path.GetPrimPath() == animation for path in deciding_sets(stage, skeleton, [animation]))
+
+
+def bound_elsewhere(stage: Any, skeleton: str, animation: str) -> bool:
+    """Whether another variant binds an animation."""
     try:
         states = SkeletonVariants(stage, skeleton, animation).states
     except FileError:  # too many to look through: an edit says so
@@ -57,10 +60,13 @@ def _decided(stage: Any, skeleton: str, animation: str) -> bool:
     return any(animation in state.shown.get(bound, ()) for state in states)
 
 
-def of_other_variants(stage: Any, instances: SharedInstances, told: Set[str]) -> dict[str, str]:
-    """The animations of unselected variants that no Skeleton plays there, and which variants, in words.
+def of_other_variants(
+    stage: Any, instances: SharedInstances, told: Set[str], joints: Mapping[str, Set[str]]
+) -> dict[str, tuple[str, list[str]]]:
+    """The animations of unselected variants that no Skeleton plays there: in which variants, in words, and
+    the Skeletons that are there and have their joints.
 
-    told: those that need no look.
+    told: those that need no look. joints: those of the Skeletons.
     """
     known: set[Any] = set()
     shown = []
@@ -71,7 +77,7 @@ def of_other_variants(stage: Any, instances: SharedInstances, told: Set[str]) ->
             shown.append(str(prim.GetPath()))
         known |= specs
     skeletons = list(chain.from_iterable(instances.skeletons.values()))
-    found: dict[str, str] = {}
+    found: dict[str, tuple[str, list[str]]] = {}
     for chosen, trial in each_choice(stage, shown, _may_play) if shown else ():
         below = Usd.PrimRange.Stage(trial, Usd.TraverseInstanceProxies())
         kinds = [(prim.GetTypeName(), prim) for prim in below if chosen]
@@ -85,7 +91,10 @@ def of_other_variants(stage: Any, instances: SharedInstances, told: Set[str]) ->
             for path in paths
             if _opinions(trial.GetPrimAtPath(path)) != _opinions(stage.GetPrimAtPath(path))
         }
-        found |= dict.fromkeys(sorted(here - played - told - found.keys()), in_words(chosen))
+        there = {path: known for path, known in joints.items() if trial.GetPrimAtPath(path)}
+        for path in sorted(here - played - told - found.keys()):
+            tokens = tokens_of(trial.GetPrimAtPath(path), "joints")
+            found[path] = (in_words(chosen), fitting(path, tokens, there))
     return found
 
 

@@ -27,7 +27,7 @@ from rigtri.formats.usd.reading.animation_reader import (
     interpolation_of,
     read_animation,
 )
-from rigtri.formats.usd.reading.loose_animations import of_other_variants, owners
+from rigtri.formats.usd.reading.loose_animations import bound_elsewhere, decided, fitting, of_other_variants
 from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, read_skeleton
@@ -52,15 +52,15 @@ from rigtri.text import and_more
 
 
 def read_source(
-    path: Path, options: ReadOptions, stage: Any, warnings: Sequence[Notice] = (), *, played: bool = False
+    path: Path, options: ReadOptions, stage: Any, warnings: Sequence[Notice] = (), *, one_state: bool = False
 ) -> Source:
     """Read the rig of a file. FileError where UsdSkel's rules are broken or there is no skeleton.
 
-    warnings: what was noticed when the stage was opened. played: read only the animations that are bound, as
-    another variant than the selected one may have none.
+    warnings: what was noticed when the stage was opened. one_state: variants that are not selected are read
+    by themselves.
     """
     with quiet(f"{path}: USD cannot read it"):
-        return _Reader(path, stage, options, list(warnings), played=played).read()
+        return _Reader(path, stage, options, list(warnings), one_state=one_state).read()
 
 
 # What is said of animations that no skeleton plays.
@@ -83,10 +83,10 @@ class _Reader:
     """One pass over a stage."""
 
     def __init__(
-        self, path: Path, stage: Any, options: ReadOptions, warnings: list[Notice], *, played: bool
+        self, path: Path, stage: Any, options: ReadOptions, warnings: list[Notice], *, one_state: bool
     ) -> None:
         self.path, self.stage, self.options, self.warnings = path, stage, options, warnings
-        self.played = played
+        self.one_state = one_state
         self.instances = SharedInstances(stage)
         self.nodes = Nodes(stage, self.instances, self.warnings)
         self.skeletons: dict[str, Skeleton] = {}
@@ -219,7 +219,7 @@ class _Reader:
 
     def _animations_of(self, skeleton: str) -> list[Any]:
         """The SkelAnimation prims that drive a skeleton in any instance that it stands for."""
-        prims, demanded = self.instances.skeletons[skeleton], not self.played
+        prims, demanded = self.instances.skeletons[skeleton], not self.one_state
         bound = (bound_animation(prim, self.warnings, demanded=demanded) for prim in prims)
         paths = {self.instances.stands_for(prim.GetPath()): None for prim in bound if prim is not None}
         return [self.stage.GetPrimAtPath(path) for path in paths]
@@ -252,7 +252,7 @@ class _Reader:
             if animation is not None:
                 self.animations[path] = animation
         loose = [p for p in others if p.GetTypeName() == "SkelAnimation" and str(p.GetPath()) not in bound]
-        if self.skeletons and not self.played:
+        if self.skeletons:
             self._unbound(loose)
 
     def _unbound(self, prims: Sequence[Any]) -> None:
@@ -267,16 +267,28 @@ class _Reader:
             except FileError:  # nobody plays it
                 animation = None
             tokens = animation.tokens if animation is not None else ()
-            users = owners(self.stage, path, tokens, known)
+            users = fitting(path, tokens, known)
+            if not self.one_state and any(bound_elsewhere(self.stage, user, path) for user in users):
+                users = []  # it is edited with the Skeleton of the variant that binds it
             (joined if users else left).append(f"<{path}>")
             if users and animation is not None:
                 self.animations[path] = replace(animation, idle=True)
             for user in users:
                 skeleton = self.skeletons[user]
-                self.skeletons[user] = replace(skeleton, unbound=(*skeleton.unbound, path))
+                varied = (path,) if decided(self.stage, user, path) else ()
+                self.skeletons[user] = replace(
+                    skeleton, unbound=(*skeleton.unbound, path), decided=(*skeleton.decided, *varied)
+                )
         told = {str(prim.GetPath()) for prim in prims}
-        others = of_other_variants(self.stage, self.instances, told)
-        shown = [f"<{path}> ({where})" for path, where in others.items()]
+        if self.one_state:
+            return
+        others = of_other_variants(self.stage, self.instances, told, known)
+        shown = [f"<{path}> ({where})" for path, (where, users) in others.items() if not users]
+        joined += [f"<{path}> ({where})" for path, (where, users) in others.items() if users]
+        for path, (_, users) in others.items():
+            for user in users:
+                skeleton = self.skeletons[user]
+                self.skeletons[user] = replace(skeleton, decided=(*skeleton.decided, path))
         for text, found in ((_IDLE, joined), (_OF_NONE, left), (_OF_VARIANTS, shown)):
             if found:
                 self.warnings.append(Notice("unbound-animation", text.format(and_more(found, 3))))

@@ -37,7 +37,8 @@ class Skeleton:
 
     locked: why it cannot be edited, "" where it can; a clip library may lack what that needs.
     animations: the paths of the SkelAnimations that are bound to it, several where instances share it.
-    unbound: of those that move its joints as well, though nothing plays them (`loose_animations`).
+    unbound: of those that move its joints as well, though nothing plays them (`loose_animations`); decided:
+    of these the ones that variants decide, and those of variants that are not selected.
     scattered: no pose of the joints shows all its meshes as they are without skinning. unskinned: and UsdSkel
     shows them so, for it has no pose.
     """
@@ -53,6 +54,12 @@ class Skeleton:
     scattered: bool = False
     unskinned: bool = False
     unbound: tuple[str, ...] = ()
+    decided: tuple[str, ...] = ()
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """Those of its animations that may be others in other variants."""
+        return tuple(dict.fromkeys((*self.animations, *self.decided)))
 
     @property
     def every_animation(self) -> tuple[str, ...]:
