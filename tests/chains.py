@@ -4,9 +4,10 @@
 
 prints the chains that end with another motion, each shortened to the steps that it takes, and how many
 steps were refused. A chain is made of a seed: what is built (`carried.THINGS`, and constraints of any kind
-between any joints, controls and other nodes), keys of some controls, and some of `STEPS`: `carried.EDITS`, which has
-an entry for each operation, and `convert` and back. What moves on purpose is not compared: the other side that
-mirror makes, what a constraint moves, and what that moves. Of two characters a step may edit one alone.
+between any joints, controls and other nodes), keys of some controls, and some of `STEPS`, which are the
+edits of `carried.EDITS`, an entry for each operation, and `convert` and back. What moves on purpose is not
+compared: the other side that mirror makes, what a constraint moves, and what follows these. Of two
+characters a step may edit one alone.
 """
 
 from __future__ import annotations
