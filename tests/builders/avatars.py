@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from gltf_files import Builder
 
+from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 
@@ -144,7 +145,7 @@ def _figure(axes: Mapping[str, Floats], random: np.random.Generator) -> Builder:
         above, origin = world[parent] if parent else (np.eye(3), np.zeros(3))
         rows, position = world[name]
         local = {"translation": _portable((position - origin) @ above.T).tolist()}
-        turn = _portable(_quaternion_of(rows @ above.T))
+        turn = unit(_portable(_quaternion_of(rows @ above.T)))
         nodes.append({"name": name} | local | ({"rotation": turn.tolist()} if abs(turn[3]) < 1 else {}))
     for child, (parent, _) in JOINTS.items():
         if parent:
