@@ -104,14 +104,15 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "error",
         "A bone that the engine's humanoid must have is not there.",
         "Unity, HumanTrait.RequiredBone; VRMC_vrm 1.0, humanoid.md",
-        "See what is found with rigtri recognise --joints; name joints with rigtri rename-joints --name.",
+        "See what is found with rigtri recognise --joints; name joints with rigtri rename-joints --name "
+        "JOINT=NAME.",
     ),
     (
         "unsure",
         "info",
         "A limb is not surely recognised, so neither its bones nor its pose are looked at.",
         "rigtri's own choice",
-        "See why with rigtri recognise; name its joints with rigtri rename-joints --name.",
+        "See why with rigtri recognise; name its joints with rigtri rename-joints --name JOINT=NAME.",
     ),
     (
         "scale",
@@ -133,7 +134,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "warning",
         "The character does not face as its format has it: engines take that for ahead.",
         "glTF 2.0, 3.4 Coordinate System and Units (the front faces +z); VRMC_vrm 1.0, tpose.md",
-        "Turn it in a DCC. With rigtri conform it shares clips, which then turn it ahead.",
+        "Turn it in a DCC. With rigtri conform --to unity it shares clips, which then turn it ahead.",
     ),
     (
         "hierarchy",
@@ -161,7 +162,8 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "info",
         "A skin has more joints than a vertex shader is sure to hold as uniforms.",
         "WebGL 2.0, MAX_VERTEX_UNIFORM_VECTORS",
-        "Take some out with rigtri prune-joints or merge-joints, or use a bone texture.",
+        "Take some out with rigtri prune-joints or rigtri merge-joints --max-joints 64, or use a bone "
+        "texture.",
     ),
     (
         "names",
