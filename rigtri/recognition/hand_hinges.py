@@ -27,6 +27,8 @@ CURLED = radians_below(20)
 THUMB_BENT = radians_below(10)
 # Of fingers whose own hinges agree to this part the common one counts.
 AGREEMENT = 0.7
+# No finger bends more than 60° aside of the line of the knuckles (a cosine): what looks so is noise.
+ASIDE = cosine_below(60)
 # Hands whose fingers, or thumbs, bend alike within this (radians) are two sides of one body in one pose.
 SIMILAR_BEND = radians_below(10)
 # A thumb points by more than this to the side of the fingers (a cosine).
@@ -191,7 +193,8 @@ class _PosedHand:
         """About which axis the hand closes; None where nothing shows it."""
         across, natural = self._across, self.natural
         known = across is not None and self.is_left is not None and (self._is_apart or not self.guessed)
-        if curl.bend > CURLED and curl.agreement > AGREEMENT:
+        aside = known and not self.guessed and abs(self.curl.closes) < ASIDE
+        if curl.bend > CURLED and curl.agreement > AGREEMENT and not aside:
             # Knuckles may be bent back more than fingers are bent, and a hand closes all the same.
             turned = known and not self.guessed and curl.closes < -BEYOND_SQUARE
             return Hinge("plane of the bent fingers", -curl.hinge if turned else curl.hinge)

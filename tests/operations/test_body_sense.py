@@ -292,6 +292,20 @@ def test_a_knee_that_bends_aside_above_a_foot_that_points_ahead_bends_forward(as
     assert abs(hinge_axes(orient_joints(replace(rig, translation=moved), pose="nodes"), "+y")[knee][2]) > 0.9
 
 
+def test_fingers_that_look_bent_aside_close_towards_the_palm() -> None:
+    """No finger bends along the line of the knuckles; before, noise of 4 mm turned a hand by 82°."""
+    body = posed_body(Pose(arms=70.0))
+    rig, moved = body.rig, body.rig.translation.copy()
+    first, last = (rig.world[body.parts[f"right {finger} 1"], 3, :3] for finger in ("index", "little"))
+    step = 0.015 * (last - first) / np.linalg.norm(last - first)
+    for finger in ("index", "middle", "ring", "little"):
+        tip, parent = (body.parts[f"right {finger} {k}"] for k in (3, 2))
+        moved[tip] += np.linalg.solve(rig.world[parent, :3, :3].T, step)
+    axes = hinge_axes(orient_joints(replace(rig, translation=moved), pose="nodes"), "+y")
+    for part in ("right hand", "right index 1", "right little 1"):
+        assert axes[body.parts[part]] @ body.hinges[body.parts[part]] > 0.9
+
+
 def orient_reported(rig: Rig, report: Report) -> Rig:
     return orient_joints(rig, report=report)
 
