@@ -172,10 +172,14 @@ def sharpest_of(tree: Tree, poses: Poses) -> list[float]:
     """
     if not len(poses.moving):
         return []
-    above = np.array(tree.above, dtype=np.int64)
-    along = normalise(poses.moving - poses.moving[:, above])
-    sharpest: list[float] = finite(dot(along, along[:, above]), 1.0).min(axis=0).tolist()
-    return sharpest
+    # Of a crowd each character has a tree: what the others do is not looked at.
+    nodes = np.array(tree.nodes, dtype=np.int64)
+    above, row = np.array(tree.above, dtype=np.int64), np.zeros(len(tree.above), dtype=np.int64)
+    row[nodes] = np.arange(len(nodes))
+    along = normalise(poses.moving[:, nodes] - poses.moving[:, above[nodes]])
+    sharpest = np.ones(len(above))
+    sharpest[nodes] = finite(dot(along, along[:, row[above[nodes]]]), 1.0).min(axis=0)
+    return sharpest.tolist()
 
 
 def triple_of(

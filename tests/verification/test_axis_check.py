@@ -18,9 +18,12 @@ from rigtri import mirror, orient_joints
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
+from rigtri.maths.vectors import normalise
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS
-from rigtri.verification.checks import check
+from rigtri.recognition import limb_triples
+from rigtri.recognition.limbs import recognise as recognised
+from rigtri.verification.checks import axis_check, check
 from rigtri.verification.checks.axis_check import axis_findings
 
 
@@ -213,3 +216,43 @@ def test_a_trunk_that_is_rolled_as_a_whole_is_named_once(preset: str) -> None:
     ((rule, node, text),) = axis_findings(reframe(rig, delta))
     assert (rule, node) == ("axes.trunk", body.parts["spine"])
     assert text.startswith("is rolled with all of the trunk: it bends about ")
+
+
+def test_limbs_are_recognised_once_and_looked_at_in_their_own_character(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    one = read(SAMPLES / "biped.glb").rig
+    rig = copies(one, 3)
+    seen: list[Any] = []
+    monkeypatch.setattr(axis_check, "recognised", lambda rig: seen.append(rig) or recognised(rig))
+    wide: list[int] = []
+
+    def counted(array: Any) -> Any:
+        wide.append(array.shape[1])
+        return normalise(array)
+
+    monkeypatch.setattr(limb_triples, "normalise", counted)
+    rules(rig)
+    assert len(seen) == 1
+    assert wide
+    assert max(wide) <= len(one)
+
+
+def copies(rig: Rig, count: int) -> Rig:
+    """So many characters as this one in one rig; the first has the clips."""
+    many = (f"{name}.{k}" for k in range(count) for name in rig.names)
+    parents = [np.where(rig.parents < 0, -1, rig.parents + k * len(rig)) for k in range(count)]
+    parts = ("translation", "rotation", "scale", "matrix", "has_matrix")
+    return replace(
+        rig,
+        names=tuple(many),
+        parents=np.concatenate(parents),
+        **{part: np.concatenate([getattr(rig, part)] * count) for part in parts},
+        attachment=np.full(count * len(rig), -1),
+        keys=tuple(range(count * len(rig))),
+        labels=tuple(f"#{k}" for k in range(count * len(rig))),
+        metadata={},
+        skins=tuple(
+            replace(skin, joints=skin.joints + k * len(rig)) for k in range(count) for skin in rig.skins
+        ),
+    )

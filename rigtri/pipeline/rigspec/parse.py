@@ -15,6 +15,7 @@ from rigtri.pipeline.rigspec.positions import MOST_DEEP, TOO_MUCH, Spot, Spots, 
 
 if TYPE_CHECKING:
     from ruamel.yaml import YAML
+    from ruamel.yaml.composer import Composer
 
 # A spec is written by hand or by a script; whatever is larger is none.
 MOST_BYTES = 1 << 20
@@ -124,7 +125,7 @@ def yaml_values(file: str, text: str) -> tuple[Any, Spot]:
         raise SpecError([Fault(Place(file, 1, 1), "", f"not valid YAML: {_first_line(error)}")]) from error
 
 
-def _bounded(file: str, text: str) -> type:
+def _bounded(file: str, text: str) -> type[Composer]:
     """Puts a document together, and refuses one that is too large or too deep while it is read."""
     from ruamel.yaml.composer import Composer
 

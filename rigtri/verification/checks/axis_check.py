@@ -77,19 +77,20 @@ def axis_findings(rig: Rig) -> Iterator[Found]:
     if not characters or not rig.is_joint.any() or not np.isfinite(rig.world).all():
         return
     tree = skeleton(rig)
-    ref = reference(tree, None)
+    ref, limbs = reference(tree, None), recognised(rig)
     for character in characters:
         known = bodies(rig, [character], ref.world, None)
-        seen = _Seen(tree, character, known[0] if known else None, ref.world, ref.other)
+        seen = _Seen(tree, character, known[0] if known else None, ref.world, ref.other, limbs)
         if not seen.parallel:
             yield from seen.findings()
         if character.form == "biped":
-            yield from _poles(rig, character)
+            yield from _poles(rig, character, limbs)
 
 
 @dataclass(frozen=True, eq=False)
 class _Seen:
     """A character in the pose of its axes. world: (n, 4, 4). body: None where nobody knows where it faces.
+    all_limbs: of all characters.
 
     Joints without weight on or below them, which nobody sees, are left out.
     """
@@ -99,6 +100,7 @@ class _Seen:
     body: Body | None
     world: Floats
     other: Floats | None
+    all_limbs: list[Limb]
 
     @property
     def rig(self) -> Rig:
@@ -136,7 +138,7 @@ class _Seen:
     @cached_property
     def bends(self) -> LimbBends:
         known = [] if self.body is None else [self.body]
-        return LimbBends(self.rig, self.world, self.other, recognised(self.rig), known)
+        return LimbBends(self.rig, self.world, self.other, self.all_limbs, known)
 
     @cached_property
     def trunk(self) -> list[int]:
@@ -379,10 +381,10 @@ def _text(axes: set[Signed]) -> str:
     return " or ".join(f"{'-' if s < 0 else '+'}{'xyz'[k]}" for k, s in sorted(axes)) or "none"
 
 
-def _poles(rig: Rig, character: Character) -> Iterator[Found]:
+def _poles(rig: Rig, character: Character, known: list[Limb]) -> Iterator[Found]:
     """Pole vectors that would bend a nearly straight limb against its nature, at rest."""
     joints = {part.joint for part in character.parts}
-    limbs = [limb for limb in recognised(rig) if limb.start in joints]
+    limbs = [limb for limb in known if limb.start in joints]
     poles = [list(_poles_of(rig, limb)) for limb in limbs]
     body = bodies(rig, [character], rig.world, None) if any(poles) else []
     if not body:

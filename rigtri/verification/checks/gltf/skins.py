@@ -15,6 +15,7 @@ from rigtri.verification.checks.gltf.tolerant_reader import Item, View
 def check(view: View) -> None:
     """All skins. Fills ``view.joints``."""
     used = {node.get("skin") for node in view.nodes if type(node.get("skin")) is int}
+    top = _topmost(view)
     for number, skin in enumerate(view.each("skins")):
         joints = skin.indices("joints", "node", "gltf.skin.joint-missing")
         for violation in joint_violations(joints, view.title):
@@ -22,14 +23,14 @@ def check(view: View) -> None:
         present = [joint for joint in joints if joint is not None]
         for joint in present:
             view.joints.setdefault(joint, skin.place)
-        _check_tree(view, skin, present)
+        _check_tree(view, skin, present, top)
         _check_binds(view, skin, joints)
         if number not in used:
             skin.add("gltf.skin.unused", "no node uses it")
 
 
-def _check_tree(view: View, skin: Item, joints: list[int]) -> None:
-    top = _topmost(view)
+def _check_tree(view: View, skin: Item, joints: list[int], top: list[int]) -> None:
+    """top: the root of each node's tree."""
     roots = sorted({top[joint] for joint in joints})
     if len(roots) > 1:
         text = f"its joints are in {len(roots)} hierarchies, below {and_more(view.titles(roots))}"
