@@ -12,6 +12,7 @@ from rigtri.evaluation.active_controls import NOTHING, joints_of, posed_in
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.key_reduction import is_reduction_of, reduce_keys
+from rigtri.evaluation.old_rest import with_old_rest
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.sampling import key_times, sample
 from rigtri.evaluation.timelines import SAME_VALUE, Timeline, as_float32, put_tracks, timelines
@@ -53,7 +54,7 @@ def with_rest_held(rig: Rig, before: Rig, nodes: Collection[int], chosen: Sequen
 
     There `reduced_tracks` has left out what is at rest, and joints that IK moves turn alone. Timelines that
     were not ``chosen`` look as before, but for joints whose controls stay posed there: a bake of them would
-    move these joints to their new rest.
+    move these joints to their new rest. So do clips that nothing plays yet.
     """
     baked = {timeline.members for timeline in chosen}
     was, now = PoseCache(before), PoseCache(rig)
@@ -72,7 +73,8 @@ def with_rest_held(rig: Rig, before: Rig, nodes: Collection[int], chosen: Sequen
             if t.node not in posed and timeline.track(t.node, t.path) is None
         ]
         rig = put_tracks(rig, timeline, fresh) if len(start) else rig
-    return rig
+    idle = (with_old_rest(clip, before, rig, nodes) if clip.idle else clip for clip in rig.clips)
+    return replace(rig, clips=tuple(idle))
 
 
 def posed_ends(rig: Rig, timeline: Timeline, limbs: Sequence[Ik], keyed: Iterable[Track]) -> list[Track]:

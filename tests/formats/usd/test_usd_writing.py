@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from usd_files import (
     write,
 )
 
+import rigtri
 from rigtri.errors import FileError, UsageError
 from rigtri.formats.usd.opinions.skin_influences import WEIGHTS
 from rigtri.frames.reframe import reframe
@@ -287,6 +289,28 @@ def test_animations_that_nobody_plays_get_the_new_axes_too(tmp_path: Path) -> No
         )
         stage.Save()
     assert deviation(source, out) < 1e-6
+
+
+def test_a_bake_that_moves_joints_at_rest_leaves_them_in_animations_that_nobody_plays(tmp_path: Path) -> None:
+    still = {
+        "joints": 'uniform token[] joints = ["a"]',
+        "translations": "float3[] translations.timeSamples = { 1: [(0, 0, 0)], 5: [(0, 1, 0)] }",
+        "rotations": "quatf[] rotations = [(0.6, 0.8, 0, 0)]",
+        "scales": "half3[] scales = [(1, 1, 1)]",
+    }
+    source = save(tmp_path, scene(skeleton(), animation(), animation("Run", **still), MESH))
+    rig = rigtri.add_controls(rigtri.read(source), joints=["b"], frame="joint")
+    posed = rig.translation.copy()
+    posed[rig.find("b_ctl")] += [0.0, 0.25, 0.0]
+    out = tmp_path / "out.usda"
+    rigtri.write(rigtri.bake(replace(rig, translation=posed)), out, verify=False)
+    for path in (source, out):
+        stage = Usd.Stage.Open(str(path))
+        UsdSkel.BindingAPI(stage.GetPrimAtPath("/Root/Skel")).GetAnimationSourceRel().SetTargets(
+            ["/Root/Run"]
+        )
+        stage.Save()
+    assert deviation(source, out, at_rest=False) < 1e-6
 
 
 def test_an_animation_of_other_joints_that_nobody_uses_is_left_alone_with_a_notice(tmp_path: Path) -> None:
