@@ -185,7 +185,8 @@ def _warn_unnamed_trunk(rig: Rig, names: Collection[int], report: Report) -> Non
         left = [rig.title(joint) for joint in spine if joint not in names]
         if 0 < len(left) < len(spine):
             text = f"{and_more(left, 6)} of the spine: no new name, for the scheme has fewer joints there. "
-            report.warn("spine-unnamed", text + "Name each with --name JOINT=NAME, or merge them before")
+            mend = f"merge them before: rigtri merge-joints --keep-children --joints {left[0]}"
+            report.warn("spine-unnamed", f"{text}Name each with --name JOINT=NAME, or {mend}")
 
 
 def _bones(rig: Rig) -> list[Part]:

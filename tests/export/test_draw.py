@@ -150,6 +150,15 @@ def test_controls_and_pole_vectors_of_the_file_are_drawn_where_they_stand() -> N
     assert 'style="stroke:#' in draw(rig)
 
 
+def test_sockets_that_are_no_joints_are_drawn_with_their_joints() -> None:
+    """Of glTF; before, only those of USD were, which are joints."""
+    rig = rigtri.add_socket(rigtri.read(SAMPLES / "biped.glb"), name="weapon", on="hand_L", at=(0, 0.1, 0))
+    (dot,) = (mark for mark in seen(rig) if mark.kind == "node")
+    assert dot.name == "weapon"
+    assert np.allclose(dot.points[0], rig.world[rig.find("weapon"), 3, :3])
+    assert not [mark for mark in seen(rig, joints=["head"]) if mark.kind == "node"]
+
+
 def test_pole_vectors_of_joints_without_a_place_are_drawn_where_they_stand() -> None:
     rig = _poles(_controls(read(SAMPLES / "biped.glb").rig, Report()), Report())
     scale = rig.scale.copy()

@@ -84,8 +84,8 @@ CASES: dict[str, tuple[Callable[[Report], object], str]] = {
     ),
     "still-kept": (
         lambda report: _warn_unmerged(ARM, [1, 2], report),
-        "b, c never move against the joints above them, and stay: they or joints below have a mesh, camera "
-        "or light, are sockets, or the file or rigtri's metadata name them",
+        "b, c never move against the joints above them, and stay: they have a mesh, camera or light, or a "
+        "scale that is not uniform, or the file or rigtri's metadata name them or count from them",
     ),
     "still-moving": (
         lambda report: _warn_still_moving(ARM, _moving(ARM, 0, 1, 3), 2, report),
@@ -94,7 +94,7 @@ CASES: dict[str, tuple[Callable[[Report], object], str]] = {
     "spine-unnamed": (
         lambda report: _warn_unnamed_trunk(_biped(), {_biped().find("spine")}, report),
         "chest of the spine: no new name, for the scheme has fewer joints there. Name each with --name "
-        "JOINT=NAME, or merge them before",
+        "JOINT=NAME, or merge them before: rigtri merge-joints --keep-children --joints chest",
     ),
     "clip-lost": (
         _lost_clip,

@@ -27,6 +27,7 @@ from rigtri.model.metadata import ConstraintRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.option_kinds import Selection
+from rigtri.operations.prune_joints import sockets
 from rigtri.recognition.body_hinges import bodies
 from rigtri.recognition.limb_bends import LimbBends
 from rigtri.recognition.limbs import recognise
@@ -114,6 +115,7 @@ def marks(scene: Scene, *, arrows: float = 0.35) -> list[Mark]:
         axes = normalise(scene.world[list(scene.joints), :3, :3])
     for joint, name, own in zip(scene.joints, _names(scene), axes, strict=True):
         found += _joint(scene, joint, name, own, arrows)
+    found += _sockets(scene, arrows)
     return [mark for mark in [*found, *_controls(scene)] if mark.clear]
 
 
@@ -132,14 +134,34 @@ def _joint(scene: Scene, joint: int, name: str, axes: Floats, arrows: float) -> 
     text, reach, size = rig.title(joint), bones.reach(joint), bones.size
     if (miss := bones.misses.get(joint)) is not None:
         text += f": {miss.axis} is {miss.degrees:.1f}° off the bone to {rig.title(miss.child)}"
-    long = min(arrows * reach, _LONG * size)
-    for letter, axis in zip(_LETTERS, axes, strict=True):
-        if arrows > 0 and np.isfinite(axis).all():
-            yield Mark("arrow", letter, np.stack([place, place + axis * long]), address, size=long)
+    yield from _arrows(place, axes, address, min(arrows * reach, _LONG * size))
     dot = _DOT * min(reach, _LONG * size / 0.35)
     kind: Literal["joint", "node"] = "joint" if known else "node"
     crooked = bones.crooked(joint)
     yield Mark("dot", kind, place[np.newaxis], address, name, text, dot, crooked=crooked)
+
+
+def _sockets(scene: Scene, arrows: float) -> Iterator[Mark]:
+    """Nodes below joints that are there to hold something, and hold nothing: in glTF they are no joints."""
+    rig, seen, long = scene.rig, set(scene.joints), _LONG * scene.bones.size
+    bare = np.flatnonzero((rig.attachment < 0) & ~rig.is_joint).tolist()
+    bare = [node for node in bare if rig.parents[node] in seen and not rig.children[node]]
+    for node in sorted(sockets(rig).intersection(bare) - rig.own) if bare and rig.is_joint.any() else ():
+        above, place, address = int(rig.parents[node]), scene.places[node], rig.address(node)
+        reach = scene.bones.reach(above)
+        yield Mark("line", "link", scene.places[[above, node]], rig.address(above))
+        with np.errstate(invalid="ignore"):
+            axes = normalise(scene.world[node, :3, :3])
+        yield from _arrows(place, axes, address, min(arrows * reach, long))
+        dot = _DOT * min(reach, long / 0.35)
+        yield Mark("dot", "node", place[np.newaxis], address, rig.names[node], rig.title(node), dot)
+
+
+def _arrows(place: Floats, axes: Floats, address: str, long: float) -> Iterator[Mark]:
+    """The arrows of axes, (3, 3), that are so long; an axis without direction has none."""
+    for letter, axis in zip(_LETTERS, axes, strict=True):
+        if long > 0 and np.isfinite(axis).all():
+            yield Mark("arrow", letter, np.stack([place, place + axis * long]), address, size=long)
 
 
 def _bones(scene: Scene) -> Iterator[Mark]:
