@@ -72,7 +72,7 @@ def _foot(draft: Draft, leg: Found) -> None:
 
 def _is_other(draft: Draft, node: int) -> bool:
     """Whether a name says that a joint is neither finger nor toe."""
-    return bool(BESIDE.intersection(roles_in_name(draft.tree.rig.names[node])))
+    return not BESIDE.isdisjoint(draft.poses.roles_of(node))
 
 
 def _hand(draft: Draft, arm: Found) -> None:

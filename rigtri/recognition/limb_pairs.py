@@ -20,7 +20,7 @@ from rigtri.recognition.limb_triples import (
     triple_of,
 )
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords, Place
-from rigtri.recognition.naming_schemes import NO_LIMB, roles_in_name
+from rigtri.recognition.naming_schemes import NO_LIMB
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair
 
@@ -127,10 +127,8 @@ def _kind_of(
     kind = kinds.pop() if len(kinds) == 1 else ""
     for *bones, end in (limbs.joints(0), limbs.joints(1)):
         armed = kind and len(bones) == 2 and poses.moves_points(end)
-        roles = {role for joint in bones for role in roles_in_name(tree.rig.names[joint])}
-        roles |= {role for role in roles_in_name(tree.rig.names[end]) if not (armed and role == "attachment")}
-        if "control" in roles and poses.weighed.issuperset(bones):
-            roles.discard("control")
+        roles = {role for joint in bones for role in poses.roles_of(joint)}
+        roles |= {role for role in poses.roles_of(end) if not (armed and role == "attachment")}
         if NO_LIMB & roles:
             return "other"
     return "other" if any(word.trunk for word in words) else kind

@@ -20,6 +20,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import PoseName
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.symmetry import Pair, Plane, pairs_of, plane_of
 
 # Moments that are looked at: so many clips, the longest first, at these parts of their keys.
@@ -118,6 +119,11 @@ class Poses:
         """The joints that move points, of skins whose weights can be read."""
         skins = [skin for skin in self.rig.skins if skin.weigh]
         return frozenset(k for skin in skins for k in skin.joints[skin.weighted].tolist())
+
+    def roles_of(self, node: int) -> frozenset[str]:
+        """The roles that a joint's name says; what moves points is no control, however it is called."""
+        roles = frozenset(roles_in_name(self.rig.names[node]))
+        return roles - {"control"} if "control" in roles and node in self.weighed else roles
 
     def moves_points(self, node: int) -> bool:
         """Whether a joint has weight of any point. It reads the weights of all meshes when first called."""

@@ -206,7 +206,7 @@ def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
         for child in tree.below[over]:
             if child in taken or any(tree.is_below(k, child) for k in taken):
                 continue
-            if _NOT_BODY.intersection(roles_in_name(tree.rig.names[child])) or _is_of_limb(draft, child):
+            if _NOT_BODY.intersection(draft.poses.roles_of(child)) or _is_of_limb(draft, child):
                 continue
             # A wing goes as high, but aside.
             away = [tree.at[k] - starts for k in tree.branch(child)]
