@@ -19,8 +19,10 @@ HEAD = """# How much is recognised
 
 The right answer for every character here is in the repository, written by hand
 (`tests/builders/recognition_bodies/truth`) or by the script that makes the character. A limb is right
-if its start, middle and end joint, its kind and its side are. It is surely wrong if it is not right,
-and sure enough for commands to use it. "Without names" are the same rigs with their names removed: then
+if its start, middle and end joint, its kind and its side are, and it is reported at 0.5 or more, sure or
+not: what is not sure is shown, and commands ask for it by name. It is surely wrong if it is not right,
+and sure enough for commands to use it, at 0.75. Limbs are arms, legs, wings and tails; trunk, fingers
+and feet count by themselves. "Without names" are the same rigs with their names removed: then
 four legs of two joints look like the suspension of a car, and a wing like an arm. What nothing in the
 file shows should be missed or unsure, and not guessed.
 
@@ -33,7 +35,8 @@ SEEDS = """
 `tests/builders/recognition_bodies/population.py` makes people, animals, machines and things in random
 proportions, poses, units, axes and names, half of them with clips, and says what is true of them. The
 first set is for development; the second, with other words, is held out.
-Either reading of a leg with a hock is right. Of things nothing may be sure.
+Either reading of a leg with a hock is right. Of things nothing may be sure. Here limbs are arms and
+legs, and without names a side counts only where something shows where the body looks.
 """
 
 

@@ -7,7 +7,7 @@ with what its rigs have besides bones: twist joints, IK targets, ends.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from recognition_bodies.bodies import FINGERS, SIDES, Body, Extra, build, standing
 
@@ -334,6 +334,155 @@ def maya() -> Scheme:
     )
 
 
+def _parted(scheme: Scheme, name: Callable[[str, int], str], parts: int) -> Scheme:
+    """A scheme with so many joints within each bone of a limb. name: of one, by the bone's and its number."""
+    extras = list(scheme.extras)
+    for side, _ in SIDES:
+        for upper, lower in ((_ARM[1], _ARM[2]), (_ARM[2], _ARM[3]), (_LEG[0], _LEG[1]), (_LEG[1], _LEG[2])):
+            for k in range(parts):
+                extra = Extra(name(scheme.calls[side + upper], k), side + upper, side + lower, "twist")
+                extras.append(replace(extra, share=(k + 1) / (parts + 1), inside=True))
+    return replace(scheme, extras=tuple(extras))
+
+
+def arkit() -> Scheme:
+    """The skeleton of a tracked body. Source: Apple, ARSkeletonDefinition."""
+    calls = _calls(
+        "hips spine_1 spine_4 spine_7 neck_1 head",
+        "shoulder_1 arm forearm hand",
+        "upLeg leg foot toes",
+        lambda side, name: f"{side}_{name}",
+        lambda number, joint: f"hand{('Thumb', 'Index', 'Mid', 'Ring', 'Pinky')[number]}_{joint + 1}",
+    )
+    return Scheme({bone: f"{name}_joint" for bone, name in calls.items()}, "root")
+
+
+def xsens() -> Scheme:
+    """Segments of MVN, whose spine is called after vertebrae."""
+    return Scheme(
+        _calls(
+            "Pelvis L5 L3 T8 Neck Head",
+            "Shoulder UpperArm ForeArm Hand",
+            "UpperLeg LowerLeg Foot Toe",
+            lambda side, name: side.title() + name,
+        )
+    )
+
+
+def acclaim() -> Scheme:
+    """Motion capture in files .asf, as the first large library of clips has it (CMU)."""
+    return Scheme(
+        _calls(
+            "root lowerback upperback thorax lowerneck head",
+            "clavicle humerus radius wrist",
+            "femur tibia foot toes",
+            lambda side, name: side[0] + name,
+        )
+    )
+
+
+def second_life() -> Scheme:
+    return Scheme(
+        _calls(
+            "mPelvis mSpine2 mTorso mChest mNeck mHead",
+            "Collar Shoulder Elbow Wrist",
+            "Hip Knee Ankle Foot",
+            lambda side, name: f"m{name}{side.title()}",
+            lambda number, joint: f"Hand{('Thumb', 'Index', 'Middle', 'Ring', 'Pinky')[number]}{joint + 1}",
+        )
+    )
+
+
+def kinect() -> Scheme:
+    return Scheme(
+        _calls(
+            "SpineBase SpineMid SpineShoulder - Neck Head",
+            "- Shoulder Elbow Wrist",
+            "Hip Knee Ankle Foot",
+            lambda side, name: name + side.title(),
+        )
+    )
+
+
+def source_2() -> Scheme:
+    return Scheme(
+        _calls(
+            "pelvis spine_0 spine_1 spine_2 neck_0 head_0",
+            "clavicle arm_upper arm_lower hand",
+            "leg_upper leg_lower ankle ball",
+            lambda side, name: f"{name}_{side[0]}",
+            lambda number, joint: f"finger_{('thumb', 'index', 'middle', 'ring', 'pinky')[number]}_{joint}",
+        )
+    )
+
+
+def cat() -> Scheme:
+    """The Character Animation Toolkit of 3ds Max, where legs are counted and arms are not."""
+    calls = _calls(
+        "Pelvis Spine1 Spine2 Ribcage Neck Head",
+        "ArmCollarbone UpperArm ForeArm ArmPalm",
+        "Leg1 Leg2 LegAnkle LegDigit11",
+        lambda side, name: side[0].upper() + name,
+        lambda number, joint: f"ArmDigit{number + 1}{joint + 1}",
+    )
+    return Scheme({bone: f"Character001{name}" for bone, name in calls.items()})
+
+
+def mgear() -> Scheme:
+    """Limbs in segments that are counted through to their end."""
+    calls = _calls(
+        "spine_C0_0 spine_C0_1 spine_C0_2 spine_C0_3 neck_C0_0 neck_C0_head",
+        "shoulder_{s}0_shoulder arm_{s}0_0 arm_{s}0_3 arm_{s}0_end",
+        "leg_{s}0_0 leg_{s}0_3 leg_{s}0_end foot_{s}0_0",
+        lambda side, name: name.format(s=side[0].upper()),
+        lambda number, joint: f"{f'finger_{{s}}{number - 1}' if number else 'thumb_{s}0'}_{joint}",
+    )
+    whole = Scheme({bone: f"{name}_jnt" for bone, name in calls.items()}, "local_C0_0_jnt")
+
+    def within(bone: str, part: int) -> str:
+        limb, number, end = bone.rsplit("_", 2)
+        return f"{limb}_{int(number) + part + 1}_{end}"
+
+    return _parted(whole, within, 2)
+
+
+def auto_rig_pro() -> Scheme:
+    """Upper bones begin with a twist joint, lower ones end in one."""
+    calls = _calls(
+        "root.x spine_01.x spine_02.x spine_03.x neck.x head.x",
+        "shoulder c_arm_twist forearm_stretch hand",
+        "thigh_twist leg_stretch foot toes_01",
+        lambda side, name: f"{name}.{side[0]}",
+        lambda number, joint: f"{('thumb', 'index', 'middle', 'ring', 'pinky')[number]}{joint + 1}",
+    )
+    other = {"twist": "stretch", "stretch": "twist"}
+
+    def within(bone: str, _: int) -> str:
+        name, part = bone.removeprefix("c_").rsplit("_", 1)
+        return f"{name}_{other[part[:-2]]}{part[-2:]}"
+
+    return _parted(Scheme(calls), within, 1)
+
+
+def sketchfab() -> Scheme:
+    """Rigify's deforming bones with a number behind each, as that site writes glTF."""
+    plain = rigify()
+    calls = {bone: f"{name}_{number:02}" for number, (bone, name) in enumerate(plain.calls.items())}
+    extras = tuple(replace(k, name=f"{k.name}_{number + 70:02}") for number, k in enumerate(plain.extras))
+    return replace(plain, calls=calls, extras=extras)
+
+
+def controls() -> Scheme:
+    """Joints that are all called controls."""
+    calls = _calls(
+        "Hips FK_Spine1 FK_Spine2 FK_Spine3 Neck Head",
+        "Clavicle FK_UpperArm FK_ForeArm FK_Hand",
+        "FK_Thigh FK_Shin FK_Foot FK_Toe",
+        lambda side, name: f"{name}_{side[0].upper()}",
+    )
+    return Scheme({bone: f"CTRL_{name}" for bone, name in calls.items()}, "CTRL_Root")
+
+
 def numbered() -> Scheme:
     """Nothing but numbers."""
     names = _calls(
@@ -365,6 +514,17 @@ SCHEMES: dict[str, Callable[[], Scheme]] = {
         character_creator,
         advanced_skeleton,
         maya,
+        arkit,
+        xsens,
+        acclaim,
+        second_life,
+        kinect,
+        source_2,
+        cat,
+        mgear,
+        auto_rig_pro,
+        sketchfab,
+        controls,
         numbered,
     )
 }

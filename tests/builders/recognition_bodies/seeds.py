@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from recognition_bodies.measure import Finding
 from recognition_bodies.table import Result
+from rigtri.recognition.layout import CONFIDENT
 
 # Confidences are sorted into bins that begin here; from 0.75 on a limb is acted upon.
 _BINS = (0.5, 0.6, 0.75, 0.85, 0.95, 1.0)
@@ -27,6 +28,13 @@ def share(findings: Sequence[Finding]) -> float:
     """Which part of the arms and legs that are there is right."""
     there = [one for one in findings if _is_limb(one)]
     return sum(one.outcome == "right" for one in there) / max(1, len(there))
+
+
+def share_sure(findings: Sequence[Finding]) -> float:
+    """Which part of the arms and legs that are there is right and sure, so that commands use it unasked."""
+    there = [one for one in findings if _is_limb(one)]
+    sure = sum(one.outcome == "right" and one.confidence >= CONFIDENT for one in there)
+    return sure / max(1, len(there))
 
 
 def surely_wrong(findings: Iterable[Finding]) -> list[Finding]:
@@ -51,7 +59,7 @@ def _by_kind(found: Sequence[Result]) -> Iterator[str]:
         named, unnamed = map(of_limbs, _ways(own))
         counts = [sum(map(_is_limb, way)) for way in (named, unnamed)]
         shares = (
-            f"{share(way):.1%} of {count}" if count else "–"
+            f"{share(way):.1%} of {count}; {share_sure(way):.0%} sure" if count else "–"
             for way, count in zip((named, unnamed), counts, strict=True)
         )
         wrong = len(surely_wrong([*named, *unnamed]))
