@@ -193,7 +193,7 @@ class _PosedHand:
         """About which axis the hand closes; None where nothing shows it."""
         across, natural = self._across, self.natural
         known = across is not None and self.is_left is not None and (self._is_apart or not self.guessed)
-        aside = known and not self.guessed and abs(self.curl.closes) < ASIDE
+        aside = known and abs(self.curl.closes) < ASIDE
         if curl.bend > CURLED and curl.agreement > AGREEMENT and not aside:
             # Knuckles may be bent back more than fingers are bent, and a hand closes all the same.
             turned = known and not self.guessed and curl.closes < -BEYOND_SQUARE
