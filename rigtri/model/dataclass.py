@@ -90,11 +90,15 @@ def _parameters(cls: Any) -> _Parameters:
 
 def _init(self: Any, *values: Any, **named: Any) -> None:
     order, defaults, required, made, finish = _parameters(self.__class__)
-    own = {**defaults, **dict(zip(order, values, strict=False)), **named}
-    twice = values and not named.keys().isdisjoint(order[: len(values)])
-    if twice or len(values) > len(order) or len(own) > len(defaults):
+    own = defaults | named
+    if values:
+        if len(values) > len(order) or not named.keys().isdisjoint(order[: len(values)]):
+            _refuse_call(self.__class__, values, named)
+        own.update(zip(order, values, strict=False))
+    if len(own) > len(defaults):
         _refuse_call(self.__class__, values, named)
-    for name in required:
+    # Where all are given, as `dataclasses.replace` does, none is missing.
+    for name in required if len(values) + len(named) < len(defaults) else ():
         if own[name] is dataclasses.MISSING:
             _refuse_call(self.__class__, values, named)
     for name, make in made:

@@ -17,7 +17,7 @@ from baked_rigs import with_keyed_controls
 from engines import Shown, blender_scenes, blender_setup, blender_trip
 from gltf_files import glb_bytes, glb_parts
 from pairs import pair
-from places import NO_ASSETS, ROOT, SAMPLES, asset_files, slow
+from places import NO_ASSETS, ROOT, SAMPLES, asset_files, ci, slow
 from program import cli
 from pxr import Usd, UsdGeom
 
@@ -185,7 +185,7 @@ def compared(path: Path, folder: Path, **more: Any) -> tuple[Shown, list[float]]
     return found, off
 
 
-@pytest.mark.parametrize("name", ["biped.glb", pytest.param("biped.usda", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", [ci("biped.glb"), slow("biped.usda")])
 def test_bones_follow_controls_in_blender_as_in_rigtri(
     name: str, rigged: dict[str, Path], tmp_path: Path
 ) -> None:

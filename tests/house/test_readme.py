@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 import pytest
-from places import ROOT
+from places import ROOT, ci
 from program import cli
 
 README = (ROOT / "README.md").read_text("utf-8")
@@ -89,7 +89,7 @@ def test_docs_of_operations_name_each() -> None:
 
 
 @pytest.mark.parametrize(
-    "page", ["pictures.md", "explain.md", "exactness.md", "presets.md", "one-skeleton-pictures.md"]
+    "page", ["pictures.md", "explain.md", "exactness.md", "presets.md", ci("one-skeleton-pictures.md")]
 )
 def test_pictures_of_the_documents_are_what_their_commands_make(
     page: str,

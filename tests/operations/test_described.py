@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from baked_files import keyed_file, rigged_file
-from places import SAMPLES, slow
+from places import SAMPLES, ci, slow
 from program import cli
 from pxr import Usd
 from usd_files import without_notes
@@ -477,8 +477,8 @@ def swivelled(rig: Rig) -> Rig:
     "rule",
     [
         {"child": "hand_L_ik_ctl", "space": ["world", "hips_root_ctl"]},
-        {"child": "head_ctl", "driver": ["prop"]},
-        {"child": "head_ctl", "driver": ["hand_R", "prop"], "type": "point"},
+        ci({"child": "head_ctl", "driver": ["prop"]}),
+        ci({"child": "head_ctl", "driver": ["hand_R", "prop"], "type": "point"}),
         {"child": "head_ctl", "driver": ["prop"], "type": "aim", "world_up": "vector"},
         {"child": "prop", "driver": ["hand_R"]},
     ],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -432,6 +433,7 @@ def test_a_mirrored_constraint_warns_of_weights_that_switch_in_clips(samples: Pa
         assert not [notice.code for notice in second.warnings if "weights" in notice.code]
 
 
+@cache
 def _controlled(samples: Path) -> Rig:
     return add_controls(read(samples / "tpose.glb").rig, whole_character=True)
 

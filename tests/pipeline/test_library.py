@@ -630,6 +630,7 @@ def test_reading_orienting_and_writing_a_glb_needs_numpy_alone(tmp_path: Path) -
     assert rigtri.verify(BIPED, tmp_path / "out.glb").passes()
 
 
+@pytest.mark.ci
 def test_it_runs_in_blenders_python(tmp_path: Path) -> None:
     """The source on sys.path is all that it takes; what bpy has loaded besides does not count."""
     python = os.environ.get("BPY_PYTHON")
