@@ -103,8 +103,8 @@ def _in_spaces(rig: Rig) -> Rig:
 
 def _another(rig: Rig, joint: int) -> str:
     """The last joint of the same skin that is neither above a joint nor below it."""
-    skin = next(skin for skin in rig.skins if joint in skin.joints)
-    apart = [k for k in skin.joints.tolist() if not rig.is_below(k, joint) and not rig.is_below(joint, k)]
+    joints = next((skin.joints.tolist() for skin in rig.skins if joint in skin.joints), [])
+    apart = [k for k in joints if not rig.is_below(k, joint) and not rig.is_below(joint, k)]
     if not apart:
         raise GeometryError("all joints are in one chain")
     return rig.address(apart[-1])
@@ -352,7 +352,9 @@ def _apart(before: Rig, after: Rig, edit: Edit, source: Rig, *, frames: bool = F
         if frames:
             step = before.rules.per_second / FPS
             near = np.abs(times / step - np.round(times / step)) < 1e-3
-            times = times[near | (times == times[0]) | (times == times[-1])]
+            near[[0, -1]] = True
+            near[:-1] &= np.diff(times) > 1e-3 * step  # a key just before a jump is none of a frame
+            times = times[near]
         if not edit.between:
             (driving,) = (each for each, _ in _played(source, source) if each.name == clip.name)
             joints = [t for t in driving.tracks if source.is_joint[t.node] and t.node not in source.own]

@@ -7,10 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pairs import pair
+from places import SAMPLES
 from program import cli
 from rigs import rig_of
 from usd_files import MESH, animation, read, save, scene, skeleton
 
+import rigtri
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import Motion, worlds
 from rigtri.model.animation import Clip
@@ -208,3 +211,17 @@ def test_the_motion_of_one_node_goes_to_none_of_two_siblings_that_have_its_name(
     for rig, other in ((two, one), (one, two)):
         found = pairs(rig, other)
         assert (found.of, found.unclear) == ({0: 0}, ("arm",))
+
+
+def test_a_character_that_is_there_twice_is_left_out_as_a_whole(tmp_path: Path) -> None:
+    """As where a Blender scene has it twice: names do not tell which of the two is meant."""
+    rig, edited = rigtri.read(SAMPLES / "biped.gltf"), rigtri.read(pair(SAMPLES, tmp_path, "gltf"))
+    names = [
+        name if each else f"{name}.001" for name, each in zip(edited.names, edited.is_joint, strict=True)
+    ]
+    second = edited.below(edited.find("B"))
+    names = [name if node in second else edited.names[node] for node, name in enumerate(names)]
+    edited = replace(edited, names=tuple(names))
+    with pytest.raises(GeometryError, match=r"exclude='/B.001/\*'"):
+        take_clips(rig, from_=edited)
+    assert take_clips(rig, from_=edited, exclude=("/B.001/*",)).clips

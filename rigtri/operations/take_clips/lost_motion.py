@@ -60,7 +60,9 @@ def refuse_lost(both: Counterparts, clip: Clip, morphs: MorphPairs) -> None:
         return
     texts = list(dict.fromkeys(lost.values()))
     more = f"; and {len(texts) - 4} more" if len(texts) > 4 else ""
-    first = both.other.address(min(lost))
+    first, several = both.other.address(min(lost)), titles(both.other)
+    if len(several) > len(titles(both.rig)):
+        first = f"{both.other.path(both.other.find(several[-1]))}/*"
     raise GeometryError(
         f"Motion in '{clip.name}' of EDITED would be lost: {'; '.join(texts[:4])}{more}. "
         f"Give what moves the name that it has in RIG, or leave its motion out, e.g. --exclude '{first}'"
