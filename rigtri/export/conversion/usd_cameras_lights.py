@@ -101,6 +101,13 @@ def read_light(prim: Any, scene: Scene) -> Light | None:
         return None
     api = UsdLux.LightAPI(prim)
     red, green, blue = map(float, rest_value(api.GetColorAttr()))
+    if rest_value(api.GetEnableColorTemperatureAttr()):
+        kelvin = float(rest_value(api.GetColorTemperatureAttr()))
+        if np.isfinite(kelvin):  # of what is not finite OpenUSD dies
+            warm = UsdLux.BlackbodyTemperatureAsRgb(kelvin)
+            red, green, blue = red * warm[0], green * warm[1], blue * warm[2]
+        else:
+            scene.lose(f"colour temperature of light '{name}'")
     # glTF's colours end at 1; what is brighter is intensity.
     most = max(red, green, blue, 1.0)
     exposure = float(rest_value(api.GetExposureAttr()) or 0.0)

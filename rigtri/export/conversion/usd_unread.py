@@ -16,7 +16,10 @@ from rigtri.text import and_more
 
 # What is read of prims of each type, by name or by what its name begins with; ``""`` of prims of any type.
 _LENS = "horizontalAperture verticalAperture focalLength clippingRange projection"
-_LIGHT = "inputs:intensity inputs:color inputs:exposure inputs:normalize"
+_LIGHT = (
+    "inputs:intensity inputs:color inputs:exposure inputs:normalize inputs:enableColorTemperature "
+    "inputs:colorTemperature"
+)
 _FACES = "faceVertexCounts faceVertexIndices orientation subdivisionScheme doubleSided subsetFamily:"
 _COAT = "inputs:clearcoat inputs:clearcoatRoughness inputs:ior"
 _BINDING = "material:binding material:binding:"

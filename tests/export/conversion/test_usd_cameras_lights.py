@@ -159,6 +159,26 @@ def test_colours_above_1_are_intensity_and_a_sphere_that_is_not_normalised_has_i
     assert scene.lost == ["exposure of light 'Lamp'"]
 
 
+def test_a_temperature_gives_a_light_its_colour_where_it_is_enabled(scene: Scene) -> None:
+    prim = UsdLux.DistantLight.Define(stage(), "/l")
+    prim.CreateIntensityAttr(2.0)
+    prim.CreateColorAttr(Gf.Vec3f(0.5, 1.0, 1.0))
+    prim.CreateColorTemperatureAttr(3000.0)
+    plain = read_light(prim.GetPrim(), scene)
+    assert plain is not None
+    assert (plain.colour, plain.intensity) == ((0.5, 1.0, 1.0), 2.0)
+    prim.CreateEnableColorTemperatureAttr(True)
+    warm = read_light(prim.GetPrim(), scene)
+    assert warm is not None
+    shown = np.array(warm.colour) * warm.intensity
+    # The black body at 3,000 K of UsdLux, of a luminance of 1.
+    assert_allclose(shown, 2.0 * np.array([0.5 * 1.7710284, 0.84429353, 0.27203175]), rtol=1e-5)
+    assert not scene.lost
+    prim.CreateColorTemperatureAttr(np.nan)
+    assert read_light(prim.GetPrim(), scene) == plain
+    assert scene.lost == ["colour temperature of light 'l'"]
+
+
 def test_a_lamp_is_as_bright_in_whatever_unit_its_stage_is(scene: Scene) -> None:
     for normalise, at_a_metre in ((False, 5.0), (True, 7.0)):
         found = []
