@@ -174,7 +174,7 @@ class LimbBends:
         """
         body = body_of(self.bodies, limb.end)
         foot = None if body is None else body.feet.get(limb.end)
-        if foot is None or not self._is_aside(limb, found, natural):
+        if foot is None or not self._is_aside(limb, found, natural) or not self._is_clear(limb, found):
             return False
         a, _, c = self.world[list(limb.triple), 3, :3]
         foot = normalise(perpendicular(foot, normalise(c - a)))

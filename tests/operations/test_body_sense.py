@@ -276,6 +276,12 @@ def test_a_knee_that_bends_clearly_but_aside_is_reported(aside: float, warned: i
         assert [notice.code for notice in report.warnings].count("bends-aside") == warned
 
 
+def test_a_small_bend_aside_is_no_shape_of_a_leg() -> None:
+    report = Report()
+    orient_reported(knees_aside(0.03, 0.0), report)
+    assert {notice.code for notice in report.warnings if "Leg" in notice.text} == {"bends-otherwise"}
+
+
 @pytest.mark.parametrize("aside", [-0.06, 0.06])
 def test_a_knee_that_bends_aside_above_a_foot_that_points_ahead_bends_forward(aside: float) -> None:
     """Knock knees and bandy legs; legs that are turned out have feet that point out, and are bent so."""
