@@ -91,11 +91,10 @@ class _Follower:
         span = np.diff(times)
         inside = [times[:-1] + share * span for share in _SHARES]
         every = self.twist.rotations(self.motion.locals_at(np.concatenate([times, *inside])))
-        turns, trues = every[: len(times)], every[len(times) :].reshape(len(_SHARES), len(span), 4)
-        off = np.zeros(len(span))
-        for share, true in zip(_SHARES, trues, strict=True):
-            shown = slerp(turns[:-1], turns[1:], np.full(len(span), share))
-            off = np.maximum(off, angle_between(shown, true))
+        turns, trues = every[: len(times)], every[len(times) :]
+        start, end = (np.tile(side, (len(_SHARES), 1)) for side in (turns[:-1], turns[1:]))
+        shown = slerp(start, end, np.repeat(_SHARES, len(span)))
+        off = angle_between(shown, trues).reshape(len(_SHARES), len(span)).max(axis=0)
         middle = as_float32(times[:-1] + 0.5 * span)
         return turns, np.where((middle <= times[:-1]) | (middle >= times[1:]), 0.0, off)
 
