@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from crowds import ACTOR, crowd
 from pairs import PAIR, pair
-from places import SAMPLES, slow
+from places import SAMPLES, ci, slow
 from program import cli
 from rigs import rig_of
 from usd_files import deviation, save
@@ -128,7 +128,7 @@ def test_one_character_is_edited_alone(suffix: str, samples: Path, tmp_path: Pat
     assert not keyed & set(built(rig)[0])
 
 
-@pytest.mark.parametrize("space", ["world", "chest"])
+@pytest.mark.parametrize("space", [ci("world"), "chest"])
 def test_the_spaces_of_a_control_go_with_its_character(space: str, samples: Path, tmp_path: Path) -> None:
     """Before, `strip` refused weights as not from rigtri, or left the constraint, whose child was gone."""
     source, out, bare = (tmp_path / f"{name}.gltf" for name in ("pair", "out", "bare"))
@@ -204,7 +204,7 @@ def test_an_instance_that_is_read_at_another_is_refused_with_what_to_do(tmp_path
     cli("orient-joints", alone, "-o", out, "--character", "B", code=0)
 
 
-@pytest.mark.parametrize("clip", ["Run", "Walk"])
+@pytest.mark.parametrize("clip", [ci("Run"), "Walk"])
 def test_controls_of_a_crowd_have_the_motion_of_one_of_its_animations(clip: str, tmp_path: Path) -> None:
     source, (rigged, moved, back) = crowd(tmp_path), (tmp_path / f"{name}.usda" for name in "abc")
     cli("add-controls", source, "-o", rigged, "--below", "a", code=0)

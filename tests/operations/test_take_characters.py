@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pairs import pair
-from places import SAMPLES
+from places import SAMPLES, ci
 from program import cli
 from rigs import rig_of
 from usd_files import MESH, animation, read, save, scene, skeleton
@@ -103,7 +103,7 @@ def further(rig: Rig, end: int) -> Rig:
     return replace(rig, clips=tuple(clips))
 
 
-@pytest.mark.parametrize("name", ["A", "B"])
+@pytest.mark.parametrize("name", [ci("A"), "B"])
 def test_the_motion_of_one_file_goes_to_one_of_several_characters(
     shot: Rig, name: str, tmp_path: Path
 ) -> None:

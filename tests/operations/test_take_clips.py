@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from morphs import arm
-from places import SAMPLES, files_of_all_kinds, leave_out_refused
+from places import SAMPLES, ci, files_of_all_kinds, leave_out_refused
 from program import cli
 from pxr import Usd
 from rigs import chain
@@ -690,7 +690,7 @@ def test_angles_of_usd_prims_describe_rotations_badly_where_two_axes_nearly_meet
     assert take_clips(ours, from_=with_raw(edited)) is not ours
 
 
-@pytest.mark.parametrize("spin", [0.0, 0.7, 1.5, -2.5])
+@pytest.mark.parametrize("spin", [ci(0.0), 0.7, ci(1.5), -2.5])
 def test_the_noise_of_angles_is_by_the_cosine_of_the_middle_one(spin: float) -> None:
     """Ten bits of float32 over it, 1.2e-3 for a cosine of 1e-3, however the other two are."""
     rig = rig_of().with_nodes(["locator"], [0], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
