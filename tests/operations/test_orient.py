@@ -421,6 +421,23 @@ def test_an_offset_rotates_about_the_new_axes() -> None:
     assert_allclose(after, [before[0], before[2], -before[1]], atol=1e-12)
 
 
+@pytest.mark.parametrize("degrees", [0.0, 45.0, 60.0])
+def test_a_straight_chain_has_the_mirrored_plane_of_its_twin_however_both_stand(degrees: float) -> None:
+    """Before, the mirror plane was square to an axis, and of 45° the last bit of a place chose which one."""
+    bent, straight = [(2, 0, 0), (2.5, 0.5, 1), (2.5, 2, 2)], [(-2, 0, 0), (-2, 0, 1), (-2, 0, 2)]
+    turn = from_axis_angle([0, 1, 0], np.radians(degrees))
+    places = rotate(turn, np.array([(0, 0, 0), *bent, *straight], dtype=float))
+    locals_ = places - places[[0, 0, 1, 2, 0, 4, 5]]
+    names = ["root", "fin1_L", "fin2_L", "fin3_L", "fin1_R", "fin2_R", "fin3_R"]
+    rig = rig_of(names, [-1, 0, 1, 2, 0, 4, 5], locals_)
+    rig = replace(rig, skins=(Skin("s", np.arange(7), inverse(rig.world)),))
+    out = oriented(rig)
+    hinge = rotate(conjugate(turn), cross(axes(out, "fin1_L")[0], rotate(turn, np.array([0.0, 1.5, 1.0]))))
+    along = rotate(conjugate(turn), axes(out, "fin1_R"))
+    expected = normalise(hinge * [1.0, -1.0, 0.0])  # across the plane x = 0, square to the straight chain
+    assert_allclose(along[1], expected, atol=1e-9)
+
+
 def test_behaviour_mirroring_aims_the_other_side_backwards() -> None:
     positions = np.array([[0, 0, 0], [1, 0, 0], [1, -0.2, 0], [-1, 0, 0], [-1, -0.2, 0]], dtype=float)
     rig = rig_of(["root", "arm_L", "hand_L", "arm_R", "hand_R"], [-1, 0, 1, 0, 3], positions)

@@ -34,6 +34,9 @@ BODY_SINE = 0.25
 _TRIPLES = 8
 # Planes nearer to a right angle than this (a cosine) are on the same side.
 ACROSS = cosine_below(90)
+# Joints of two sides that are apart along an axis by this (a cosine) have it square to their mirror plane; of
+# others the line between them is, as of a body that stands across the axes.
+MIRROR = cosine_below(30)
 
 _STEP = {"pose": 2, "given": 2, "clips": 3, "other pose": 3, "other side": 4, "facing": 5}
 _SOURCE = {"pose": "plane of the limb", "facing": "side, name and facing"}
@@ -316,7 +319,10 @@ def _set_from_twins(
         if not other or other == rig.names[joint] or other not in named:
             continue
         there = named[other]
-        apart = np.abs(ref.position(joint) - ref.position(there))
-        mirror = np.where(np.arange(3) == int(np.argmax(apart)), 1.0, -1.0)
+        apart = normalise(ref.position(joint) - ref.position(there))
+        along = np.abs(apart) > MIRROR
+        across = np.where(along, 1.0, 0.0) if along.any() else apart
         # A normal is mirrored as a rotation is: across the plane and backwards.
-        normals.set([joint], normals.vector[there] * mirror, 4, "other side", float(normals.sine[there]))
+        normal = normals.vector[there]
+        mirrored = 2.0 * dot(normal, across) * across - normal
+        normals.set([joint], mirrored, 4, "other side", float(normals.sine[there]))
