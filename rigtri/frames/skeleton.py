@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import NO_SKELETON, FileError, UsageError
-from rigtri.evaluation.bind_pose import bind_worlds
+from rigtri.evaluation.bind_pose import bind_worlds, with_unit_rotations
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.evaluation.timelines import as_played
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
@@ -145,7 +145,7 @@ def reference(tree: Skeleton, pose: str | None) -> ReferencePose:
     Raises UsageError for a pose that the file does not have.
     """
     rig = tree.rig
-    at_rest = rig.world
+    at_rest = with_unit_rotations(rig).world
     if pose not in (None, "bind", "nodes"):
         world = _clip_pose(rig, str(pose))
         return _reference(tree, world, at_rest, dict.fromkeys(tree.joints, str(pose)), 0.0)
