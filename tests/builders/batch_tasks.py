@@ -113,6 +113,8 @@ def go_wrong(source: Path, report: Report) -> None:
 
 
 if __name__ == "__main__":
+    if "START_METHOD" in os.environ:
+        multiprocessing.get_all_start_methods = lambda: [os.environ["START_METHOD"]]
     # Also where tests run in the background, which lets what is started there ignore interrupts.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     run_program(sys.argv[1:])

@@ -92,10 +92,12 @@ def left_behind(folder: Path) -> list[str]:
 
 
 @POSIX
+@pytest.mark.parametrize("method", ["forkserver", "spawn"])
 @pytest.mark.parametrize("seed", [slow(0), slow(1)])
 def test_kills_at_any_moment_lose_nothing_and_do_nothing_twice(
-    seed: int, tmp_path: Path, start: Start, temporary: Path
+    seed: int, method: str, tmp_path: Path, start: Start, temporary: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("START_METHOD", method)
     chance, want = random.Random(seed), expected(tmp_path)
     first: dict[str, tuple[int, int]] = {}
     known: dict[str, float] = {}
