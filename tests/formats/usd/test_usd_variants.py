@@ -532,10 +532,17 @@ def test_joints_are_renamed_in_the_influences_of_every_variant(tmp_path: Path) -
         x="a",
         y="a",
     )
-    printed = cli(
-        "rename-joints", save(tmp_path, both), "-o", tmp_path / "no.usda", "--name", "b=z", code=3
-    ).output
-    assert "and other variant sets bind </Root/Skin> each by other joints" in printed
+    # The order of one set hides that of the other.
+    hidden = scene(
+        skeleton(),
+        animation(),
+        MESH,
+        *(variant_set(n, a=orders[o], b="") for n, o in (("x", "a"), ("y", "b"))),
+    )
+    for text in (both, choosing(hidden, x="a", y="a"), choosing(hidden, x="a", y="b")):
+        source = save(tmp_path, text)
+        printed = cli("rename-joints", source, "-o", tmp_path / "no.usda", "--name", "b=z", code=3).output
+        assert "and other variant sets bind </Root/Skin> each by other joints" in printed
 
 
 def test_a_root_is_added_above_joints_of_animations_that_other_variants_bind(tmp_path: Path) -> None:

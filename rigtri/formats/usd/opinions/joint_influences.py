@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from rigtri.errors import FileError
@@ -68,9 +69,17 @@ def influence_edits(source: Source, renaming: Renaming, *, grown: bool = True) -
     found: _Orders = {}
     _add_orders(found, (), source.bindings, source, renaming, grown=grown)
     for chosen, trial in each_choice(source.stage):
-        if chosen:
-            bindings = Bindings(SharedInstances(trial))
-            _add_orders(found, tuple(chosen.items()), bindings, source, renaming, grown=grown)
+        if not chosen:
+            continue
+        here = tuple(chosen.items())
+        _add_orders(found, here, Bindings(SharedInstances(trial)), source, renaming, grown=grown)
+        if not any(here in orders and _differs(orders, here) for orders in found.values()):
+            continue
+        # What another set holds may be hidden by the one that decides in the file.
+        for more, below in each_choice(trial, counts=partial(_is_other, chosen)):
+            if more:
+                bindings = Bindings(SharedInstances(below))
+                _add_orders(found, (*here, *more.items()), bindings, source, renaming, grown=grown)
     return [edit for orders in found.values() for edit in _order_edits(source.stage, orders)]
 
 
@@ -93,6 +102,15 @@ def _add_orders(
             raise FileError(
                 f"<{order.prim}>.{ORDER} is for two skeletons whose joints are renamed differently."
             )
+
+
+def _is_other(chosen: Collection[Any], prim: Any, name: str, _: str) -> bool:
+    return (prim.GetPath(), name) not in chosen
+
+
+def _differs(orders: Mapping[tuple[Any, ...], _Order], chosen: tuple[Any, ...]) -> bool:
+    """Whether an order comes from elsewhere in a state than in the file's own."""
+    return () not in orders or orders[chosen].place != orders[()].place
 
 
 def _order_edits(stage: Any, orders: Mapping[tuple[Any, ...], _Order]) -> Iterator[Edit]:
