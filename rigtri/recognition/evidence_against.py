@@ -76,9 +76,15 @@ def unsure(draft: Draft, each: Found, why: str) -> Found:
 def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """The first doubt of a limb: of those of every limb, then of names or of shapes, whichever tell it."""
     if len(each.joints) != 3:
-        return _no_trunk(draft, each, found)
+        return _no_trunk(draft, each, found) or _no_bend(draft, each)
     doubts = (*_OF_ANY, *(_OF_NAMES if _is_named(draft, each) else _OF_SHAPES))
     return next(filter(None, (doubt(draft, each, found) for doubt in doubts)), "")
+
+
+def _no_bend(draft: Draft, each: Found) -> str:
+    """A limb of two joints in a longer chain, no three of which bend as a limb does."""
+    path = each.pair.pair.paths[0] if each.pair is not None else ()
+    return f"{_title(draft, path[2])} follows, and no three of its joints bend" if len(path) > 2 else ""
 
 
 def _title(draft: Draft, node: int) -> str:

@@ -47,7 +47,7 @@ NO_LIMB = frozenset(["control", "attachment", "tail", "wing", "ear", "feeler", "
 # What it has for chains of joints instead of single ones.
 _CHAINS = frozenset(["tail", "wing", "ear", "feeler", "machine", "face", "muzzle", "skull", "trunk"])
 # What parts of a bone are called after its name: ``ElbowPart1_R``. Source: Advanced Skeleton.
-_PARTS = ("part", "segment", "seg")
+PARTS = ("part", "segment", "seg")
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
@@ -296,7 +296,7 @@ def is_segment(name: str, above: str) -> bool:
     again = bone and (parsed.side, parsed.plain) == (over.side, over.plain) and parsed.raw != over.raw
     # ``Arm1.L.001`` below ``Arm1.L``; but ``Leg.L.001`` may be the shin below the thigh ``Leg.L``.
     more = over.key != over.plain and name.startswith(f"{above}.") and name[len(above) + 1 :].isdigit()
-    part = parsed.side == over.side and parsed.plain in (over.plain + word for word in _PARTS if over.plain)
+    part = parsed.side == over.side and parsed.plain in (over.plain + word for word in PARTS if over.plain)
     return again or more or part or "twist" in roles_in_name(name)
 
 

@@ -9,7 +9,7 @@ from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.limb_triples import CLAVICLES, STRAIGHT, TIE
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
-from rigtri.recognition.naming_schemes import is_segment, parse_name
+from rigtri.recognition.naming_schemes import PARTS, is_segment, parse_name, roles_in_name
 
 # Where a twist joint parts a bone that has one, as a part of the bone before.
 _PARTED = 0.7
@@ -32,6 +32,8 @@ def split_bone(draft: Draft, each: Found) -> str:
         return ""
     for joint, bone in zip(each.joints, ("upper", "lower"), strict=False):
         part, whole = tree.above[joint], _whole(names[joint])
+        if part >= 0 and (_is_twist_of(draft, part, joint) or _is_part(draft, joint)):
+            return f"'{tree.rig.title(part)}' may be the first part of its {bone} bone"
         if part >= 0 and names[part] != whole and _is_next_piece(names[joint], names[part]):
             return f"'{tree.rig.title(part)}' may be the first part of its {bone} bone"
         if part < 0 or names[part] not in (names[joint], whole) or not parse_name(whole).plain:
@@ -40,6 +42,21 @@ def split_bone(draft: Draft, each: Found) -> str:
         if not any(not tree.is_below(k, joint) and not tree.is_below(joint, k) for k in parts):
             return f"'{tree.rig.title(part)}' may be the first part of its {bone} bone"
     return ""
+
+
+def _is_twist_of(draft: Draft, part: int, joint: int) -> bool:
+    """Whether a joint is called a twist joint of the bone that follows, and is no axis of a robot."""
+    own, after = (draft.words.get(k, NO_WORDS) for k in (part, joint))
+    same = bool(own.levels) and (own.levels, own.kind) == (after.levels, after.kind)
+    return same and not own.joint and "twist" in roles_in_name(draft.tree.rig.names[part])
+
+
+def _is_part(draft: Draft, joint: int) -> bool:
+    """Whether a joint is called a part of one of those above it: ``ShoulderPart2`` of ``Shoulder``."""
+    names = draft.tree.rig.names
+    own = parse_name(names[joint]).plain
+    above = [parse_name(names[k]).plain for k in draft.tree.way(-1, joint)[:-1]]
+    return any(over and own == over + word for over in above for word in PARTS)
 
 
 def _is_next_piece(name: str, above: str) -> bool:

@@ -143,3 +143,11 @@ def test_an_arm_whose_last_joint_is_called_a_hand_ends_there() -> None:
     )
     found = joints_of(rig_with([*TRUNK, *both([*arm, *LEG])]))
     assert found["left arm"] == "c_arm_twist.L forearm_stretch.L hand.L"
+
+
+def test_no_limb_surely_begins_at_a_crooked_part_of_its_upper_bone() -> None:
+    """Before, twist joints that noise bends surely were shoulders, after another twist joint."""
+    places = ((0.04, 1.45, 0), (0.16, 1.45, 0), (0.3, 1.4, 0.05), (0.44, 1.45, -0.005), (0.7, 1.45, 0))
+    arm = line("shoulder.L arm_twist.L arm_stretch.L forearm_stretch.L hand.L", "chest", *places)
+    found = joints_of(rig_with([*TRUNK, *both([*arm, *LEG])]))
+    assert not any("arm" in name for name in found) or found["left arm"].startswith("arm_twist.L")
