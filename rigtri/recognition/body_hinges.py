@@ -221,7 +221,7 @@ def _in_pose(
 def _lateral(character: Character, at: Floats) -> Floats | None:
     """From one side to the other, unit, (3,), as both legs and both arms begin; None without a pair."""
     lines = _lines(character, at)
-    total = np.sum([normalise(line) for line in lines.values()], axis=0) if lines else np.zeros(3)
+    total = sum((normalise(line) for line in lines.values()), np.zeros(3))
     return normalise(total) if length(total) > 0.5 else None
 
 

@@ -128,15 +128,17 @@ def yaml_values(file: str, text: str) -> tuple[Any, Spot]:
 def _bounded(file: str, text: str) -> type[Composer]:
     """Puts a document together, and refuses one that is too large or too deep while it is read."""
     from ruamel.yaml.composer import Composer
+    from ruamel.yaml.events import CollectionStartEvent
 
     class Bounded(Composer):
         spots, around = Spots(file, text), 0
 
         def compose_node(self, parent: Any, index: Any) -> Any:
-            is_key = index is None and parent is not None
-            if not is_key or self.around > MOST_DEEP:
-                mark = self.parser.peek_event().start_mark
-                self.spots.spot(Place(file, mark.line + 1, mark.column + 1), self.around)
+            is_key, event = index is None and parent is not None, self.parser.peek_event()
+            depth = self.around + isinstance(event, CollectionStartEvent)
+            if not is_key or depth > MOST_DEEP:
+                mark = event.start_mark
+                self.spots.spot(Place(file, mark.line + 1, mark.column + 1), depth)
             self.around += 1
             try:
                 return super().compose_node(parent, index)
