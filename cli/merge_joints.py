@@ -9,6 +9,7 @@ Clips in other files need the same: merge the joints there by name, or rigtri ta
 Examples:
     rigtri merge-joints hero.glb -o out.glb --still
     rigtri merge-joints hero.glb -o far.glb --max-joints 30 --tolerance 0.02
+    rigtri merge-joints hat.glb -o hat1.glb --lod hero_lod1.glb --tolerance 0.02
     rigtri merge-joints hero.glb -o out.glb --joints '*Toe*' --tolerance 0.01
     rigtri merge-joints walk.glb -o out.glb --joints Spine2 --keep-children
 """

@@ -23,6 +23,7 @@ from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJointsOptions
+from rigtri.operations.orient_joints.frame_sources import no_namesakes
 from rigtri.operations.prune_joints import named_nodes, sockets
 from rigtri.operations.reparented import reparented, uniform_parts
 from rigtri.operations.without_nodes import staying, warn_lost_clips, without_nodes
@@ -39,9 +40,10 @@ _SAMPLES = 8
 def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Rig:
     """The rig without some joints; their vertices follow the nearest remaining ancestor.
 
-    A joint that is named goes with all joints below it; one that never moves goes alone, and what is below it
-    is parented to what is above. How far vertices move is measured when the file is written, and refused
-    above the tolerance. Raises GeometryError where something names a joint that is named.
+    A joint that is named goes with all joints below it; one that never moves, or that another level of detail
+    lacks, goes alone, and what is below it is parented to what is above. How far vertices move is measured
+    when the file is written, and refused above the tolerance. Raises GeometryError where something names a
+    joint that is named.
     """
     if not rig.shown_clips:
         if options.still:
@@ -50,10 +52,15 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
     merging = _Merging(rig, options.exclude)
     named = sorted({node for glob in options.joints for node in rig.match(glob)})
     for node in reversed(named):  # those below first: what is left below the others stays
-        merging.take_alone(node) if options.keep_children else merging.take(node)
-    spared = merging.spare_sockets() if options.still or options.max_joints is not None else set[int]()
+        merging.take_alone(node, "leave out --keep-children") if options.keep_children else merging.take(node)
+    spared = {node for glob in options.exclude for node in rig.match(glob)}
+    if options.still or options.lod is not None or options.max_joints is not None:
+        spared |= merging.spare_sockets()
+    if options.lod is not None:
+        for node in reversed(_lacking(rig, options.lod)):
+            if node not in spared:
+                merging.take_alone(node, "keep it with --exclude")
     if options.still:
-        spared |= {node for glob in options.exclude for node in rig.match(glob)}
         _warn_unmerged(rig, [node for node in merging.take_still() if node not in spared], report)
     if options.max_joints is not None:
         merging.take_least(options.max_joints)
@@ -67,6 +74,16 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
     less = without_nodes(reparented(rig, gone), gone, _folds(rig, merging))
     warn_lost_clips(rig, less, report)
     return less
+
+
+def _lacking(rig: Rig, lod: Rig) -> list[int]:
+    """The joints that another level of detail does not have, by their names; those without a name stay."""
+    named = [node for node in np.flatnonzero(rig.is_joint).tolist() if rig.names[node]]
+    there = set(lod.names)
+    found = [node for node in named if rig.names[node] not in there]
+    if len(found) == len(named):
+        raise GeometryError(no_namesakes(rig, lod, "--lod"))
+    return found
 
 
 def _warn_unmerged(rig: Rig, still: Sequence[int], report: Report) -> None:
@@ -173,15 +190,18 @@ class _Merging:
             every = and_more([f"'{self.rig.title(k)}' {reasons[k]}" for k in sorted(reasons)], 3)
             raise GeometryError(f"'{self.rig.title(node)}' cannot be merged: {every}. Leave it out")
 
-    def take_alone(self, node: int) -> None:
-        """Let a joint go, and parent what stays below it anew; GeometryError where that is not possible."""
+    def take_alone(self, node: int, otherwise: str) -> None:
+        """Let a joint go, and parent what stays below it anew; GeometryError where that is not possible.
+
+        otherwise: what else can be done about a joint that moves.
+        """
         if node in self.gone:
             return
         self._refuse(node, self._why_not_alone(node))
         if self._moving[node] and (below := self._below(node)):
             raise GeometryError(
                 f"'{self.rig.title(node)}' moves in a clip, and '{self.rig.title(below[0])}' below it stays: "
-                "name the joints below it, too, or leave out --keep-children"
+                f"name the joints below it, too, or {otherwise}"
             )
         self._take_alone(node)
 

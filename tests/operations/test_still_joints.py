@@ -174,3 +174,28 @@ def test_controls_that_were_built_before_move_joints_as_before(suffix: str, tmp_
     assert not {*less.names} & {*above.values()}
     one, other = (rigtri.bake(each, to="joints", fps=24) for each in (rig, less))
     assert far_apart(one, other) < 2e-5
+
+
+def test_a_level_of_detail_names_the_joints_that_go(tmp_path: Path) -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    far = rigtri.merge_joints(rig, joints=["fingers_*", "toe_*"])
+    report = Report()
+    less = rigtri.merge_joints(with_still_joints(rig, ABOVE, 1.0), lod=far, exclude=["toe_L"], report=report)
+    assert set(less.names) - set(far.names) == {"toe_L", "toe_L_end"}
+    assert {each["joint"] for each in report.joints} >= {*ABOVE.values(), "fingers_L", "fingers_R", "toe_R"}
+    rigtri.write(far, tmp_path / "far.glb", tolerance=1)
+    words = ["--lod", tmp_path / "far.glb", "--tolerance", "1"]
+    cli("merge-joints", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", *words, code=0)
+    assert rigtri.read(tmp_path / "out.glb").names == rigtri.read(tmp_path / "far.glb").names
+
+
+def test_a_level_of_detail_has_to_be_one_of_the_character() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    other = rigtri.rename_joints(rig, name={name: f"other_{name}" for name in rig.names})
+    with pytest.raises(GeometryError, match="lod=: no joint of the two files has the same name"):
+        rigtri.merge_joints(rig, lod=other)
+    no_elbow = rigtri.rename_joints(rig, name={"forearm_L": "elsewhere"})
+    with pytest.raises(
+        GeometryError, match=r"'forearm_L' moves in a clip, and 'hand_L' below it stays.*exclude="
+    ):
+        rigtri.merge_joints(rig, lod=no_elbow)

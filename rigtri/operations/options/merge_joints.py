@@ -8,7 +8,7 @@ from typing import Annotated
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import Kind, option
-from rigtri.operations.option_kinds import Excluded, Nodes
+from rigtri.operations.option_kinds import Excluded, Nodes, RigFile
 
 Count = Annotated[int, Kind("number", "N", low=1)]
 
@@ -33,11 +33,16 @@ class MergeJointsOptions:
         help="Merge until at most N joints are left; those that move vertices least go first.",
         group="what",
     )
+    lod: RigFile | None = option(
+        None,
+        help="Merge the joints that FILE, another level of detail of the character, does not have.",
+        group="what",
+    )
     exclude: Excluded = option(())
 
     def check(self, given: Collection[str]) -> None:
         """UsageError where nothing says what is to be merged."""
-        if not (self.joints or self.still or self.max_joints):
-            raise UsageError("name joints to merge: --joints GLOB, --still or --max-joints N")
+        if not (self.joints or self.still or self.max_joints or self.lod is not None):
+            raise UsageError("name joints to merge: --joints GLOB, --still, --max-joints N or --lod FILE")
         if self.keep_children and not self.joints:
             raise UsageError("--keep-children is about joints that --joints names")

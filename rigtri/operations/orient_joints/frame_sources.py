@@ -64,15 +64,15 @@ def like_deltas(targets: Targets, like: Rig, report: Report) -> tuple[list[int],
     return joints, delta[[place[joint] for joint in joints]]
 
 
-def no_namesakes(rig: Rig, like: Rig) -> str:
-    """Why no joint of a rig has a namesake in another one, the FILE of ``--like``, and what to do."""
+def no_namesakes(rig: Rig, like: Rig, flag: str = "--like") -> str:
+    """Why no joint of a rig has a namesake in another one, the FILE of an option, and what to do."""
     files = (("this file", rig), ("FILE", like))
     nameless = [file for file, known in files if not any(known.names[n] for n in _joints(known))]
     why = "no joint of the two files has the same name"
     if nameless:
         why = f"the joints of {' and of '.join(nameless)} have no names"
     return (
-        f"--like: {why}. Give both files the names of one scheme first (rigtri rename-joints --to), or each "
+        f"{flag}: {why}. Give both files the names of one scheme first (rigtri rename-joints --to), or each "
         "joint its own (--name '#2=hips')"
     )
 
