@@ -19,6 +19,7 @@ from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import with_keywords
 from rigtri.pipeline.edit import EditRequest, Outcome, edit_file
+from rigtri.pipeline.verify_variants import with_variants
 from rigtri.report import Report
 from rigtri.verification.compare import compare
 from rigtri.verification.compare.compare import Comparison, Source
@@ -137,6 +138,7 @@ def verify(
 ) -> Comparison:
     """How far two files, or two documents, look apart, in every pose; see `compare.verify`.
 
+    Up to 16 variants of a USD file that are not selected are compared, too, and others named (``unseen``).
     before, after: paths, or documents as `rigtri.formats.read` returns them. options: how files are read.
     Of a glTF and a USD that `rigtri.convert` has made of one another, nodes are known by what it calls them.
     """
@@ -147,7 +149,7 @@ def verify(
             found = verify_converted(one, other)
             if found is not None:
                 return found
-        return compare.verify(one, other)
+        return with_variants(compare.verify(one, other), one, other)
 
 
 @contextmanager

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from rigtri.errors import NameNotFoundError
 from rigtri.files.atomic_write import same_file
 from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.usd.composition import external_paths
 from rigtri.formats.usd.composition.edit_target import sublayer
 from rigtri.formats.usd.composition.stage import open_file, quiet
+from rigtri.formats.usd.composition.variants import VariantSet, each_choice, in_words, lacking, selecting
 from rigtri.formats.usd.embed import embedded
 from rigtri.formats.usd.layer_writer import Output
 from rigtri.formats.usd.opinions.instance_edits import instance_of
@@ -34,6 +37,9 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import SceneFacts
 from rigtri.report import Notice
+
+# More variants than these are not even counted.
+MOST_CHOICES = 256
 
 
 class UsdDocument:
@@ -125,6 +131,27 @@ class UsdDocument:
                 edit.expected.check(output.composed(part)[0], [*edit.prepared, *edit.values])
         self._notices += [notice for notice in edit.notices if notice not in self._notices]
         return ()
+
+    def choices(self) -> Sequence[Mapping[VariantSet, str]]:
+        """Each way to select one variant otherwise than the file, and sets that only that one shows."""
+        source = self._source
+        with quiet(f"{source.path}: USD cannot read its variants"):
+            others = (dict(chosen) for chosen, _ in each_choice(source.stage) if chosen)
+            return list(islice(others, MOST_CHOICES))
+
+    def selecting(self, chosen: Mapping[VariantSet, str]) -> UsdDocument | None:
+        """The file with these variants; None if it lacks the sets. NameNotFoundError for a variant."""
+        source = self._source
+        with quiet(f"{source.path}: USD cannot read its variants"):
+            gone = lacking(source.stage, chosen)
+            if gone:
+                if gone == "set":
+                    return None
+                raise NameNotFoundError("variant", in_words(chosen), ())
+            stage = selecting(source.stage, chosen)
+        options = replace(self._options, empty=True)
+        read = read_source(source.path, options, stage, one_state=True)
+        return UsdDocument(read, options, stage.GetRootLayer())
 
     def image(self, asset: Any) -> bytes:
         """The bytes of the texture that an asset path names. FileError where they are not to be had."""

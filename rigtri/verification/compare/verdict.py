@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
@@ -86,7 +86,7 @@ class Comparison:
     evaluated; 0 where both are the same to the bit. lost, added, changed:
     `correspondence.Correspondence`. different: what looks different whatever the pose
     (`compare.scene_facts`). boxed: meshes of which only some points were looked at, and the box that
-    the file states for all.
+    the file states for all. unseen: what was not compared, such as variants of a USD file.
 
     What an edit declares to change (`expected_result.ExpectedResult`) is not in the deviation, and measured
     by itself, relative to ``diagonal``: moved: how far twist joints, turning, move vertices; None where no
@@ -108,6 +108,7 @@ class Comparison:
     different: tuple[str, ...]
     poses: int
     boxed: tuple[str, ...] = ()
+    unseen: tuple[str, ...] = ()
     raw_counts: bool = False
     moved: float | None = None
     driven: Mapping[str, float] = field(default_factory=dict)
@@ -158,6 +159,8 @@ class Comparison:
             "identical": self.identical,
             "boxed": list(self.boxed),
         }
+        if self.unseen:
+            found["unseen"] = list(self.unseen)
         if self.moved is not None:
             found["moved"] = _finite(self.moved)
         if self.motion is not None:
@@ -234,7 +237,48 @@ class Comparison:
             lines += [_row(kind, name, value) for name, value in _first(rows, verbose)]
         for label in ("lost", "different", "added", "changed"):
             lines += [f"{label:<12}{what}" for what in _first(getattr(self, label), verbose)]
+        lines += [f"unseen      not compared: {what}" for what in _first(self.unseen, verbose)]
+        if not verbose and len(self.unseen) > 5:
+            lines.append(f"unseen      and {len(self.unseen) - 5} more (all with -v)")
         return plain_lines(lines)
+
+    def with_also(self, other: Comparison, where: str) -> Comparison:
+        """This comparison with another of the same files as they are ``where``; the worst of both counts."""
+        worse = not (other.deviation <= self.deviation or np.isnan(self.deviation))
+        worst = other if worse else self
+        named = other.worst and replace(other.worst, what=f"{other.worst.what} in {where}")
+
+        def more(name: str) -> tuple[str, ...]:
+            known = getattr(self, name)
+            return (*known, *(f"{what} (in {where})" for what in getattr(other, name) if what not in known))
+
+        return replace(
+            self,
+            deviation=worst.deviation,
+            absolute=worst.absolute,
+            diagonal=worst.diagonal,
+            worst=named if worse else self.worst,
+            raw_deviation=_larger(self.raw_deviation, other.raw_deviation),
+            denormalisation=_larger(self.denormalisation, other.denormalisation),
+            per_mesh=_largest_of(self.per_mesh, other.per_mesh),
+            per_clip=_largest_of(self.per_clip, other.per_clip),
+            poses=self.poses + other.poses,
+            lost=more("lost"),
+            added=more("added"),
+            changed=more("changed"),
+            different=more("different"),
+        )
+
+
+def _larger(one: float, other: float) -> float:
+    """The larger of two, or the one that is not a number."""
+    return one if other <= one or np.isnan(one) else other
+
+
+def _largest_of(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
+    """Both tables as one; NaN is what nothing could be measured of."""
+    both = {**other, **one}
+    return {name: float(np.fmax(one.get(name, np.nan), other.get(name, np.nan))) for name in both}
 
 
 def _row(kind: str, name: str, value: float) -> str:

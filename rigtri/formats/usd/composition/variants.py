@@ -329,6 +329,26 @@ def _each_of(
         chosen.SetVariantSelection(selected)
 
 
+def selecting(stage: Any, chosen: Mapping[VariantSet, str]) -> Any:
+    """A second stage of the same layers with some variants selected otherwise."""
+    trial = _bare_stage(stage, ["/"])
+    for (path, name), variant in chosen.items():
+        Sdf.CreatePrimInLayer(trial.GetSessionLayer(), path).variantSelections[name] = variant
+    return trial
+
+
+def lacking(stage: Any, chosen: Mapping[VariantSet, str]) -> str:
+    """What of a choice a stage lacks: a ``set``, a ``variant`` of a set that it has, or "" for nothing."""
+    trial = selecting(stage, chosen)
+    for (path, name), variant in chosen.items():
+        prim = trial.GetPrimAtPath(path)
+        if not prim or name not in _sets(prim):
+            return "set"
+        if variant not in prim.GetVariantSet(name).GetVariantNames():
+            return "variant"
+    return ""
+
+
 def differing(one: Origins, other: Origins) -> set[Any]:
     """What comes from elsewhere in one than in the other."""
     return {path for path in {*one, *other} if one.get(path) != other.get(path)}

@@ -1,0 +1,60 @@
+"""Compare two USD files in the variants that neither selects, too."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Protocol, runtime_checkable
+
+from rigtri.errors import FileError, NameNotFoundError
+from rigtri.verification.compare import compare
+from rigtri.verification.compare.compare import Comparison, Source
+
+# Each is a comparison of all that the files show; what is beyond is named.
+MOST = 16
+
+
+@runtime_checkable
+class Choosing(Source, Protocol):
+    """A document of a format with variants."""
+
+    def choices(self) -> Sequence[Mapping[Any, str]]: ...
+    def selecting(self, chosen: Mapping[Any, str]) -> Choosing | None: ...
+
+
+def with_variants(found: Comparison, before: Source, after: Source) -> Comparison:
+    """What was found with the selected variants, and what there is in others, up to `MOST` of them.
+
+    One set is selected otherwise at a time, and with it those that only its variant shows. What could not be
+    compared is named as ``unseen``: what only the first file can select, cannot be read, or is too much.
+    """
+    if not (isinstance(before, Choosing) and isinstance(after, Choosing)):
+        return found
+    unseen: list[str] = []
+    for count, chosen in enumerate(before.choices()):
+        where = _words(chosen)
+        if count >= MOST:
+            unseen.append(f"{where}, as {MOST} others were")
+            continue
+        try:
+            mine = before.selecting(chosen)
+        except (FileError, NameNotFoundError) as error:
+            unseen.append(f"{where}: {error}")
+            continue
+        try:
+            theirs = after.selecting(chosen)
+        except (FileError, NameNotFoundError) as error:
+            lost = where if isinstance(error, NameNotFoundError) else f"{where}: {error}"
+            found = replace(found, lost=(*found.lost, lost))
+            continue
+        if mine is None or theirs is None:
+            unseen.append(f"{where}, because AFTER does not have that set")
+            continue
+        found = found.with_also(compare.verify(mine, theirs), where)
+    return replace(found, unseen=tuple(unseen)) if unseen else found
+
+
+def _words(chosen: Mapping[Any, str]) -> str:
+    from rigtri.formats.usd.composition.variants import in_words
+
+    return in_words(chosen)
