@@ -238,3 +238,18 @@ def test_an_entry_that_is_a_link_is_refused_by_name(tmp_path: Path) -> None:
     struct.pack_into("<I", content, at + 38, 0o120777 << 16)
     source.write_bytes(content)
     assert f"entry '{name}' is a link" in error_of(source)
+
+
+@pytest.mark.parametrize("called", ["parts/anim.usda", "in.usdz[parts/anim.usda]"])
+def test_a_sublayer_in_a_package_is_refused_as_such(called: str, tmp_path: Path) -> None:
+    """It was not found by its path in the package, and by USD's name it "cannot be written"."""
+    anim = save(tmp_path, "#usda 1.0\n", "anim.usda")
+    text = scene(skeleton(), animation(), MESH).replace("(", "(\nsubLayers = [@parts/anim.usda@]", 1)
+    package = tmp_path / "in.usdz"
+    with Sdf.ZipFileWriter.CreateNew(str(package)) as writer:
+        writer.AddFile(str(save(tmp_path, text)), "root.usda")
+        writer.AddFile(str(anim), "parts/anim.usda")
+    out = tmp_path / "out.usda"
+    said = cli("orient-joints", package, "--edit-target", called, "-o", out, code=3).stderr
+    assert "parts/anim.usda lies in the package in.usdz" in said
+    assert not out.exists()

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from pxr import Sdf, Usd
+from pxr import Ar, Sdf, Usd
 
 from rigtri.errors import FileError, NameNotFoundError
 from rigtri.formats.usd.composition import layers
@@ -18,13 +18,20 @@ from rigtri.formats.usd.composition import layers
 def sublayer(stage: Any, name: str) -> Any:
     """The layer of a stage's own layer stack that is called so, by file name, by path or by identifier.
 
-    NameNotFoundError where there is none. FileError for one that is referred to, or counts time otherwise.
+    NameNotFoundError where there is none. FileError for one that is referred to, lies in a package, or counts
+    time otherwise.
     """
     root = stage.GetRootLayer()
     folder = Path(root.realPath).parent
     own = list(stage.GetLayerStack(False))
     found = [layer for layer in own if name in _names(layer, folder)]
     if found:
+        if Ar.IsPackageRelativePath(found[0].identifier):
+            package, inside = Ar.SplitPackageRelativePathOuter(found[0].identifier)
+            raise FileError(
+                f"--edit-target {name}: {inside} lies in the package {Path(package).name}, of which only the "
+                "root layer can be edited. Unpack it, and edit that file; or write to the root layer"
+            )
         for above, below, offset in _sublayers(root):
             if below == found[0] and (not offset.IsIdentity() or _clock(above) != _clock(below)):
                 raise FileError(
@@ -67,6 +74,9 @@ def _replaced(layer: Any, old: Any, new: str) -> tuple[Any, list[Any]]:
 
 def _names(layer: Any, folder: Path) -> set[str]:
     path = Path(layer.realPath)
+    package, inside = Ar.SplitPackageRelativePathOuter(layer.identifier)
+    if inside:
+        return {inside, f"{Path(package).name}[{inside}]", layer.identifier}
     relative = {path.relative_to(folder).as_posix()} if path.is_relative_to(folder) else set()
     return {path.name, str(path), layer.identifier, *relative, *(f"./{name}" for name in relative)}
 
