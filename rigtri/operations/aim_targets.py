@@ -64,7 +64,8 @@ class Rules:
     heads: heads, with the hips of the bodies that stand upright, else −1; a head goes on as its trunk,
     whatever is below it.
     feet: feet without toes, and where they point in the world, unit, (3,). hands: those without fingers.
-    twists: twist joints beside the ends of bones, whose axes they take.
+    twists: twist joints beside the ends of bones, whose axes they take. before: in a body without a
+    hierarchy the joint before each of a chain, as its parent says nothing of it.
     """
 
     branch: Branch = "chain"
@@ -77,6 +78,7 @@ class Rules:
     feet: Mapping[int, Floats] = field(default_factory=dict)
     hands: Container[int] = ()
     twists: Container[int] = ()
+    before: Mapping[int, int] = field(default_factory=dict)
 
 
 def chain_child(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
@@ -188,13 +190,50 @@ def trunk_children(tree: Skeleton, characters: Iterable[Character]) -> dict[int,
     """For each joint of a trunk, hips to head, the next one of it."""
     after: dict[int, int] = {}
     for character in characters:
-        trunk = [character.hips]
-        for kind in ("spine", "neck", "head"):
-            trunk += [
-                k for chain in character.chains if chain.kind == kind and chain.is_sure for k in chain.joints
-            ]
-        after |= {joint: child for joint, child in pairwise(trunk) if tree.above.get(child) == joint}
+        after |= {a: b for a, b in pairwise(_trunk(character)) if _follows(tree, character, a, b)}
     return after
+
+
+def _trunk(character: Character) -> list[int]:
+    trunk = [character.hips]
+    for kind in ("spine", "neck", "head"):
+        trunk += [
+            k for chain in character.chains if chain.kind == kind and chain.is_sure for k in chain.joints
+        ]
+    return trunk
+
+
+def _follows(tree: Skeleton, character: Character, joint: int, child: int) -> bool:
+    """Whether a joint is a child of the one before it, or in a body without a hierarchy its sibling."""
+    above = tree.above.get(child)
+    return above == joint or (
+        above is not None and above == tree.above.get(joint) and _is_flat(tree, character)
+    )
+
+
+def flat_joints(tree: Skeleton, characters: Iterable[Character]) -> tuple[dict[int, int], dict[int, int]]:
+    """Of bodies without a hierarchy the joint before each of a chain, and what hips and clavicles aim at.
+
+    Hips stand beside the spine there, and not above it, and clavicles beside their arms.
+    """
+    before: dict[int, int] = {}
+    beside: dict[int, int] = {}
+    for character in (k for k in characters if _is_flat(tree, k)):
+        bones = {part.bone: part.joint for part in character.parts}
+        pairs = [*pairwise(_trunk(character))][:1]
+        for chain in (k for k in character.sure_chains if k.kind == "arm" and k.bend):
+            pairs.append((bones.get(f"{chain.side}Shoulder", -1), chain.bend[0]))
+        beside |= {a: b for a, b in pairs if a >= 0 and _follows(tree, character, a, b)}
+        for joints in (_trunk(character), *(chain.joints for chain in character.sure_chains)):
+            before |= {b: a for a, b in pairwise(joints) if _follows(tree, character, a, b)}
+    return before, beside
+
+
+def _is_flat(tree: Skeleton, character: Character) -> bool:
+    """Whether limbs of a body have no hierarchy: all joints are below one."""
+    return any(
+        chain.bend and not tree.rig.is_below(chain.bend[1], chain.bend[0]) for chain in character.limbs
+    )
 
 
 def chain_children(tree: Skeleton, ref: ReferencePose, characters: Iterable[Character]) -> dict[int, int]:
@@ -208,7 +247,7 @@ def chain_children(tree: Skeleton, ref: ReferencePose, characters: Iterable[Char
         for chain in (chain for chain in character.sure_chains if chain.kind in _ENDED):
             last = chain.joints[-1]
             if chain.kind in ("finger", "foot"):
-                found |= {a: b for a, b in pairwise(chain.joints) if tree.above.get(b) == a}
+                found |= {a: b for a, b in pairwise(chain.joints) if _follows(tree, character, a, b)}
             # What is below a palm or ankle may be anything.
             called = chain.kind in ("hand", "foot") and len(chain.joints) == 1
             ends = _end_joints(tree, ref, last, called=called) if last in tree.below else []
@@ -315,6 +354,8 @@ def _ending(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim
             ahead = normalise(transform_directions(rules.feet[joint], ref.inverse[joint]))
             shin = _distance(ref, tree.above[joint], joint) if tree.above[joint] >= 0 else 0.0
             return Aim("facing", ahead, None, FOOT * shin)
+        if joint in rules.before:
+            return _incoming(tree, ref, joint, rules.before[joint]) or Aim("keep")
         end = "incoming" if joint in rules.apart else "parent"
     if end == "incoming":
         return _incoming(tree, ref, joint) or Aim("keep")

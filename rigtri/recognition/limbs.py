@@ -116,8 +116,11 @@ def along(rig: Rig, start: int, end: int) -> list[int]:
     return path[::-1]
 
 
-def recognise(rig: Rig) -> list[Limb]:
-    """The arms and legs of a rig that are sure enough to be acted upon, arms first, left before right."""
+def recognise(rig: Rig, *, flat: bool = False) -> list[Limb]:
+    """The arms and legs of a rig that are sure enough to be acted upon, arms first, left before right.
+
+    flat: also those whose joints do not lie one below another, which have axes and nothing else.
+    """
     found = [
         Limb(
             *chain.bend,
@@ -128,8 +131,8 @@ def recognise(rig: Rig) -> list[Limb]:
         )
         for chain in sure_limbs(rig)
         if len(chain.bend) == 3
-        # Where all joints are below one, there is no chain to work on.
-        and rig.is_below(chain.bend[1], chain.bend[0])
+        # Where all joints are below one, there is no chain to build on.
+        and (flat or rig.is_below(chain.bend[1], chain.bend[0]))
     ]
     order = {"left": 0, "right": 1, "": 2}
     return sorted(found, key=lambda limb: (limb.kind, order[limb.side]))
@@ -154,10 +157,10 @@ def built_limbs(rig: Rig) -> list[Limb]:
     return [given(rig, *triple) for triple in triples if all(rig.known(name) is not None for name in triple)]
 
 
-def with_recognised(rig: Rig, mine: tuple[Limb, ...]) -> tuple[Limb, ...]:
-    """The user's limbs, then the recognised ones that share no joint with them."""
+def with_recognised(rig: Rig, mine: tuple[Limb, ...], *, flat: bool = False) -> tuple[Limb, ...]:
+    """The user's limbs, then the recognised ones that share no joint with them; flat: as in `recognise`."""
     taken = {node for limb in mine for node in limb.triple}
-    return (*mine, *(limb for limb in recognise(rig) if not taken.intersection(limb.triple)))
+    return (*mine, *(limb for limb in recognise(rig, flat=flat) if not taken.intersection(limb.triple)))
 
 
 def _source(chain: Chain) -> Literal["vrm", "names", "shape"]:

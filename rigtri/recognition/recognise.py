@@ -233,7 +233,7 @@ def _missing(draft: Draft) -> list[str]:
         start, middle, _ = chain.bend
         if not rig.is_below(middle, start):
             loose = f"'{rig.title(middle)}' does not lie below '{rig.title(start)}'"
-            remarks.append(f"no command works on the {chain.name}: {loose}")
+            remarks.append(f"no command but orient-joints works on the {chain.name}: {loose}")
     return remarks
 
 

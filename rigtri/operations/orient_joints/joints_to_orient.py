@@ -22,6 +22,7 @@ from rigtri.operations.aim_targets import (
     Rules,
     aim_targets,
     chain_children,
+    flat_joints,
     limb_children,
     trunk_children,
 )
@@ -113,9 +114,9 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     chains = [(k, chain) for k in characters for chain in k.sure_chains]
     twists = body_hinges.twists_beside_bones(rig, characters)
     hips = frozenset(top for k in characters for top in _tops(k))
-    fingers = [chain for _, chain in chains if chain.kind == "finger"]
     heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
     bodily = tree.joints if options.style.world else (joint for _, chain in chains for joint in chain.joints)
+    before, beside = flat_joints(tree, characters)
     meant = twists.intersection(rig.nodes_of("twist"))  # their weights may not be split yet
     meant = meant.union(_standard_bones(characters, options))
     joints, skipped = select(
@@ -126,26 +127,27 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         all_named=everything,
         hips=hips,
         heads=heads,
-        whole=twists.union(bodily),
+        whole=twists.union(bodily, beside),
         meant=meant,
     )
     styles = _styles(tree, options)
-    limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)))
+    limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)), flat=True)
     bodies = None if everything else body_hinges.bodies(rig, characters, ref.world, options.facing)
     known = limb_children(tree, limbs)
     if not options.branch:  # a rule that the user names goes before what is known of a body
-        known = trunk_children(tree, characters) | chain_children(tree, ref, characters) | known
+        known = trunk_children(tree, characters) | chain_children(tree, ref, characters) | beside | known
     rules = Rules(
         options.branch_rule,
         tuple(_branch_child(rig, name) for name in options.branch_to),
         options.end,
         aim_at,
         known,
-        frozenset(_fingers_of_one_joint(tree, fingers, joints)),
+        frozenset(_fingers_of_one_joint(tree, (chain for _, chain in chains), joints)),
         {} if options.branch else heads,
         body_hinges.lone_feet(characters, bodies or (), ref.world[:, 3, :3]),
         frozenset(_lone_hands(characters)),
         twists,
+        before,
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
@@ -189,9 +191,9 @@ def _branch_child(rig: Rig, name: str) -> int:
     return rig.find(name)
 
 
-def _fingers_of_one_joint(tree: Skeleton, fingers: Iterable[Chain], joints: Collection[int]) -> Iterator[int]:
+def _fingers_of_one_joint(tree: Skeleton, chains: Iterable[Chain], joints: Collection[int]) -> Iterator[int]:
     """Fingers of one joint without the axes of their hand: thumbs, and where the hand keeps its own."""
-    for finger in fingers:
+    for finger in (chain for chain in chains if chain.kind == "finger"):
         own = [node for node in finger.joints if node in tree.above]  # a bone may be no joint of a skin
         if len(own) == 1 and ("thumb" in finger.name or tree.above[own[0]] not in joints):
             yield own[0]
