@@ -114,6 +114,23 @@ def test_clips_of_the_whole_skeleton_come_to_the_one_without_still_joints(tmp_pa
     assert far_apart(edited, taken) < 1e-5
 
 
+def test_splines_of_the_whole_skeleton_come_to_the_one_without_still_joints_as_they_are() -> None:
+    """Before, they were sampled at their keys, and refused: between these they moved otherwise."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    walk = rig.clip("walk")
+    elbow = rig.find("forearm_L")
+    keys = np.zeros((2, 3, 4))
+    keys[:, 1] = [rig.rotation[elbow], from_axis_angle(np.array([1.0, 0.0, 0.0]), 0.5)]
+    keys[:, 0], keys[:, 2] = [0.3, -0.2, 0.5, 0.1], [-0.4, 0.6, 0.2, 0.3]
+    spline = Track(elbow, "rotation", "CUBICSPLINE", np.array([0.0, 1.0]), keys)
+    run = replace(walk, name="run", tracks=(*(t for t in walk.tracks if t.node != elbow), spline))
+    library = with_still_joints(replace(rig, clips=(run,)), ABOVE)
+    report = Report()
+    taken = rigtri.take_clips(rig, from_=library, report=report)
+    assert far_apart(library, replace(taken, clips=(taken.clip("run"),))) < 1e-6
+    assert not {"sampled", "other-parents"} & {notice.code for notice in report.warnings}
+
+
 def test_what_is_below_a_joint_but_no_joint_is_parented_anew() -> None:
     """The staff; before, its hand could not be merged."""
     rig = rigtri.read(SAMPLES / "biped.glb")

@@ -49,6 +49,7 @@ from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.proportions import Proportions, warn_ik_bones
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.skeleton_check import checked_bodies
+from rigtri.operations.take_clips.still_parents import without_still_parents
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED, same_at_keys
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
@@ -86,7 +87,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     if switched.on | switched.off:
         edited = put_back(edited, rig, of, report)
         _warn_unkeyed(rig, edited, of, report)
-    both = Counterparts(rig, edited)
+    both = Counterparts(rig, edited := without_still_parents(edited, rig, of))
     if not both.of:
         raise GeometryError(why_nothing_matches(rig, edited))
     names = ClipNames(rig, edited, options.as_, report)
