@@ -16,6 +16,7 @@ from rigtri.files.atomic_write import same_file
 from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.usd.composition import external_paths
 from rigtri.formats.usd.composition.edit_target import sublayer
+from rigtri.formats.usd.composition.held_layers import Held
 from rigtri.formats.usd.composition.stage import open_file, quiet
 from rigtri.formats.usd.composition.variants import VariantSet, each_choice, in_words, lacking, selecting
 from rigtri.formats.usd.embed import embedded
@@ -57,6 +58,7 @@ class UsdDocument:
             rig = replace(rig, rules=replace(rig.rules, elsewhere=others))
         self._source, self._options = replace(source, rig=rig), options
         self._output = Output(self._source, layer, options)
+        self._held = Held(source.stage)
         self._hidden: dict[str, list[str]] = {}
 
     @classmethod
@@ -117,8 +119,9 @@ class UsdDocument:
         """Write the file, or only the opinions for an override; see `formats.Document`.
 
         Relative asset paths are anchored anew where ``target`` lies in another folder.
-        UsageError for a target of another format.
+        UsageError for a target of another format; FileError where the source was replaced since.
         """
+        self._held.check(self._source.layer)
         output, stage = self._output, self._source.stage
         output.check_target(target)
         with quiet(f"{target}: USD cannot write it"):

@@ -18,7 +18,7 @@ from typing import Any
 from pxr import Ar, Sdf, Tf
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition import layer_content, layers
+from rigtri.formats.usd.composition import held_layers, layer_content, layers
 from rigtri.formats.usd.composition.variable_expressions import Variables, evaluated, variables_of
 
 # In how many ways one layer may be referred to, by the variables that are set above it.
@@ -51,6 +51,8 @@ def check(path: Path, *, allow_external: bool, variables: Variables | None = Non
                 f"{layer.identifier} is referred to with more than {SETTINGS} settings of "
                 "expressionVariables. Write the asset paths without expressions"
             )
+        if not seen:
+            held_layers.renew(layer)
         seen.append(given)
         found[layer.identifier] = layer
         waiting += _below(layer, given, path, allow_external, sound)

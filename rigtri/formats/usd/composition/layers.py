@@ -15,6 +15,7 @@ from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 from rigtri.errors import FileError
 from rigtri.files import temp_dirs
 from rigtri.files.relative_path import relative_path
+from rigtri.formats.usd.composition import held_layers
 from rigtri.formats.usd.composition.variable_expressions import evaluated, is_one, prefixed, variables_of
 
 Rename = Callable[[str], str]
@@ -55,6 +56,7 @@ def fresh(path: Path) -> Any:
     known = Sdf.Layer.Find(str(path))
     # pxr keeps layers that someone holds; the file may have been replaced since.
     if known is not None:
+        held_layers.renew(known)
         known.Reload(True)
     return Sdf.Layer.FindOrOpen(str(path))
 
