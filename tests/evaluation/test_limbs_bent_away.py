@@ -133,3 +133,23 @@ def test_limbs_of_both_sides_that_are_bent_against_their_poles_turn_as_mirror_im
     left, right = (leans[f"mixamorig:{side}Foot"] for side in ("Left", "Right"))
     assert left == pytest.approx(-right)
     assert abs(left) > 3.1
+
+
+def test_a_target_beyond_a_limb_is_reached_where_the_control_of_its_end_brings_that_there() -> None:
+    solver, (limb, *_) = _solved(BODIES["4° back"])
+    ik, hand = limb.limb.control, limb.fk[limb.limb.chain[2]].own.control
+    parts = {node: PoseCache(solver.rig, {}).part(node) for node in (ik, hand)}
+
+    def run(beyond: float, pulled: Floats) -> tuple[PoseCache, list[str], Floats]:
+        ways = {ik: np.array([beyond, 0.0, 0.0]), hand: pulled}
+        posed = solver.run({k: p._replace(translation=p.translation + ways[k]) for k, p in parts.items()})
+        codes = [notice.code for notice in solver_warnings(solver, posed, str)]
+        return posed, codes, limb.target(posed)[0] - posed.world(limb.limb.chain[2])[0, 3, :3]
+
+    assert run(0.0, np.zeros(3))[1] == []
+    _, codes, missing = run(0.4, np.zeros(3))
+    assert codes == ["ik-unreachable"]
+    pulls = np.array([missing - run(0.4, way)[2] for way in np.eye(3)])
+    _, codes, missing = run(0.4, missing @ np.linalg.inv(pulls))
+    assert np.abs(missing).max() < 1e-9
+    assert codes == []

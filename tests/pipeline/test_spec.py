@@ -14,12 +14,13 @@ from typing import Any
 
 import click
 import jsonschema
+import numpy as np
 import pytest
 from places import ROOT, SAMPLES, files_of_all_kinds, leave_out_refused, slow
 from program import cli
 from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
-from rigs import chain
+from rigs import chain, rig_of
 from ruamel.yaml import YAML
 from second_opinions import validator
 
@@ -37,7 +38,7 @@ from rigtri.pipeline.rigspec.load import load
 from rigtri.pipeline.rigspec.models.spec import STEP_MODELS
 from rigtri.pipeline.rigspec.models.steps import StepModel
 from rigtri.pipeline.rigspec.models.values import UNKNOWN, _before
-from rigtri.pipeline.rigspec.spec_init import starter
+from rigtri.pipeline.rigspec.spec_init import _name, starter
 from rigtri.pipeline.steps import applied
 from rigtri.report import Notice
 from rigtri.verification.compare.compare import verify
@@ -756,3 +757,10 @@ def test_only_the_output_waits_for_the_disk_and_few_steps_are_kept_there(
         counts.append(len(folders))
         assert max(folders) == 1
     assert counts[0] == counts[1]
+
+
+def test_names_that_mean_something_else_in_a_spec_are_paths_or_numbers_there() -> None:
+    names = ["top", "a{b,c}", "#0", "vrm:hips", "plain"]
+    said = ["top", "#1", "/top/#0", "/top/vrm:hips", "plain"]
+    rig = rig_of(names, [-1, 0, 0, 0, 0], np.zeros((5, 3)))
+    assert [_name(rig, node) for node in range(5)] == [f'"{way}"' for way in said]

@@ -8,9 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from recognition_bodies.skeletons import ARM, LEG, MAN, TRUNK, Joint, both, line, rig_with, without
+from rigs import rig_of
 
 from rigtri.model.rig import Rig
+from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import Chain
+from rigtri.recognition.name_readings import _in_place
 from rigtri.recognition.recognise import recognise
 
 SIDES = ("left", "right")
@@ -151,3 +154,10 @@ def test_no_limb_surely_begins_at_a_crooked_part_of_its_upper_bone() -> None:
     arm = line("shoulder.L arm_twist.L arm_stretch.L forearm_stretch.L hand.L", "chest", *places)
     found = joints_of(rig_with([*TRUNK, *both([*arm, *LEG])]))
     assert not any("arm" in name for name in found) or found["left arm"].startswith("arm_twist.L")
+
+
+def test_bones_of_the_middle_count_that_are_below_the_lowest_one() -> None:
+    places = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 1.2, 0.0], [0.0, 1.5, 0.0], [0.0, 1.7, 0.0]])
+    rig = rig_of(["top", "pelvis", "spine_ctl", "neck", "head"], [-1, 0, 0, 1, 3], places)
+    bones = {"hips": 1, "spine": 2, "neck": 3, "head": 4, "left hand": 2}
+    assert _in_place(Tree(rig, range(5), places), bones) == len(bones) - 1
