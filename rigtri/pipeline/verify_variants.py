@@ -12,6 +12,8 @@ from rigtri.verification.compare.compare import Comparison, Source
 
 # Each is a comparison of all that the files show; what is beyond is named.
 MOST = 16
+# So many nodes are compared again, in all of them; one variant at least.
+MOST_NODES = 20_000
 
 
 @runtime_checkable
@@ -31,10 +33,11 @@ def with_variants(found: Comparison, before: Source, after: Source) -> Compariso
     if not (isinstance(before, Choosing) and isinstance(after, Choosing)):
         return found
     unseen: list[str] = []
+    most = max(1, min(MOST, MOST_NODES // max(1, len(before.rig))))
     for count, chosen in enumerate(before.choices()):
         where = _words(chosen)
-        if count >= MOST:
-            unseen.append(f"{where}, as {MOST} others were")
+        if count >= most:
+            unseen.append(f"{where}, as {most} other{'s were' if most > 1 else ' was'}")
             continue
         try:
             mine = before.selecting(chosen)

@@ -18,7 +18,14 @@ from rigtri.formats.usd.composition import external_paths
 from rigtri.formats.usd.composition.edit_target import sublayer
 from rigtri.formats.usd.composition.held_layers import Held
 from rigtri.formats.usd.composition.stage import open_file, quiet
-from rigtri.formats.usd.composition.variants import VariantSet, each_choice, in_words, lacking, selecting
+from rigtri.formats.usd.composition.variants import (
+    VariantSet,
+    alike,
+    each_choice,
+    in_words,
+    lacking,
+    selecting,
+)
 from rigtri.formats.usd.embed import embedded
 from rigtri.formats.usd.layer_writer import Output
 from rigtri.formats.usd.opinions.instance_edits import instance_of
@@ -136,10 +143,15 @@ class UsdDocument:
         return ()
 
     def choices(self) -> Sequence[Mapping[VariantSet, str]]:
-        """Each way to select one variant otherwise than the file, and sets that only that one shows."""
+        """Each way to select one variant otherwise than the file, and sets that only that one shows.
+
+        Of the instances of one prototype, at the first alone.
+        """
         source = self._source
         with quiet(f"{source.path}: USD cannot read its variants"):
-            others = (dict(chosen) for chosen, _ in each_choice(source.stage) if chosen)
+            left_out = alike(source.stage)
+            each = each_choice(source.stage, counts=lambda prim, *_: prim.GetPath() not in left_out)
+            others = (dict(chosen) for chosen, _ in each if chosen)
             return list(islice(others, MOST_CHOICES))
 
     def selecting(self, chosen: Mapping[VariantSet, str]) -> UsdDocument | None:

@@ -75,3 +75,15 @@ def test_variants_beyond_a_number_are_named(tmp_path: Path) -> None:
     assert said.count("not compared: ") == 2
     found = json.loads(cli("verify", before, before, "--json", code=0).stdout)["unseen"]
     assert [names[-2] in found[0], names[-1] in found[1]] == [True, True]
+
+
+def test_instances_of_one_prototype_are_looked_at_once(tmp_path: Path) -> None:
+    hero(tmp_path, "hero.usda", a=WALK, b=animation(rotations=RUN))
+    agents = "".join(
+        f'def "A{k}" (\ninstanceable = true\nreferences = @hero.usda@</Root>\n)\n{{\n}}\n' for k in range(30)
+    )
+    crowd = save(tmp_path, f"#usda 1.0\n{agents}", "crowd.usda")
+    assert "not compared" not in cli("verify", crowd, crowd, code=0).stdout
+    hero(tmp_path / "other", "hero.usda", a=WALK, b=animation(rotations=HOLD))
+    other = save(tmp_path / "other", f"#usda 1.0\n{agents}", "crowd.usda")
+    assert "in variant 'b' of the variant set 'look' on </A0>" in cli("verify", crowd, other, code=6).stderr

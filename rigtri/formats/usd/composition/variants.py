@@ -337,6 +337,13 @@ def selecting(stage: Any, chosen: Mapping[VariantSet, str]) -> Any:
     return trial
 
 
+def alike(stage: Any) -> set[Any]:
+    """The paths of instances that have a prototype in common with one before them."""
+    first: dict[Any, Any] = {}
+    every = [prim for prim in stage.Traverse() if prim.IsInstance()]
+    return {p.GetPath() for p in every if first.setdefault(p.GetPrototype().GetPath(), p) != p}
+
+
 def lacking(stage: Any, chosen: Mapping[VariantSet, str]) -> str:
     """What of a choice a stage lacks: a ``set``, a ``variant`` of a set that it has, or "" for nothing."""
     trial = selecting(stage, chosen)
