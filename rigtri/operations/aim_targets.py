@@ -190,16 +190,19 @@ def trunk_children(tree: Skeleton, characters: Iterable[Character]) -> dict[int,
     """For each joint of a trunk, hips to head, the next one of it."""
     after: dict[int, int] = {}
     for character in characters:
-        after |= {a: b for a, b in pairwise(_trunk(character)) if _follows(tree, character, a, b)}
+        after |= {a: b for a, b in pairwise(_trunk(tree, character)) if _follows(tree, character, a, b)}
     return after
 
 
-def _trunk(character: Character) -> list[int]:
+def _trunk(tree: Skeleton, character: Character) -> list[int]:
+    """From hips to head; without a hierarchy no clavicle that seemed to be on the way."""
     trunk = [character.hips]
     for kind in ("spine", "neck", "head"):
         trunk += [
             k for chain in character.chains if chain.kind == kind and chain.is_sure for k in chain.joints
         ]
+    if _is_flat(tree, character):
+        return [k for k in trunk if not parse_name(tree.rig.names[k] if k >= 0 else "").side]
     return trunk
 
 
@@ -220,11 +223,13 @@ def flat_joints(tree: Skeleton, characters: Iterable[Character]) -> tuple[dict[i
     beside: dict[int, int] = {}
     for character in (k for k in characters if _is_flat(tree, k)):
         bones = {part.bone: part.joint for part in character.parts}
-        pairs = [*pairwise(_trunk(character))][:1]
+        pairs = [*pairwise(_trunk(tree, character))][:1]
         for chain in (k for k in character.sure_chains if k.kind == "arm" and k.bend):
             pairs.append((bones.get(f"{chain.side}Shoulder", -1), chain.bend[0]))
         beside |= {a: b for a, b in pairs if a >= 0 and _follows(tree, character, a, b)}
-        for joints in (_trunk(character), *(chain.joints for chain in character.sure_chains)):
+        # Which of siblings is the next of a finger is a guess.
+        chains = [chain.joints for chain in character.sure_chains if chain.kind != "finger"]
+        for joints in (_trunk(tree, character), *chains):
             before |= {b: a for a, b in pairwise(joints) if _follows(tree, character, a, b)}
     return before, beside
 
@@ -246,8 +251,10 @@ def chain_children(tree: Skeleton, ref: ReferencePose, characters: Iterable[Char
     for character in characters:
         for chain in (chain for chain in character.sure_chains if chain.kind in _ENDED):
             last = chain.joints[-1]
-            if chain.kind in ("finger", "foot"):
+            if chain.kind == "foot":
                 found |= {a: b for a, b in pairwise(chain.joints) if _follows(tree, character, a, b)}
+            elif chain.kind == "finger":
+                found |= {a: b for a, b in pairwise(chain.joints) if tree.above.get(b) == a}
             # What is below a palm or ankle may be anything.
             called = chain.kind in ("hand", "foot") and len(chain.joints) == 1
             ends = _end_joints(tree, ref, last, called=called) if last in tree.below else []

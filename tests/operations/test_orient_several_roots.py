@@ -31,3 +31,21 @@ def test_a_body_whose_joints_are_all_below_one_has_the_axes_of_one_with_a_hierar
     here, there = (orient_joints(rig_with(joints, named=named), preset=preset) for joints in (flat, tree))
     np.testing.assert_allclose(here.world, there.world, atol=1e-9)
     assert np.array_equal(orient_joints(here, preset=preset).world, here.world)
+
+
+def test_without_a_hierarchy_no_finger_aims_at_another() -> None:
+    """Before, the end of one finger aimed at the next one, and a second run turned them again."""
+    places = {name: np.array(at) for name, _, at in MAN}
+    flat = [("root", "", (0.0, 0.0, 0.0)), *((name, "root", at) for name, _, at in MAN)]
+    for side in ("L", "R"):
+        out = places[f"hand.{side}"] - places[f"forearm.{side}"]
+        out = out / np.linalg.norm(out)
+        for n, finger in enumerate(("index", "middle", "ring", "pinky")):
+            row = places[f"hand.{side}"] + np.array([0.0, 0.0, 0.03 - 0.02 * n])
+            flat += [(f"{finger}{k}.{side}", "root", tuple(row + out * (0.05 + 0.03 * k))) for k in (1, 2, 3)]
+    made = orient_joints(rig_with(flat))
+    assert np.array_equal(orient_joints(made).world, made.world)
+    at = {name: k for k, name in enumerate(made.names)}
+    across = made.world[at["middle1.L"], 3, :3] - made.world[at["index1.L"], 3, :3]
+    aim = made.world[at["index1.L"], 0, :3]
+    assert abs(aim @ across) < 0.9 * np.linalg.norm(across) * np.linalg.norm(aim)
