@@ -51,6 +51,8 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
         report.warn("no-clips", "This file has no clips: vertices were compared in the rest pose alone")
     merging = _Merging(rig, options.exclude)
     named = sorted({node for glob in options.joints for node in rig.match(glob)})
+    if options.keep_children:
+        merging.spare_sockets(named)
     for node in reversed(named):  # those below first: what is left below the others stays
         merging.take_alone(node, "leave out --keep-children") if options.keep_children else merging.take(node)
     spared = {node for glob in options.exclude for node in rig.match(glob)}
@@ -143,9 +145,9 @@ class _Merging:
             found |= {node, *rig.named_by(rig.metadata[node])}
         return found | rig.with_ancestors(ends)
 
-    def spare_sockets(self) -> set[int]:
+    def spare_sockets(self, named: Collection[int] = ()) -> set[int]:
         """Let sockets that are left stay, with what is above them: nobody has named these."""
-        spared = sockets(self.rig) - self.gone
+        spared = sockets(self.rig) - self.gone - set(named)
         self.kept |= self.rig.with_ancestors(spared)
         self._reasons |= dict.fromkeys(spared, "is a socket")
         return spared

@@ -142,6 +142,18 @@ def test_what_is_below_a_joint_but_no_joint_is_parented_anew() -> None:
     assert not less.has("fingers_R")
 
 
+def test_an_empty_below_a_joint_that_goes_alone_stays() -> None:
+    """Before, it went, with its keys, though what is below the joint was to stay."""
+    rig = with_still_joints(rigtri.read(SAMPLES / "biped.glb"), ABOVE)
+    parents = rig.parents.copy()
+    parents[rig.find("staff")] = rig.find("helper_c")
+    attachment = rig.attachment.copy()
+    attachment[rig.find("staff")] = -1
+    rig = replace(rig.with_parents(parents), attachment=attachment)
+    less = rigtri.merge_joints(rig, joints=["helper_c"], keep_children=True)
+    assert less.names[int(less.parents[less.find("staff")])] == "forearm_R"
+
+
 def test_joints_that_never_move_go_before_those_that_do() -> None:
     rig = with_still_joints(rigtri.read(SAMPLES / "biped.glb"), ABOVE)
     count = int(rig.is_joint.sum())
