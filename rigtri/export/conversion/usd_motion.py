@@ -20,12 +20,11 @@ from rigtri.evaluation.sampling import sorted_unique
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.reading.animation_reader import NON_UNIT
 from rigtri.formats.usd.reading.xform_hierarchy import read_transform
-from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, compose, decompose, skew
 from rigtri.maths.quaternions import angle_between, norm, normalise, slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Track
-from rigtri.verification.compare.across_formats import SAME_TIME, PlayedClip
+from rigtri.verification.compare.across_formats import PlayedClip, in_a_step
 
 # How far keys may be off between two of them: radians, and shares of where the prim goes or, where that is
 # less, of what it shows. Prims below each other add up, so it is a part of what a conversion may be off.
@@ -99,7 +98,7 @@ class PrimMotion:
                 # Keys are float32 in glTF, so a time is where it is between two of them.
                 local = _locals(self.prims[node], np.interp(seconds, known, codes))
                 local = compose(*decompose(local)) if upright and node in self.sheared else local
-                local[_in_a_step(seconds, known)] = np.nan
+                local[in_a_step(seconds, known)] = np.nan
                 found[node] = local
             return found
 
@@ -122,16 +121,6 @@ def unit_rotations(tracks: Sequence[Track]) -> tuple[tuple[Track, ...], float]:
         if off > NON_UNIT:
             found[k], worst = replace(track, values=normalise(track.values)), max(worst, off)
     return tuple(found), worst
-
-
-def _in_a_step(seconds: Floats, keys: Floats) -> Booleans:
-    """Which times, (f,), are between two keys that stand for a step, which takes USD no time."""
-    if len(keys) < 2:
-        return np.zeros(len(seconds), dtype=bool)
-    right = np.clip(np.searchsorted(keys, seconds), 1, len(keys) - 1)
-    start, end = keys[right - 1], keys[right]
-    short = end - start <= SAME_TIME * np.maximum(np.abs(end), 1e-3)
-    return np.asarray(short & (seconds > start) & (seconds < end))
 
 
 def _locals(prim: Any, times: Floats) -> Floats:

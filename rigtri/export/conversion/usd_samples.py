@@ -47,9 +47,12 @@ def time_codes(seconds: Floats, rate: float) -> Floats:
     codes, step = seconds * rate, float(Usd.TimeCode.SafeStep())
     whole = np.round(codes)
     near = np.abs(codes - whole) <= _ROUNDING * np.maximum(np.abs(codes), 1.0)
-    # The sample before a step stays before it, and samples of what is fast stay where they are.
+    # The sample before a step stays before it, alone one or two numbers of float32 away, and samples of what
+    # is fast stay where they are.
     gaps = np.diff(codes)
-    before = np.append(gaps < 2 * step, False)
+    close = np.concatenate([[False], gaps < np.minimum(2 * _ROUNDING * np.abs(codes[1:]), _CROWDED), [False]])
+    alone = close[1:] & ~close[:-1] & ~np.append(close[2:], False)
+    before = np.append(gaps < 2 * step, False) | alone
     crowded = np.append(gaps < _CROWDED, False) | np.append(False, (gaps < _CROWDED) & ~before[:-1])
     return np.where(near & (before | ~crowded), np.where(before, whole - step, whole), codes)
 

@@ -10,7 +10,7 @@ import numpy as np
 from rigtri.evaluation.sampling import Motion as ClipMotion
 from rigtri.evaluation.sampling import between_keys, key_times, worlds
 from rigtri.frames.rig_size import sizes_of
-from rigtri.maths.arrays import Integers
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
 from rigtri.model.dataclass import dataclass
@@ -134,7 +134,9 @@ def _worlds(rig: Rig, local: Floats) -> Floats:
 
 def _add_clip(found: Deviation, pair: Converted, clip: Clip, other: Clip, block: int) -> None:
     motions = ClipMotion(pair.before, clip), ClipMotion(pair.after, other)
-    times = between_keys(key_times(clip))
+    keys = key_times(clip)
+    times = between_keys(keys)
+    times = times[~in_a_step(times, keys)]
     for start in counted(range(0, len(times), block), "moments"):
         some = times[start : start + block]
         # Of rotations that are not unit each side shows what its format does.
@@ -160,6 +162,16 @@ def at_keys_of(clip: Clip, other: Clip) -> Clip:
             known[id(track.times)] = _snapped(track.times, keys)
         tracks.append(replace(track, times=known[id(track.times)]))
     return replace(clip, tracks=tuple(tracks))
+
+
+def in_a_step(seconds: Floats, keys: Floats) -> Booleans:
+    """Which times, (f,), are between two keys that stand for a step, which takes no time there."""
+    if len(keys) < 2:
+        return np.zeros(len(seconds), dtype=bool)
+    right = np.clip(np.searchsorted(keys, seconds), 1, len(keys) - 1)
+    start, end = keys[right - 1], keys[right]
+    short = end - start <= SAME_TIME * np.maximum(np.abs(end), 1e-3)
+    return np.asarray(short & (seconds > start) & (seconds < end))
 
 
 def _snapped(times: Floats, keys: Floats) -> Floats:

@@ -70,6 +70,14 @@ def test_the_sample_before_a_step_stays_right_before_it() -> None:
         assert 0 < there - before < 2 * STEP
 
 
+def test_a_step_of_two_keys_in_float32_is_on_its_frame() -> None:
+    """As glTF stores a jump at 22 frames of USD, and the sample before it."""
+    there = np.float32(22.0 / 24.0)
+    before = np.nextafter(np.nextafter(there, np.float32(0)), np.float32(0))
+    codes = time_codes(np.array([0.0, before, there, 1.0], dtype=np.float64), 24.0)
+    assert_allclose(codes, [0.0, 22.0 - STEP, 22.0, 24.0], rtol=0, atol=1e-12)
+
+
 def test_lines_need_samples_at_their_keys_and_steps_one_more_before_each() -> None:
     assert sample_times([track(0.0, 1.0), track(0.5, 1.0)], 1.0).tolist() == [0.0, 0.5, 1.0]
     found = sample_times([track(0.0, 1.0, 2.0, way="STEP")], 1.0)
