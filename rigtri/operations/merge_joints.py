@@ -184,8 +184,12 @@ class _Merging:
         return self._go(node, below) if below else []
 
     def _hangs(self, node: int) -> bool:
-        """Whether a node that is no joint, nor has any below it, stays as a child of something else."""
-        return node in self.kept and node not in self._joints and not self._staying[node]
+        """Whether a node that is no joint, nor has any below it, stays as a child of something else.
+
+        What nothing shows or names is the end of a joint, but not if it moves.
+        """
+        stays = node in self.kept or self._moving[node]
+        return bool(stays and node not in self._joints and not self._staying[node])
 
     def _refuse(self, node: int, reasons: Mapping[int, str]) -> None:
         if reasons:

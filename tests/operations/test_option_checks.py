@@ -239,7 +239,7 @@ OTHERS: list[tuple[type, dict[str, Any], str]] = [
     (FreezeOptions, {"up_axis": "y", "only": "joints"}, "--up-axis freezes a rotation above joints, so"),
     (FreezeOptions, {"up_axis": "y", "only": "above"}, ""),
     (FreezeOptions, {"only": "joints"}, ""),
-    (MergeJointsOptions, {}, "name joints to merge: --joints GLOB, --still or --max-joints N"),
+    (MergeJointsOptions, {}, "name joints to merge: --joints GLOB, --still, --max-joints N or --lod FILE"),
     (MergeJointsOptions, {"joints": ("a",)}, ""),
     (MergeJointsOptions, {"still": True}, ""),
     (MergeJointsOptions, {"max_joints": 5}, ""),
