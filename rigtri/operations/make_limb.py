@@ -297,9 +297,7 @@ def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) ->
     names = _names(rig, options, len(shape.points))
     if options.parent is None:
         rig, parent = group(rig)
-    else:
-        parent = rig.find(options.parent, "parent")
-    if options.parent is not None and rig.is_joint[parent] and not options.skin:
+    elif rig.is_joint[parent := rig.find(options.parent, "parent")] and not options.skin:
         raise UsageError(
             f"--no-skin: children of '{rig.title(parent)}' join its skins; leave out --parent or --no-skin"
         )

@@ -5,22 +5,18 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from heapq import heapify, heappop, heappush
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.sampling import key_times, locals_at, thinned, worlds
 from rigtri.frames.rig_size import size_of
-from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import multiply, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance
-from rigtri.model.animation import key_values
-from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.model.skin import JointMerge, Skin
+from rigtri.model.skin import JointMerge
 from rigtri.operations.joint_records import joint_record
+from rigtri.operations.moved_points import STILL, Moved, corners, moved_by, moving_nodes, some_poses
 from rigtri.operations.operation import operation
 from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJointsOptions
 from rigtri.operations.orient_joints.frame_sources import no_namesakes
@@ -29,11 +25,6 @@ from rigtri.operations.reparented import reparented, uniform_parts
 from rigtri.operations.without_nodes import staying, warn_lost_clips, without_nodes
 from rigtri.report import Report
 from rigtri.text import and_more
-
-# A joint that moves its points by no more against the one above, as a share of the size, is still.
-STILL = 1e-6
-# Key times of each clip at which it is looked how far a merge moves points.
-_SAMPLES = 8
 
 
 @operation(MergeJointsOptions)
@@ -280,7 +271,7 @@ class _Merging:
     def take_least(self, most: int) -> None:
         if self.rig.shown_clips:
             self.take_still(most)
-        poses = _poses(self.rig)
+        poses = some_poses(self.rig)
         heap = [(self.cost(node, poses), node) for node in self.leaves()]
         heapify(heap)
         while len(self._joints - self.gone) > most:
@@ -295,9 +286,9 @@ class _Merging:
         return set(np.flatnonzero(self.rig.is_joint).tolist())
 
     @cached_property
-    def _moved(self) -> list[_Moved]:
+    def _moved(self) -> list[Moved]:
         meshes = self.rig.content.read_outlines()
-        return [_moved(self.rig, mesh) for mesh in meshes if mesh.skin is not None and mesh.joints.shape[1]]
+        return [moved_by(self.rig, mesh) for mesh in meshes if mesh.skin is not None and mesh.joints.shape[1]]
 
     def cost(self, node: int, poses: Floats, *, alone: bool = False) -> float:
         """How far the points of a joint move at most where they follow its heir; poses: (f, n, 4, 4).
@@ -310,7 +301,7 @@ class _Merging:
             boxes = moved.own if alone else moved.whole
             if not np.isfinite(boxes.share[node]) or heir not in rows:
                 continue
-            points = transform_points(_corners(boxes.low[node], boxes.high[node]), moved.bind)
+            points = transform_points(corners(boxes.low[node], boxes.high[node]), moved.bind)
             one, other = (
                 (
                     transform_points(points, multiply(skin.inverse_bind[rows[k]], poses[:, k])[:, np.newaxis])
@@ -321,81 +312,6 @@ class _Merging:
             )
             far = max(far, float(boxes.share[node]) * float(distance(one, other).max()))
         return far
-
-
-class _Boxes(NamedTuple):
-    """Of what nodes move of a mesh: the largest weight, (n,), −inf for none, and the points' box, (n, 3)."""
-
-    share: Floats
-    low: Floats
-    high: Floats
-
-    def gather(self, node: Any, others: Any) -> None:
-        """Let nodes move what others move, too; numbers, or arrays of them."""
-        np.maximum.at(self.share, node, self.share[others])
-        np.minimum.at(self.low, node, self.low[others])
-        np.maximum.at(self.high, node, self.high[others])
-
-
-class _Moved(NamedTuple):
-    """What each node moves of a mesh: by itself, and with all below it. rows: of joints in the skin."""
-
-    skin: Skin
-    rows: dict[int, int]
-    bind: Floats
-    own: _Boxes
-    whole: _Boxes
-
-    def inherit(self, heir: int, node: int) -> None:
-        """Let a joint move what another one moved that goes."""
-        self.own.gather([heir], [node])
-
-
-def _moved(rig: Rig, mesh: Mesh) -> _Moved:
-    skin = rig.skins[mesh.skin or 0]
-    share = np.full(len(rig), -np.inf)
-    low, high = np.full((len(rig), 3), np.inf), np.full((len(rig), 3), -np.inf)
-    point, slot = np.nonzero((mesh.weights != 0) & (mesh.joints < len(skin.joints)))
-    nodes = skin.joints[mesh.joints[point, slot]]
-    np.maximum.at(share, nodes, np.maximum(mesh.weights[point, slot], 0.0))
-    np.minimum.at(low, nodes, mesh.points[point])
-    np.maximum.at(high, nodes, mesh.points[point])
-    whole = _Boxes(share.copy(), low.copy(), high.copy())
-    for level in reversed(rig.levels[1:]):
-        whole.gather(rig.parents[level], level)
-    rows = {joint: row for row, joint in enumerate(skin.joints.tolist())}
-    return _Moved(skin, rows, mesh.bind, _Boxes(share, low, high), whole)
-
-
-def _corners(low: Floats, high: Floats) -> Floats:
-    """The corners of a box, (8, 3)."""
-    return np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
-
-
-def moving_nodes(rig: Rig) -> Booleans:
-    """The nodes that a clip moves away from their rest pose, (n,)."""
-    found = np.zeros(len(rig), dtype=bool)
-    for clip in rig.clips:
-        for track in clip.tracks:
-            if track.path == "weights":
-                continue
-            rest = getattr(rig, track.path)[track.node]
-            values = key_values(track)
-            off = np.abs(values - rest).max(initial=0.0)
-            if track.path == "rotation":
-                off = 2.0 * min(off, float(np.abs(values + rest).max(initial=0.0)))  # half of the angle
-            found[track.node] |= bool(off > STILL * max(1.0, float(np.abs(rest).max())))
-    return found
-
-
-def _poses(rig: Rig) -> Floats:
-    """Where nodes are in the world at rest and at some keys of every clip, (f, n, 4, 4)."""
-    found = [worlds(rig, rig.normalised_local[np.newaxis])]
-    for clip in rig.shown_clips:
-        times = key_times(clip)
-        if len(times):
-            found.append(worlds(rig, locals_at(rig, clip, thinned(times, _SAMPLES))))
-    return np.concatenate(found)
 
 
 def _folds(rig: Rig, merging: _Merging) -> list[JointMerge]:

@@ -24,7 +24,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.body_pose import posed, sure_bones
 from rigtri.operations.joint_records import joint_record
-from rigtri.operations.merge_joints import moving_nodes
+from rigtri.operations.moved_points import moving_nodes
 from rigtri.operations.operation import operation
 from rigtri.operations.option_kinds import StandardPose
 from rigtri.operations.options.pose import PoseOptions

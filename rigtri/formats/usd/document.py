@@ -18,14 +18,8 @@ from rigtri.formats.usd.composition import external_paths
 from rigtri.formats.usd.composition.edit_target import sublayer
 from rigtri.formats.usd.composition.held_layers import Held
 from rigtri.formats.usd.composition.stage import open_file, quiet
-from rigtri.formats.usd.composition.variants import (
-    VariantSet,
-    alike,
-    each_choice,
-    in_words,
-    lacking,
-    selecting,
-)
+from rigtri.formats.usd.composition.variant_choices import VariantSet, alike, each_choice, lacking, selecting
+from rigtri.formats.usd.composition.variants import in_words
 from rigtri.formats.usd.embed import embedded
 from rigtri.formats.usd.layer_writer import Output
 from rigtri.formats.usd.opinions.instance_edits import instance_of

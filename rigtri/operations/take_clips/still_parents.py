@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rigtri.model.rig import Rig
-from rigtri.operations.merge_joints import moving_nodes
+from rigtri.operations.moved_points import moving_nodes
 from rigtri.operations.reparented import reparented, uniform_parts
 
 

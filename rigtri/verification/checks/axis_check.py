@@ -9,7 +9,6 @@ Source: docs/presets.md, "One body, one sense".
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from functools import cached_property
@@ -17,21 +16,17 @@ from itertools import combinations, pairwise, product
 
 import numpy as np
 
-from rigtri.errors import NameNotFoundError, RigtriError
+from rigtri.errors import RigtriError
 from rigtri.frames.skeleton import Skeleton, reference, skeleton
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import determinant
 from rigtri.maths.quaternions import between, from_axis_angle, rotate
 from rigtri.maths.ranking import largest
-from rigtri.maths.triangle import bend_sine
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular
 from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
-from rigtri.model.metadata import PoleVectorRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import posed
-from rigtri.recognition.bend_direction import CLEAR
 from rigtri.recognition.body_hinges import Body, bodies
 from rigtri.recognition.layout import Chain, Character
 from rigtri.recognition.limb_bends import LimbBends
@@ -40,14 +35,15 @@ from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.verification.checks.cycle_check import title_and_pointer
 from rigtri.verification.checks.findings import Findings
+from rigtri.verification.checks.pole_check import pole_findings
 
 # No hand and no body has fewer joints.
 LEAST_JOINTS = 8
 # An axis this near to its bone (a cosine) aims along it.
 AIMS = cosine_below(20)
-# Degrees: of the axes of fingers, of the two bones of a limb, of neighbours in the trunk, of the trunk's axes
-# off the facing direction, and of a pole off the side to which its limb bends.
-FINGERS, LIMB, TRUNK, FORWARD, POLE = 30.0, 20.0, 30.0, 35.0, 60.0
+# Degrees: of the axes of fingers, of the two bones of a limb, of neighbours in the trunk, and of the trunk's
+# axes off the facing direction.
+FINGERS, LIMB, TRUNK, FORWARD = 30.0, 20.0, 30.0, 35.0
 # A bone shorter than this share of the longest of its chain has no direction.
 TINY = 1e-3
 # About an axis that flexes, a joint moves its bone within this (a cosine) of the way in which it bends.
@@ -84,7 +80,7 @@ def axis_findings(rig: Rig) -> Iterator[Found]:
         if not seen.parallel:
             yield from seen.findings()
         if character.form == "biped":
-            yield from _poles(rig, character, limbs)
+            yield from pole_findings(rig, character, limbs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -379,44 +375,3 @@ class _Seen:
 def _text(axes: set[Signed]) -> str:
     """Signed axes in words."""
     return " or ".join(f"{'-' if s < 0 else '+'}{'xyz'[k]}" for k, s in sorted(axes)) or "none"
-
-
-def _poles(rig: Rig, character: Character, known: list[Limb]) -> Iterator[Found]:
-    """Pole vectors that would bend a nearly straight limb against its nature, at rest."""
-    joints = {part.joint for part in character.parts}
-    limbs = [limb for limb in known if limb.start in joints]
-    poles = [list(_poles_of(rig, limb)) for limb in limbs]
-    body = bodies(rig, [character], rig.world, None) if any(poles) else []
-    if not body:
-        return
-    ref = posed(rig, "nodes")
-    bends = LimbBends(rig, ref.world, ref.other, limbs, body)
-    for limb, its in zip(limbs, poles, strict=True):
-        a, b, c = ref.world[list(limb.triple), 3, :3]
-        found = bends.of(limb, Report()) if its else None
-        if found is None or float(bend_sine(a, b, c)) >= CLEAR:
-            continue
-        for pole in its:
-            side = perpendicular(ref.position(pole) - b, normalise(c - a))
-            off = float(np.degrees(angle(side, found.direction)))
-            if length(side) > 0.1 * length(c - a) and off > POLE:
-                where = "ahead of the knee" if limb.kind == "leg" else "behind the elbow"
-                where = where if found.source == "facing" else "to which it bends at"
-                text = f"the pole vector of the nearly straight {limb.side} {limb.kind} is {off:.0f}° off"
-                yield "axes.pole", pole, f"{text} the side {where} '{rig.title(limb.middle)}'"
-
-
-def _poles_of(rig: Rig, limb: Limb) -> Iterator[int]:
-    """The pole vectors of a limb: by what rigtri has stored, and by name."""
-    for node, record in rig.records(PoleVectorRecord).items():
-        try:
-            chain = tuple(rig.find(name) for name in record.chain)
-        except NameNotFoundError:
-            continue
-        if chain == limb.triple and record.source != "given":
-            yield node
-    name = rig.names[limb.middle]
-    called = {f"{name}_pole", re.sub(r"\W", "_", name) + "_pole"}
-    for node, known in enumerate(rig.names):
-        if name and known in called and rig.type_of(node) != PoleVectorRecord.type:
-            yield node

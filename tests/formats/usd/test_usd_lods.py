@@ -11,7 +11,8 @@ from pxr import Usd
 from test_usd_variants import TALL, apart, choosing, edited, over, selecting, variant_set
 from usd_files import MESH, animation, save, scene, skeleton, skinned
 
-from rigtri.formats.usd.composition.variants import each_choice, in_words
+from rigtri.formats.usd.composition.variant_choices import each_choice
+from rigtri.formats.usd.composition.variants import in_words
 
 HERO = scene(skeleton(), animation(), MESH)
 BODY = 'def "Body" (references = @./parts/hero.usda@</Root>)\n{\n%s\n}'

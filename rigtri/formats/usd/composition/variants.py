@@ -6,16 +6,16 @@ is instanced and the selections are the session layer's; the file keeps its own.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from pxr import Sdf, Usd
+from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.animation_binding import SOURCE, idle_above
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import time_samples
+from rigtri.formats.usd.composition.variant_choices import VariantSet, bare_stage, prefixes, sets_of
 from rigtri.model.dataclass import dataclass
 
 # What of a skeleton and its animation decides how they look.
@@ -23,10 +23,6 @@ VALUES = ("joints", "bindTransforms", "restTransforms", "translations", "rotatio
 # More ways than this to show one skeleton are more than anyone can look through.
 LIMIT = 64
 
-# A variant set: the path of its prim, and its name.
-VariantSet = tuple[Any, str]
-# Whether a variant matters, by its prim, set and name.
-Counts = Callable[[Any, str, str], bool]
 # The path of an attribute → where its values come from.
 Origins = dict[Any, Any]
 
@@ -78,9 +74,9 @@ class SkeletonVariants:
         self._authored: dict[VariantSet, str] = {}
         shown_prims = [path for path in (skeleton, animation) if path]
         if any(
-            _sets(stage.GetPrimAtPath(path)) for path in _prefixes(shown_prims) if stage.GetPrimAtPath(path)
+            sets_of(stage.GetPrimAtPath(path)) for path in prefixes(shown_prims) if stage.GetPrimAtPath(path)
         ):
-            self.stage = _bare_stage(stage, shown_prims)
+            self.stage = bare_stage(stage, shown_prims)
             if explore:
                 self._find_dependencies(self._explore())
 
@@ -161,12 +157,12 @@ class SkeletonVariants:
         if prim and prim.GetTypeName() == "Skeleton" and prim.IsActive():
             paths = [path.AppendProperty(name) for path in (prim.GetPath(), *targets) for name in VALUES]
             shown = self._origins_of([*paths, prim.GetPath().AppendProperty(SOURCE)])
-        above = _prefixes([self.skeleton, *map(str, targets)])
+        above = prefixes([self.skeleton, *map(str, targets)])
         prims = [(path, self.stage.GetPrimAtPath(path)) for path in above]
         selected = {
             (path, name): prim.GetVariantSet(name).GetVariantSelection()
             for path, prim in prims
-            for name in (_sets(prim) if prim else ())
+            for name in (sets_of(prim) if prim else ())
         }
         return VariantState(dict(chosen), selected, shown)
 
@@ -229,16 +225,6 @@ def why_unselected(path: Any, prim: Any, name: str) -> str:
     return f"<{path}> has values of its own where no variant of '{name}' on <{prim}> is selected"
 
 
-def _choices(stage: Any, counts: Counts | None) -> Iterator[tuple[Any, str, str, str]]:
-    """The unselected variants of a stage: prim path, set, variant, the selected one."""
-    for prim in stage.Traverse():
-        for name in _sets(prim):
-            selected = prim.GetVariantSet(name).GetVariantSelection()
-            for variant in prim.GetVariantSet(name).GetVariantNames():
-                if variant != selected and (counts is None or counts(prim, name, variant)):
-                    yield prim.GetPath(), name, variant, selected
-
-
 def why_decided(path: Any, sets: Iterable[VariantSet]) -> str:
     """What is wrong with an attribute whose values variants decide."""
     prim, name = min(sets)
@@ -253,12 +239,12 @@ def deciding_sets(stage: Any, skeleton: str, prims: Iterable[str]) -> dict[Any, 
     what rigtri stores. A variant counts where it shows the skeleton, and other values than the selected one.
     """
     every = [skeleton, *prims]
-    if not any(_sets(prim) for path in _prefixes(every) if (prim := stage.GetPrimAtPath(path))):
+    if not any(sets_of(prim) for path in prefixes(every) if (prim := stage.GetPrimAtPath(path))):
         return {}
-    shown = _bare_stage(stage, every)
+    shown = bare_stage(stage, every)
     session, before = shown.GetSessionLayer(), _decisive(shown)
     found: dict[Any, set[VariantSet]] = {}
-    for path, name in [(prim.GetPath(), name) for prim in shown.Traverse() for name in _sets(prim)]:
+    for path, name in [(prim.GetPath(), name) for prim in shown.Traverse() for name in sets_of(prim)]:
         chosen = shown.GetPrimAtPath(path).GetVariantSet(name)
         selected, selections = (
             chosen.GetVariantSelection(),
@@ -299,63 +285,6 @@ def _values_at(stage: Any, properties: Iterable[Any]) -> dict[Any, Any]:
     return found
 
 
-def each_choice(
-    stage: Any, shown: Sequence[str] = (), counts: Counts | None = None
-) -> Iterator[tuple[Mapping[VariantSet, str], Any]]:
-    """The stage as it is, then with one variant selected otherwise, each with what is chosen.
-
-    Sets that only a variant shows are tried with that one selected. shown: these prims alone, with those
-    above and below them. counts: which variants are tried, by their prim, set and name.
-    """
-    if not shown and not any(_sets(prim) for prim in stage.Traverse()):
-        return
-    trial = _bare_stage(stage, [*shown] or ["/"])
-    trial.SetEditTarget(trial.GetSessionLayer())
-    yield {}, trial
-    yield from _each_of(trial, partial(_choices, trial, counts), set(), {})
-
-
-def _each_of(
-    trial: Any, find: Callable[[], Iterator[Any]], known: set[VariantSet], above: Mapping[VariantSet, str]
-) -> Iterator[tuple[Mapping[VariantSet, str], Any]]:
-    others = [each for each in find() if each[:2] not in known]
-    known = known | {(path, name) for path, name, _, _ in others}
-    for path, name, variant, selected in others:
-        chosen = trial.GetPrimAtPath(path).GetVariantSets().GetVariantSet(name)
-        chosen.SetVariantSelection(variant)
-        here = {**above, (path, name): variant}
-        yield here, trial
-        yield from _each_of(trial, find, known, here)
-        chosen.SetVariantSelection(selected)
-
-
-def selecting(stage: Any, chosen: Mapping[VariantSet, str]) -> Any:
-    """A second stage of the same layers with some variants selected otherwise."""
-    trial = _bare_stage(stage, ["/"])
-    for (path, name), variant in chosen.items():
-        Sdf.CreatePrimInLayer(trial.GetSessionLayer(), path).variantSelections[name] = variant
-    return trial
-
-
-def alike(stage: Any) -> set[Any]:
-    """The paths of instances that have a prototype in common with one before them."""
-    first: dict[Any, Any] = {}
-    every = [prim for prim in stage.Traverse() if prim.IsInstance()]
-    return {p.GetPath() for p in every if first.setdefault(p.GetPrototype().GetPath(), p) != p}
-
-
-def lacking(stage: Any, chosen: Mapping[VariantSet, str]) -> str:
-    """What of a choice a stage lacks: a ``set``, a ``variant`` of a set that it has, or "" for nothing."""
-    trial = selecting(stage, chosen)
-    for (path, name), variant in chosen.items():
-        prim = trial.GetPrimAtPath(path)
-        if not prim or name not in _sets(prim):
-            return "set"
-        if variant not in prim.GetVariantSet(name).GetVariantNames():
-            return "variant"
-    return ""
-
-
 def differing(one: Origins, other: Origins) -> set[Any]:
     """What comes from elsewhere in one than in the other."""
     return {path for path in {*one, *other} if one.get(path) != other.get(path)}
@@ -375,25 +304,6 @@ def origin(attribute: Any) -> Any:
     # Samples of value clips have no opinion of their own.
     source = attribute.GetResolveInfo(times[0] if times else DEFAULT).GetSource()
     return samples, default, str(source), tuple(times)
-
-
-def _bare_stage(stage: Any, shown_prims: list[str]) -> Any:
-    """A second stage of some prims and what is above them, with instances as plain prims."""
-    session = Sdf.Layer.CreateAnonymous(".usda")
-    session.TransferContent(stage.GetSessionLayer())
-    for path in _prefixes(shown_prims):
-        if (prim := stage.GetPrimAtPath(path)) and prim.IsInstance():
-            Sdf.CreatePrimInLayer(session, path).instanceable = False
-    return Usd.Stage.OpenMasked(stage.GetRootLayer(), session, Usd.StagePopulationMask(shown_prims))
-
-
-def _prefixes(paths: list[str]) -> list[Any]:
-    """The prims at and above some paths, the upper ones first."""
-    return sorted({above for one in paths for above in Sdf.Path(one).GetPrefixes()})
-
-
-def _sets(prim: Any) -> list[str]:
-    return list(prim.GetVariantSets().GetNames())
 
 
 def _targets(prim: Any) -> list[Any]:

@@ -11,7 +11,8 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, tokens_of, why_locked
 from rigtri.formats.usd.composition.value_types import usable
-from rigtri.formats.usd.composition.variants import SkeletonVariants, VariantState, each_choice, in_words
+from rigtri.formats.usd.composition.variant_choices import each_choice
+from rigtri.formats.usd.composition.variants import SkeletonVariants, VariantState, in_words
 from rigtri.formats.usd.opinions.edits import (
     BINDING,
     Edit,

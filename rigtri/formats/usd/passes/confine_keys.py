@@ -18,10 +18,10 @@ from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.variant_choices import VariantSet
 from rigtri.formats.usd.composition.variants import (
     VALUES,
     SkeletonVariants,
-    VariantSet,
     deciding_sets,
     variants_of,
     why_decided,

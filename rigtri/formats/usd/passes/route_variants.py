@@ -20,13 +20,13 @@ from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.value_types import BIND
+from rigtri.formats.usd.composition.variant_choices import each_choice
 from rigtri.formats.usd.composition.variants import (
     VALUES,
     Origins,
     SkeletonVariants,
     VariantState,
     differing,
-    each_choice,
     in_words,
     origin,
     variants_of,

@@ -13,13 +13,8 @@ from rigtri.formats.usd.composition.animation_binding import SOURCE, named
 from rigtri.formats.usd.composition.layers import listed_items
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import tokens_of
-from rigtri.formats.usd.composition.variants import (
-    VALUES,
-    SkeletonVariants,
-    deciding_sets,
-    each_choice,
-    in_words,
-)
+from rigtri.formats.usd.composition.variant_choices import each_choice
+from rigtri.formats.usd.composition.variants import VALUES, SkeletonVariants, deciding_sets, in_words
 from rigtri.formats.usd.reading.animation_reader import clips, interpolation_of, read_animation
 from rigtri.formats.usd.reading.mesh_reader import blend_tracks
 from rigtri.formats.usd.reading.source import Source

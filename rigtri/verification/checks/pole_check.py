@@ -1,0 +1,65 @@
+"""Pole vectors that stand where a limb does not bend."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from rigtri.errors import NameNotFoundError
+from rigtri.maths.triangle import bend_sine
+from rigtri.maths.vectors import angle, length, normalise, perpendicular
+from rigtri.model.limb import Limb
+from rigtri.model.metadata import PoleVectorRecord
+from rigtri.model.rig import Rig
+from rigtri.operations.add_polevector import posed
+from rigtri.recognition.bend_direction import CLEAR
+from rigtri.recognition.body_hinges import bodies
+from rigtri.recognition.layout import Character
+from rigtri.recognition.limb_bends import LimbBends
+from rigtri.report import Report
+
+# Degrees from the side to which a limb bends, from which on its pole vector is elsewhere.
+POLE = 60.0
+
+
+def pole_findings(rig: Rig, character: Character, known: list[Limb]) -> Iterator[tuple[str, int, str]]:
+    """Pole vectors that would bend a nearly straight limb against its nature, at rest."""
+    joints = {part.joint for part in character.parts}
+    limbs = [limb for limb in known if limb.start in joints]
+    poles = [list(_poles_of(rig, limb)) for limb in limbs]
+    body = bodies(rig, [character], rig.world, None) if any(poles) else []
+    if not body:
+        return
+    ref = posed(rig, "nodes")
+    bends = LimbBends(rig, ref.world, ref.other, limbs, body)
+    for limb, its in zip(limbs, poles, strict=True):
+        a, b, c = ref.world[list(limb.triple), 3, :3]
+        found = bends.of(limb, Report()) if its else None
+        if found is None or float(bend_sine(a, b, c)) >= CLEAR:
+            continue
+        for pole in its:
+            side = perpendicular(ref.position(pole) - b, normalise(c - a))
+            off = float(np.degrees(angle(side, found.direction)))
+            if length(side) > 0.1 * length(c - a) and off > POLE:
+                where = "ahead of the knee" if limb.kind == "leg" else "behind the elbow"
+                where = where if found.source == "facing" else "to which it bends at"
+                text = f"the pole vector of the nearly straight {limb.side} {limb.kind} is {off:.0f}° off"
+                yield "axes.pole", pole, f"{text} the side {where} '{rig.title(limb.middle)}'"
+
+
+def _poles_of(rig: Rig, limb: Limb) -> Iterator[int]:
+    """The pole vectors of a limb: by what rigtri has stored, and by name."""
+    for node, record in rig.records(PoleVectorRecord).items():
+        try:
+            chain = tuple(rig.find(name) for name in record.chain)
+        except NameNotFoundError:
+            continue
+        if chain == limb.triple and record.source != "given":
+            yield node
+    name = rig.names[limb.middle]
+    called = {f"{name}_pole", re.sub(r"\W", "_", name) + "_pole"}
+    for node, known in enumerate(rig.names):
+        if name and known in called and rig.type_of(node) != PoleVectorRecord.type:
+            yield node
