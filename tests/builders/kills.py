@@ -59,8 +59,10 @@ def _run(moment: int, top: str, words: list[str], number: signal.Signals) -> Non
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 2)
     os.dup2(null, 1)
-    # As a terminal starts it: what runs in the background of a shell ignores interrupts.
+    # As a terminal starts it: what runs in the background of a shell ignores interrupts, and the server of
+    # forks blocks them where one of our own worker processes was the first to need it.
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     begin()
     if moment:
         _kill_at(moment, top, number)
