@@ -85,9 +85,9 @@ def placed_bind_worlds(rig: Rig, number: int) -> Floats:
     """
     skin = rig.skins[number]
     bound = bind_worlds(rig, skin)
-    if not skin.stored or not len(skin.joints) or not np.isfinite(bound[skin.joints]).all():
+    if (known := _as_bound(rig, number, bound)) is None:
         return bound
-    top, frames, turns = _as_bound(rig, number, bound)
+    top, frames, turns = known
     angles = rotation_angle(turns)
     if not angles.min() <= _LEAN:
         return bound
@@ -108,18 +108,22 @@ def left_leaning(rig: Rig, number: int) -> tuple[int, float] | None:
 
     None where it stands as it was bound, or in a space by quarter turns from one that is known.
     """
-    skin, bound = rig.skins[number], bind_worlds(rig, rig.skins[number])
-    if not skin.stored or not len(skin.joints) or not np.isfinite(bound[skin.joints]).all():
+    if (known := _as_bound(rig, number, bind_worlds(rig, rig.skins[number]))) is None:
         return None
-    top, _, turns = _as_bound(rig, number, bound)
+    top, _, turns = known
     angle = float(rotation_angle(turns).min())
     beside = rotation_angle(product(turns[:, np.newaxis], conjugate(from_axes(AXIS_TURNS))))
     return None if angle <= _LEAN or beside.min() <= _QUARTER else (top, angle)
 
 
-def _as_bound(rig: Rig, number: int, bound: Floats) -> tuple[int, Floats, Floats]:
-    """The topmost joint of a skin, and its frames and turns as it was bound, in each space that may be it."""
+def _as_bound(rig: Rig, number: int, bound: Floats) -> tuple[int, Floats, Floats] | None:
+    """The topmost joint of a skin, and its frames and turns as it was bound, in each space that may be it.
+
+    None where the bind pose is not known.
+    """
     skin = rig.skins[number]
+    if not skin.stored or not len(skin.joints) or not np.isfinite(bound[skin.joints]).all():
+        return None
     row = int(np.argmin(skin.joints))
     top = int(skin.joints[row])
     carriers = [*rig.path_to_root(top)[1:], *(mesh.node for mesh in rig.meshes if mesh.skin == number)]

@@ -13,10 +13,11 @@ from rigtri.frames.rig_size import size_of
 from rigtri.maths.matrices import multiply, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance
+from rigtri.model.bounding_boxes import corners
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge
 from rigtri.operations.joint_records import joint_record
-from rigtri.operations.moved_points import STILL, Moved, corners, moved_by, moving_nodes, some_poses
+from rigtri.operations.moved_points import STILL, Moved, moved_by, moving_nodes, some_poses
 from rigtri.operations.operation import operation
 from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJointsOptions
 from rigtri.operations.orient_joints.frame_sources import no_namesakes
@@ -207,7 +208,7 @@ class _Merging:
         left = [child for child in self._children[node] if child not in self.gone]
         if node not in self._joints:
             return left
-        return [c for c in left if c in self._joints or self._staying[c] or c in self.kept]
+        return [c for c in left if c in self._joints or self._staying[c] or self._hangs(c)]
 
     def _why_not_alone(self, node: int) -> dict[int, str]:
         """What keeps a joint from going alone, and why."""
@@ -301,7 +302,7 @@ class _Merging:
             boxes = moved.own if alone else moved.whole
             if not np.isfinite(boxes.share[node]) or heir not in rows:
                 continue
-            points = transform_points(corners(boxes.low[node], boxes.high[node]), moved.bind)
+            points = transform_points(corners(boxes.low[[node]], boxes.high[[node]])[0], moved.bind)
             one, other = (
                 (
                     transform_points(points, multiply(skin.inverse_bind[rows[k]], poses[:, k])[:, np.newaxis])

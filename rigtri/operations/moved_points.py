@@ -49,6 +49,7 @@ class Moved(NamedTuple):
 
 
 def moved_by(rig: Rig, mesh: Mesh) -> Moved:
+    """What the joints of a skinned mesh move of it, in its bind pose."""
     skin = rig.skins[mesh.skin or 0]
     share = np.full(len(rig), -np.inf)
     low, high = np.full((len(rig), 3), np.inf), np.full((len(rig), 3), -np.inf)
@@ -62,11 +63,6 @@ def moved_by(rig: Rig, mesh: Mesh) -> Moved:
         whole.gather(rig.parents[level], level)
     rows = {joint: row for row, joint in enumerate(skin.joints.tolist())}
     return Moved(skin, rows, mesh.bind, _Boxes(share, low, high), whole)
-
-
-def corners(low: Floats, high: Floats) -> Floats:
-    """The corners of a box, (8, 3)."""
-    return np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
 
 
 def moving_nodes(rig: Rig) -> Booleans:

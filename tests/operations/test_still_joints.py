@@ -173,6 +173,24 @@ def test_an_empty_that_moves_stays_where_the_joints_above_it_go() -> None:
     assert [len(track.times) for track in kept] == [2]
 
 
+def test_the_end_of_a_joint_that_goes_alone_stays_only_if_it_moves() -> None:
+    rig = with_still_joints(rigtri.read(SAMPLES / "biped.glb"), ABOVE)
+    end = rig.find("staff")
+    parents, attachment = rig.parents.copy(), rig.attachment.copy()
+    parents[end], attachment[end] = rig.find("helper_c"), -1
+    names = tuple("helper_c_end" if node == end else name for node, name in enumerate(rig.names))
+    rig = replace(rig.with_parents(parents), attachment=attachment, names=names)
+    assert not rigtri.merge_joints(rig, joints=["helper_c"], keep_children=True).has("helper_c_end")
+    places = rig.translation[[end]] + [[0.0], [0.25]]
+    moved = Track(end, "translation", "LINEAR", np.array([0.0, 1.0]), places)
+    walk = rig.clip("walk")
+    moving = replace(rig, clips=(replace(walk, tracks=(*walk.tracks, moved)),))
+    less = rigtri.merge_joints(moving, joints=["helper_c"], keep_children=True)
+    times = np.array([0.0, 0.5, 1.0])
+    there = shown(moving, "helper_c_end", moving.clips[0], times)
+    assert np.allclose(shown(less, "helper_c_end", less.clips[0], times), there, rtol=0, atol=1e-9)
+
+
 def test_joints_that_never_move_go_before_those_that_do() -> None:
     rig = with_still_joints(rigtri.read(SAMPLES / "biped.glb"), ABOVE)
     count = int(rig.is_joint.sum())
