@@ -25,13 +25,16 @@ _SAME_AXIS = 0.1
 
 
 def ranked(items: Iterable[Item], value: Callable[[Item], float], same: float) -> list[Item]:
-    """Items with the largest value first; those whose values differ by less than ``same`` stay in order."""
+    """Items with the largest value first; those whose values differ by less than ``same`` stay in order.
+
+    What is no number counts as infinite.
+    """
     order = list(items)
-    values = [value(item) for item in order]
+    values = [np.inf if np.isnan(each) else each for each in map(value, order)]
     rows = sorted(range(len(order)), key=lambda k: -values[k])
     found: list[Item] = []
     while rows:
-        alike = sorted(k for k in rows if values[k] > values[rows[0]] - same)
+        alike = sorted(k for k in rows if values[k] >= values[rows[0]] or values[k] > values[rows[0]] - same)
         found += [order[k] for k in alike]
         rows = rows[len(alike) :]
     return found

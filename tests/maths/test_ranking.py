@@ -19,6 +19,7 @@ from rigtri.maths.ranking import axis_across, first_largest, largest, ranked
         ([0.93, 1.0, 1.05], [1, 2, 0]),
         ([1.0, 1.1], [1, 0]),
         ([-1.0, -0.95], [0, 1]),
+        ([1.0, np.nan, np.inf, 2.0], [1, 2, 3, 0]),
     ],
 )
 def test_values_that_differ_by_less_stay_in_order(values: list[float], order: list[int]) -> None:

@@ -26,7 +26,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.mirror.mirror import MirrorOptions, mirror
-from rigtri.operations.mirror.symmetry_check import asymmetry
+from rigtri.operations.mirror.symmetry_check import Asymmetry, Pair, asymmetry
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import given
@@ -213,6 +213,18 @@ def test_check_finds_the_convention_of_a_symmetric_body(
     assert found.worse() == []
     other = "behavior" if expected != "behavior" else "orientation"
     assert len(asymmetry(rig, mode=other).worse()) > 10
+
+
+def test_check_lists_the_worst_pair_first_and_rounding_orders_none() -> None:
+    pairs = {
+        "a": (0.500005, 1.0),
+        "b": (0.500005 - 1e-9, 3.0),
+        "c": (0.500005 + 1e-9, 3.0 + 1e-6),
+        "d": (0.9, 0.0),
+        "e": (0.0, 0.0),
+    }
+    found = Asymmetry(tuple(Pair(name, f"{name}_r", *off) for name, off in pairs.items()), ())
+    assert [pair.node for pair in found.worse()] == ["d", "b", "c", "a"]
 
 
 def test_check_says_which_convention_it_found_or_was_given(samples: Path, tmp_path: Path) -> None:

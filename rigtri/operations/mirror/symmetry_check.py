@@ -13,6 +13,7 @@ from rigtri.frames.mirroring import CONVENTIONS, PLANES, Convention, mirrored_ax
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import angle_between, from_axes
+from rigtri.maths.ranking import SAME_LENGTH, ranked
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.dataclass import dataclass
@@ -28,6 +29,8 @@ from rigtri.operations.rigtri_nodes import find
 
 # Degrees that tools leave of symmetric axes.
 DEGREES = 0.1
+# Angles that differ by less are equal: rounding must not order pairs.
+_SAME_DEGREES = 1e-3
 # Nodes of ours that stand somewhere, and those whose axes say something.
 _STANDING = ("control", "poleVector", "rivet")
 _WITH_AXES = ("control", "poleVector")
@@ -72,7 +75,8 @@ class Asymmetry:
     def worse(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> list[Pair]:
         """The pairs that are not symmetric, worst place first."""
         found = [pair for pair in self.pairs if not pair.symmetric(tolerance, degrees)]
-        return sorted(found, key=lambda pair: (-float(f"{pair.distance:.5g}"), -float(f"{pair.degrees:.5g}")))
+        by_angle = ranked(found, lambda pair: pair.degrees, _SAME_DEGREES)
+        return ranked(by_angle, lambda pair: pair.distance, SAME_LENGTH)
 
 
 def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Convention | None = None) -> Asymmetry:
