@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -75,8 +76,20 @@ def with_unit_rotations(rig: Rig) -> Rig:
     return replace(rig, rotation=np.where(off[:, np.newaxis], normalise(rig.rotation), rig.rotation))
 
 
-def placed_bind_worlds(rig: Rig, number: int) -> Floats:
-    """The bind pose of a skin, (n, 4, 4), as its topmost joint was bound, too, and not as that rests.
+class PlacedBind(NamedTuple):
+    """The bind pose of a skin, where it was bound.
+
+    world: (n, 4, 4). leaning: the topmost joint, where it is left as it rests though it was bound otherwise,
+    and by what angle, in radians; None where it stands as it was bound, or in a space by quarter turns from
+    one that is known.
+    """
+
+    world: Floats
+    leaning: tuple[int, float] | None = None
+
+
+def placed_bind(rig: Rig, number: int) -> PlacedBind:
+    """The bind pose of a skin as its topmost joint was bound, too, and not as that rests.
 
     Something that carries the skin says where the space that it is bound in stands: its mesh, a node above
     its joints, or the scene, by the exporter. It is the one that turns the whole least, and of those that
@@ -86,34 +99,23 @@ def placed_bind_worlds(rig: Rig, number: int) -> Floats:
     skin = rig.skins[number]
     bound = bind_worlds(rig, skin)
     if (known := _as_bound(rig, number, bound)) is None:
-        return bound
+        return PlacedBind(bound)
     top, frames, turns = known
     angles = rotation_angle(turns)
-    if not angles.min() <= _LEAN:
-        return bound
+    least = float(angles.min())
+    if not least <= _LEAN:
+        beside = rotation_angle(product(turns[:, np.newaxis], conjugate(from_axes(AXIS_TURNS))))
+        return PlacedBind(bound, None if beside.min() <= _QUARTER else (top, least))
     moves = length(frames[:, 3, :3] - bound[top, 3, :3])
-    near = int(np.argmin(np.where(angles <= angles.min() + _ROUNDING, moves, np.inf)))
+    near = int(np.argmin(np.where(angles <= least + _ROUNDING, moves, np.inf)))
     if angles[near] <= _ROUNDING and moves[near] <= _ROUNDING * np.abs(bound[skin.joints, 3, :3]).max():
-        return bound  # as it rests
+        return PlacedBind(bound)  # as it rests
     turn = from_frame(to_axes(turns[near]), np.zeros(3))
     sizes = length(frames[near][:3, :3]) / length(bound[top, :3, :3])
     # Where inverse binds hide a scale of points (dequantisation), their place is none of the scene.
     place = frames[near][3, :3] if np.abs(sizes - 1.0).max() <= _UNEVEN else bound[top, 3, :3]
     back, there = from_frame(np.eye(3), -bound[top, 3, :3]), from_frame(np.eye(3), place)
-    return np.asarray(multiply(bound, multiply(back, multiply(turn, there))))
-
-
-def left_leaning(rig: Rig, number: int) -> tuple[int, float] | None:
-    """The topmost joint of a skin that `placed_bind_worlds` leaves as it rests, and its angle, in radians.
-
-    None where it stands as it was bound, or in a space by quarter turns from one that is known.
-    """
-    if (known := _as_bound(rig, number, bind_worlds(rig, rig.skins[number]))) is None:
-        return None
-    top, _, turns = known
-    angle = float(rotation_angle(turns).min())
-    beside = rotation_angle(product(turns[:, np.newaxis], conjugate(from_axes(AXIS_TURNS))))
-    return None if angle <= _LEAN or beside.min() <= _QUARTER else (top, angle)
+    return PlacedBind(np.asarray(multiply(bound, multiply(back, multiply(turn, there)))))
 
 
 def _as_bound(rig: Rig, number: int, bound: Floats) -> tuple[int, Floats, Floats] | None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import NO_SKELETON, GeometryError, UsageError
-from rigtri.evaluation.bind_pose import placed_bind_worlds, with_unit_rotations
+from rigtri.evaluation.bind_pose import placed_bind, with_unit_rotations
 from rigtri.maths.matrices import compose, from_frame, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
@@ -110,7 +110,7 @@ def _joined(skins: Sequence[Skin], rig: Rig, top: int, root: int, world: Floats)
         rows = {joint: row for row, joint in enumerate(old.joints.tolist())}
         if (near := next((node for node in below if node in rows), -1)) >= 0:
             # The root is bound where it stands, however the joints below it rest.
-            bound = multiply(old.inverse_bind[rows[near]], placed_bind_worlds(unit, number)[near])
+            bound = multiply(old.inverse_bind[rows[near]], placed_bind(unit, number).world[near])
             first = multiply(bound, inverse(world))
             skin = with_joint(skin, root, np.concatenate([skin.inverse_bind, first[np.newaxis]]))
         found.append(skin)

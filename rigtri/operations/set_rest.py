@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import NOTHING, skeleton_size
-from rigtri.evaluation.bind_pose import left_leaning, placed_bind_worlds, with_unit_rotations
+from rigtri.evaluation.bind_pose import placed_bind, with_unit_rotations
 from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.evaluation.old_rest import with_old_rest
 from rigtri.evaluation.rig_space import shearing_node
@@ -52,6 +52,8 @@ OTHER_AXES = 45.0
 # The share of joints with such a difference that is one of proportions. Axes that are rolled alone show where
 # joints branch: at hips, chest and hands, 4 of the 39 joints of a body with fingers.
 FEW = 0.05
+# Poses that are made of the bind pose.
+_AS_BOUND = ("bind", "tpose", "apose")
 
 
 @operation(SetRestOptions)
@@ -66,7 +68,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     """
     uneven, target = _unevenness(rig), _target(rig, options, report)
     # Rotations of a moment, and of other files, are as they are: nothing is worked out through scales above.
-    noise = np.minimum(uneven, UNEVEN if options.pose in ("bind", "tpose", "apose") else 0.0)
+    noise = np.minimum(uneven, UNEVEN if options.pose in _AS_BOUND else 0.0)
     parts = {node: part for node, part in target.items() if _differs(rig, node, part, noise[node])}
     if options.pose in ("tpose", "apose"):
         _refuse_uneven(rig, list(parts), uneven)
@@ -94,31 +96,30 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
     joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in held]
     if options.like is not None:
         return _of_names(rig, options.like, joints)
+    if options.pose not in _AS_BOUND:
+        cache = pose_of(rig, PoseOptions(at=options.pose), report)
+        return {node: cache.part(node) for node in sorted(cache.parts) if node in set(joints)}
+    worlds = _bind(rig, report)
+    found = _of_locals(rig, worlds, joints)
     if options.pose == "bind":
-        return _of_locals(rig, _bind(rig, report), joints)
-    if options.pose in ("tpose", "apose"):
-        worlds = _bind(rig, report)
-        found = _of_locals(rig, worlds, joints)
-        # As it is bound, for up and ahead of a body may lean with how it rests.
-        layout = recognise(at_rest(rig, found, _least(rig))[0])
-        if not layout.characters:
-            raise GeometryError(f"No character is recognised here: {'; '.join(layout.remarks)}")
-        pose = cast(StandardPose, options.pose)
-        for body in layout.characters:
-            _warn_unsure(rig, body, report)
-            fingers = options.straight_fingers
-            turned = posed(rig, worlds, body, pose, options.facing, straight_fingers=fingers)
-            kept = _kept_by_constraints(rig, turned, report)
-            for node, rotation in turned.items():
-                if node in kept:
-                    found.pop(node, None)
-                if node in held or node in kept:
-                    continue
-                was = found.get(node) or Parts(*(getattr(rig, p)[[node]] for p in PATHS))
-                found[node] = was._replace(rotation=rotation[np.newaxis])
         return found
-    cache = pose_of(rig, PoseOptions(at=options.pose), report)
-    return {node: cache.part(node) for node in sorted(cache.parts) if node in set(joints)}
+    # As it is bound, for up and ahead of a body may lean with how it rests.
+    layout = recognise(at_rest(rig, found, _least(rig))[0])
+    if not layout.characters:
+        raise GeometryError(f"No character is recognised here: {'; '.join(layout.remarks)}")
+    pose = cast(StandardPose, options.pose)
+    for body in layout.characters:
+        _warn_unsure(rig, body, report)
+        turned = posed(rig, worlds, body, pose, options.facing, straight_fingers=options.straight_fingers)
+        kept = _kept_by_constraints(rig, turned, report)
+        for node, rotation in turned.items():
+            if node in kept:
+                found.pop(node, None)
+            if node in held or node in kept:
+                continue
+            was = found.get(node) or Parts(*(getattr(rig, p)[[node]] for p in PATHS))
+            found[node] = was._replace(rotation=rotation[np.newaxis])
+    return found
 
 
 def _kept_by_constraints(rig: Rig, turned: Mapping[int, Floats], report: Report) -> set[int]:
@@ -196,12 +197,12 @@ def _bind(rig: Rig, report: Report) -> Floats:
     shows = rig.with_ancestors(np.flatnonzero(weighted_joints(rig) | moving_nodes(rig)).tolist())
     for number in sorted(range(len(rig.skins)), key=lambda k: -len(rig.skins[k].joints)):
         skin = rig.skins[number]
-        bound, left = placed_bind_worlds(rig, number), left_leaning(rig, number)
+        bound, leaning = placed_bind(rig, number)
         for joint in skin.joints.tolist():
             if joint in shows and not known[joint] and np.isfinite(bound[joint]).all():
                 world[joint], known[joint] = bound[joint], True
-                if left is not None and joint == left[0]:
-                    _warn_leaning(rig, *left, report)
+                if leaning is not None and joint == leaning[0]:
+                    _warn_leaning(rig, *leaning, report)
     for level in rig.levels[1:]:
         for node in level[~known[level]].tolist():
             world[node] = multiply(rig.local[node], world[rig.parents[node]])

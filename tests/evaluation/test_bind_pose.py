@@ -8,7 +8,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 from rigs import chain, rig_of
 
-from rigtri.evaluation.bind_pose import bind_frames, bind_worlds, placed_bind_worlds
+from rigtri.evaluation.bind_pose import bind_frames, bind_worlds, placed_bind
 from rigtri.maths.matrices import compose, inverse
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
 from rigtri.model.rig import Rig
@@ -64,18 +64,18 @@ def test_a_body_that_leans_at_rest_stands_as_the_scene_bound_it() -> None:
     """The topmost joint is turned by 30° at rest; nothing above it says so."""
     rig = bound()
     rig.rotation[1] = from_axis_angle(Z, np.radians(30))
-    found = placed_bind_worlds(rig, 0)
+    found = placed_bind(rig, 0).world
     assert_allclose(found[[1, 2], 3, :3], [[0, 0, 0], [1, 0, 0]], atol=1e-9)
     assert_allclose(found[1, :3, :3], np.eye(3), atol=1e-9)
     upright = bound()
-    assert placed_bind_worlds(upright, 0) is bind_worlds(upright, upright.skins[0])
+    assert placed_bind(upright, 0).world is bind_worlds(upright, upright.skins[0])
 
 
 def test_a_character_that_is_placed_in_its_scene_keeps_its_place() -> None:
     rig = bound()
     rig.translation[0] = (7, 0, 0)
     rig.rotation[1] = from_axis_angle(Z, np.radians(30))
-    found = placed_bind_worlds(rig, 0)
+    found = placed_bind(rig, 0).world
     assert_allclose(found[[1, 2], 3, :3], [[7, 0, 0], [8, 0, 0]], atol=1e-9)
     assert_allclose(found[1], compose(np.array([7.0, 0, 0]), IDENTITY, np.ones(3)), atol=1e-9)
 
@@ -89,6 +89,6 @@ def test_a_skin_without_matrices_or_joints_is_not_placed() -> None:
         replace(away, joints=away.joints[:0], inverse_bind=away.inverse_bind[:0]),
     ):
         unknown = replace(rig, skins=(skin,))
-        assert np.array_equal(placed_bind_worlds(unknown, 0), bind_worlds(unknown, skin), equal_nan=True)
-    placed = placed_bind_worlds(replace(rig, skins=(away,)), 0)
+        assert np.array_equal(placed_bind(unknown, 0).world, bind_worlds(unknown, skin), equal_nan=True)
+    placed = placed_bind(replace(rig, skins=(away,)), 0).world
     assert placed[:, 3, 0].tolist() == [0.0, 1.0]
