@@ -45,11 +45,11 @@ class VariantState:
         return in_words(self.chosen) or "the selected variants"
 
 
-def in_words(chosen: Mapping[VariantSet, str]) -> str:
-    """Variants in words; "" for none."""
-    return " and ".join(
-        f"variant '{each}' of the variant set '{s}' on <{p}>" for (p, s), each in chosen.items()
-    )
+def in_words(chosen: Mapping[VariantSet, str], *, begin: bool = False) -> str:
+    """Variants in words; "" for none. begin: they begin a sentence."""
+    each = (f"variant '{each}' of the variant set '{s}' on <{p}>" for (p, s), each in chosen.items())
+    text = " and ".join(each)
+    return text[:1].upper() + text[1:] if begin else text
 
 
 def variants_of(stage: Any, skeleton: str, animations: Iterable[str]) -> Iterator[SkeletonVariants]:

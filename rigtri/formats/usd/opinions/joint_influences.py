@@ -127,9 +127,9 @@ def _order_edits(stage: Any, orders: Mapping[tuple[Any, ...], _Order]) -> Iterat
     sets = {chosen[0][0] for chosen in own}
     inner = [c for c in own if c[1:] and (c[:-1] not in orders or orders[c[:-1]].place != orders[c].place)]
     if len(sets) > 1 or inner:
-        title = in_words(dict((inner or own)[0]))
+        title = in_words(dict((inner or own)[0]), begin=True)
         raise FileError(
-            f"V{title[1:]} and other variant sets bind <{orders[own[0]].prim}> each by other joints, which "
+            f"{title} and other variant sets bind <{orders[own[0]].prim}> each by other joints, which "
             "get other paths. Give each variant a file of its own."
         )
     ((above, name),) = sets

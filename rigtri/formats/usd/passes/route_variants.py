@@ -112,7 +112,7 @@ def _why_placed_otherwise(stage: Any) -> str:
             continue
         prims = {path: trial.GetPrimAtPath(path.GetPrimPath()) for path in differing(before, found)}
         if there := [path for path, prim in prims.items() if prim and _SHOWN(prim)]:
-            title = f"V{in_words(chosen)[1:]}"
+            title = in_words(chosen, begin=True)
             return f"{title} has <{min(there)}> of its own. Give each variant a file of its own"
     return ""
 
