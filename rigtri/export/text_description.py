@@ -25,7 +25,7 @@ from rigtri.maths.vectors import angle, length, normalise, triple
 from rigtri.model.animation import Clip
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
-from rigtri.model.skin import Skin
+from rigtri.model.skin import Skin, moving_points
 from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.limbs import facing
 from rigtri.text import columns, counted, display_name, fit_columns, plain, wrap_line
@@ -121,9 +121,7 @@ class _Seen:
         self.scale = np.where(rig.has_matrix[:, np.newaxis], length(rig.matrix[:, :3, :3]), rig.scale)
         # Without a skin, as in a file of locators, every node is what a rigger works on.
         self.counts = rig.is_joint if rig.is_joint.any() else np.ones(len(rig), dtype=bool)
-        self.weighted = np.zeros(len(rig), dtype=bool)
-        for skin in rig.skins:
-            self.weighted[skin.joints[skin.weighted]] = True
+        self.weighted = moving_points(rig.skins, len(rig))
         points = self.position[np.isfinite(self.position).all(axis=1)]
         self.follows: dict[int, list[str]] = {}
         for constraint in rig.node_constraints:

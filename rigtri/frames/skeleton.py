@@ -20,7 +20,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
-from rigtri.model.skin import Skin
+from rigtri.model.skin import Skin, moving_points
 
 # A bone shorter than this share of the whole skeleton has no direction.
 ZERO_LENGTH = 1e-6
@@ -97,9 +97,7 @@ def skeleton(
 
 
 def _carries(rig: Rig, joints: list[int]) -> Booleans:
-    carries = rig.attachment >= 0
-    for skin in rig.skins:
-        carries[skin.joints[skin.weighted]] = True
+    carries = (rig.attachment >= 0) | moving_points(rig.skins, len(rig))
     for node in range(len(rig) - 1, -1, -1):
         if carries[node] and rig.parents[node] >= 0:
             carries[rig.parents[node]] = True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 
@@ -46,6 +46,14 @@ class Skin:
     def weighted(self) -> Booleans:
         """Which joints move any point, (m,); all of them when nobody can tell."""
         return np.ones(len(self.joints), dtype=bool) if self.weigh is None else self.weigh()
+
+
+def moving_points(skins: Iterable[Skin], count: int) -> Booleans:
+    """Which of so many nodes move points of any of the skins, (count,): `Skin.weighted` of all."""
+    found = np.zeros(count, dtype=bool)
+    for skin in skins:
+        found[skin.joints[skin.weighted]] = True
+    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,6 +31,7 @@ from rigtri.maths.triangle import axis_of, frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.metadata import ControlKind, OffsetRecord
+from rigtri.model.skin import moving_points
 from rigtri.operations.aim_targets import EYES
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.joint_selection import EYE, ROOT
@@ -147,10 +148,10 @@ class ControlAxes:
         What moves no vertex itself at the root is the motion of the whole character; eyes look.
         """
         rig = self._tree.rig
-        moving = {joint for skin in rig.skins for joint in skin.joints[skin.weighted].tolist()}
+        moving = moving_points(rig.skins, len(rig))
         eyes = {rig.humanoid.get(eye) for eye in EYES}
         found = {joint: EYE for joint in self._tree.joints if joint in eyes}
-        return found | {joint: ROOT for joint in self._tree.roots if joint not in moving}
+        return found | {joint: ROOT for joint in self._tree.roots if not moving[joint]}
 
     def _mirrored(self, joint: int, kind: ControlKind) -> Floats:
         """The axes of a control that mirrors another: those that are given, or those that it has."""

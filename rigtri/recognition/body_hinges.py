@@ -22,6 +22,7 @@ from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.model.rig import Rig
+from rigtri.model.skin import moving_points
 from rigtri.recognition.bend_direction import facing_along
 from rigtri.recognition.hand_hinges import Hinge, hand_hinges
 from rigtri.recognition.layout import Chain, Character
@@ -133,12 +134,9 @@ def sockets(rig: Rig, characters: Sequence[Character]) -> frozenset[int]:
 
     None where no skin has weights: there meshes that are children of joints are the body.
     """
-    weighted = [skin.joints[skin.weighted] for skin in rig.skins]
-    if not any(len(joints) for joints in weighted):
+    moves = moving_points(rig.skins, len(rig))
+    if not moves.any():
         return frozenset()
-    moves = np.zeros(len(rig), dtype=bool)
-    for joints in weighted:
-        moves[joints] = True
     for character in characters:
         moves[[joint for chain in character.chains for joint in chain.joints]] = True
         moves[[part.joint for part in character.parts if part.bone]] = True

@@ -11,6 +11,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.evaluation.sampling import worlds
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import compose, multiply, transform_directions, transform_points
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
@@ -18,6 +19,7 @@ from rigtri.model.animation import Clip
 from rigtri.model.bounding_boxes import boxes, corners
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.model.skin import moving_points
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import PoseName
 from rigtri.recognition.naming_schemes import roles_in_name
@@ -111,23 +113,22 @@ class Poses:
         return total
 
     @cached_property
-    def _movers(self) -> frozenset[int]:
-        return frozenset(k for skin in self.rig.skins for k in skin.joints[skin.weighted].tolist())
+    def _moving(self) -> Booleans:
+        return moving_points(self.rig.skins, len(self.rig))
 
     @cached_property
-    def weighed(self) -> frozenset[int]:
-        """The joints that move points, of skins whose weights can be read."""
-        skins = [skin for skin in self.rig.skins if skin.weigh]
-        return frozenset(k for skin in skins for k in skin.joints[skin.weighted].tolist())
+    def weighed(self) -> Booleans:
+        """Which nodes move points of skins whose weights can be read, (n,)."""
+        return moving_points((skin for skin in self.rig.skins if skin.weigh), len(self.rig))
 
     def roles_of(self, node: int) -> frozenset[str]:
         """The roles that a joint's name says; what moves points is no control, however it is called."""
         roles = frozenset(roles_in_name(self.rig.names[node]))
-        return roles - {"control"} if "control" in roles and node in self.weighed else roles
+        return roles - {"control"} if "control" in roles and self.weighed[node] else roles
 
     def moves_points(self, node: int) -> bool:
         """Whether a joint has weight of any point. It reads the weights of all meshes when first called."""
-        return node in self._movers
+        return bool(self._moving[node])
 
     @cached_property
     def _boxes(self) -> dict[int, list[Floats]]:

@@ -118,7 +118,7 @@ def _deforming(nodes: Sequence[int], poses: Poses) -> list[int]:
     if not any(marked):
         return list(nodes)
     each = zip(nodes, names, marked, strict=True)
-    return [node for node, name, marks in each if marks or not name or node in poses.weighed]
+    return [node for node, name, marks in each if marks or not name or poses.weighed[node]]
 
 
 def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:
