@@ -22,6 +22,7 @@ from rigtri.formats.usd.passes.route_tracks import route_tracks
 from rigtri.formats.usd.passes.route_variants import route_variants
 from rigtri.formats.usd.passes.split_joints import split_joints
 from rigtri.formats.usd.passes.unify_rounding import unify_rounding
+from rigtri.formats.usd.passes.unshare_animations import unshare_animations
 from rigtri.formats.usd.passes.usd_edit import Pass, UsdEdit
 from rigtri.formats.usd.passes.write_animations import write_animations
 from rigtri.formats.usd.passes.write_binding import write_binding
@@ -47,6 +48,7 @@ VALUES: tuple[Pass, ...] = (
     keep_splines,
 )
 PASSES: tuple[Pass, ...] = (
+    unshare_animations,
     rename_joints,
     # The stage gets all joints, samples and clips of the rig, without a change to any value.
     add_joints,

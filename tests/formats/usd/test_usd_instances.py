@@ -397,14 +397,24 @@ def test_joints_of_a_crowd_are_named_added_and_removed_in_all_agents(
         assert all(np.abs(one[path] - other[path]).max() < 1e-5 for path in one)
 
 
-def test_a_shared_animation_names_its_skeletons_where_one_would_need_other_names(tmp_path: Path) -> None:
-    source = crowd(tmp_path)
+def test_one_of_three_agents_gets_other_names_and_a_copy_of_the_animation_of_all(tmp_path: Path) -> None:
+    source, out = crowd(tmp_path), tmp_path / "out.usda"
     save(tmp_path, source.read_text().replace("instanceable = true", "instanceable = false"), "crowd.usda")
-    only = ["--name", "/World/One/Skel:a/b=elbow"]
-    printed = cli("rename-joints", source, "-o", tmp_path / "out.usda", *only, code=3).stderr
-    assert "Animation </World/Walk> drives </World/One/Skel>, </World/Two/Skel>, for which" in printed
+    printed = cli("rename-joints", source, "-o", out, "--name", "/World/One/Skel:a/b=elbow", code=0).stderr
+    assert "</World/One/Skel> got a copy of it, </World/Walk_2>" in printed
+    assert deviation(source, out) < 1e-6
     alike = [word for name in ("One", "Two", "Three") for word in ("--name", f"/World/{name}/Skel:a/b=elbow")]
-    cli("rename-joints", source, "-o", tmp_path / "out.usda", *alike, code=0)
+    cli("rename-joints", source, "-o", tmp_path / "all.usda", *alike, code=0)
+    assert "Walk_2" not in (tmp_path / "all.usda").read_text()
+
+
+def test_an_animation_that_nothing_plays_cannot_have_several_names_for_a_joint(tmp_path: Path) -> None:
+    pair = scene(skeleton(), skeleton("Twin", source=""), animation(), animation("Idle"), MESH)
+    source = save(tmp_path, pair)
+    printed = cli(
+        "rename-joints", source, "-o", tmp_path / "out.usda", "--name", "/Root/Skel:a/b=x", code=3
+    ).stderr
+    assert "Animation </Root/Idle> drives </Root/Skel>, </Root/Twin>, for which" in printed
 
 
 def test_controls_that_an_internal_reference_shows_again_go_with_its_source(tmp_path: Path) -> None:

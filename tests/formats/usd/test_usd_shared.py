@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from usd_files import MESH, animation, read, save, scene, skeleton, turned, write
+from program import cli
+from pxr import Usd, UsdSkel
+from usd_files import MESH, animation, deviation, read, save, scene, skeleton, turned, write
 
 from rigtri.verification.compare.compare import Comparison, self_check, verify
 
@@ -68,3 +70,66 @@ def test_a_copy_that_nothing_is_bound_to_is_lost(tmp_path: Path) -> None:
     loose = out.read_text().replace("</Root/Anim_2>", "</Root/Anim>")
     for result in results(source, save(tmp_path, loose, "b.usda")):
         assert not result.passes()
+
+
+@pytest.mark.parametrize(
+    ("words", "joint"),
+    [
+        (["rename-joints", "--name", "/Root/Twin:a/b=knee"], "a/knee"),
+        (["rename-joints", "--name", "/Root/Twin:a/b=knee", "--name", "/Root/Skel:a/b=elbow"], "a/knee"),
+        (["add-root", "--above", "/Root/Twin:a"], "root/a/b"),
+    ],
+)
+def test_a_skeleton_whose_joints_get_other_paths_gets_a_copy_of_a_shared_animation(
+    words: list[str], joint: str, tmp_path: Path
+) -> None:
+    source, out = (
+        save(tmp_path, scene(skeleton(), skeleton("Twin"), animation(), MESH, HAT)),
+        tmp_path / "o.usda",
+    )
+    printed = cli(*words, source, "-o", out, code=0).stderr
+    assert "</Root/Twin> got a copy of it, </Root/Anim_2>" in printed
+    stage = Usd.Stage.Open(str(out))
+    played = [
+        UsdSkel.BindingAPI(stage.GetPrimAtPath(f"/Root/{name}")).GetInheritedAnimationSource()
+        for name in ("Skel", "Twin")
+    ]
+    assert [prim.GetName() for prim in played] == ["Anim", "Anim_2"]
+    assert joint in played[1].GetAttribute("joints").Get()
+    assert joint not in played[0].GetAttribute("joints").Get()
+    assert deviation(source, out) < 1e-6
+
+
+def test_no_copy_is_made_where_all_skeletons_of_an_animation_get_the_same_names(tmp_path: Path) -> None:
+    source, out = (
+        save(tmp_path, scene(skeleton(), skeleton("Twin"), animation(), MESH, HAT)),
+        tmp_path / "o.usda",
+    )
+    names = [f"--name=/Root/{name}:a/b=knee" for name in ("Skel", "Twin")]
+    printed = cli("rename-joints", *names, source, "-o", out, code=0).stderr
+    assert "got a copy" not in printed
+    assert out.read_text().count("def SkelAnimation") == 1
+    assert deviation(source, out) < 1e-6
+
+
+def test_a_skeleton_that_variants_bind_to_a_shared_animation_gets_no_copy(tmp_path: Path) -> None:
+    bound = skeleton("Twin").replace("rel skel:animationSource = </Root/Anim>", "")
+    bound = bound.replace(
+        '["SkelBindingAPI"])',
+        '["SkelBindingAPI"]\nvariants = { string take = "one" }\nprepend variantSets = "take")',
+    )
+    bound = (
+        bound[:-1]
+        + """variantSet "take" = {
+        "one" { rel skel:animationSource = </Root/Anim>
+        }
+        "two" { rel skel:animationSource = </Root/Other>
+        }
+    }
+}"""
+    )
+    source = save(tmp_path, scene(skeleton(), bound, animation(), animation("Other"), MESH, HAT))
+    words = ["rename-joints", "--name", "/Root/Twin:a/b=knee", source, "-o", tmp_path / "o.usda"]
+    printed = cli(*words, code=3).stderr
+    assert "</Root/Twin> needs a copy of </Root/Anim>" in printed
+    assert "'take'" in printed

@@ -216,18 +216,19 @@ TWIN = """def Skeleton "Twin" (prepend apiSchemas = ["SkelBindingAPI"])
 UNIT = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))"
 
 
-def test_an_animation_shared_with_a_skeleton_that_is_not_split_is_refused(tmp_path: Path) -> None:
+def test_a_skeleton_that_is_split_alone_gets_a_copy_of_a_shared_animation(tmp_path: Path) -> None:
     names = ", ".join(f'"{token}"' for token in TOKENS)
     # Kept, as its root joint alone and what has no weight: 'elbow' is a root joint there.
-    alone = TWIN % (f'"{TOKENS[2]}"', UNIT, UNIT)
-    words = refused(save(tmp_path, usda(LIMB, more=alone)))
-    for word in ("</Root/Bend>", "in.usda", "</Root/Twin>", TOKENS[2]):
-        assert word in words
+    alone = save(tmp_path, usda(LIMB, more=TWIN % (f'"{TOKENS[2]}"', UNIT, UNIT)))
+    split(alone, out := tmp_path / "out.usda")
+    assert tokens(out, "/Root/Bend_2", "joints") == AFTER
+    assert tokens(out, "/Root/Bend", "joints") == list(TOKENS)
+    assert deviation(alone, out) < 1e-6
     matrices = [
         "[" + ", ".join(str(tuple(map(tuple, m.tolist()))) for m in x) + "]" for x in (LIMB.world, LIMB.local)
     ]
     both = TWIN % (names, matrices[0][1:-1], matrices[1][1:-1])
-    source, out = save(tmp_path, usda(LIMB, more=both), "both.usda"), tmp_path / "out.usda"
+    source = save(tmp_path, usda(LIMB, more=both), "both.usda")
     split(source, out)
     assert tokens(out, "/Root/Twin", "joints") == AFTER
     assert verify(read(source), read(out)).deviation < 1e-7

@@ -11,8 +11,9 @@ from pxr import Sdf, UsdGeom
 from rigtri.errors import FileError
 from rigtri.evaluation.timelines import without_steps
 from rigtri.formats.usd.composition.animation_binding import SOURCE
+from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.variants import SkeletonVariants, variants_of
-from rigtri.formats.usd.opinions.edits import Edit, Setting, set_matrices, set_tokens, set_value
+from rigtri.formats.usd.opinions.edits import Edit, Setting, define, set_matrices, set_tokens, set_value
 from rigtri.formats.usd.reading.animation_reader import PROPERTIES, Property
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.trigonometry import Floats
@@ -86,6 +87,28 @@ def is_decided(stage: Any, skeletons: Iterable[str], animation: str) -> bool:
         for path in skeletons
         for variants in variants_of(stage, path, [animation])
     )
+
+
+def copy_animation(stage: Any, animation: str, number: int) -> tuple[str, list[Edit]]:
+    """A copy of an animation beside it, with all that is composed on it: its path, and what makes it."""
+    prim = stage.GetPrimAtPath(animation)
+    parent, name = prim.GetPath().GetParentPath(), f"{prim.GetName()}_{number}"
+    while stage.GetPrimAtPath(parent.AppendChild(name)):
+        name += "_"
+    path = parent.AppendChild(name)
+    copies = [
+        set_value(
+            path,
+            attribute.GetName(),
+            attribute.GetTypeName(),
+            attribute.Get(),
+            samples=dict(time_samples(attribute)),
+            uniform=attribute.GetVariability() == Sdf.VariabilityUniform,
+            custom=attribute.IsCustom(),
+        )
+        for attribute in prim.GetAuthoredAttributes()
+    ]
+    return str(path), [define(path, prim.GetTypeName()), *copies]
 
 
 def set_array(path: Any, name: str, item: Property, *, only: bool = False) -> Setting:

@@ -17,9 +17,8 @@ from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names
 from rigtri.formats.usd.opinions.joint_lists import JointLists
 from rigtri.formats.usd.opinions.skeleton_edits import bound_in, joint_names
-from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, new_names
 from rigtri.formats.usd.reading.joint_tokens import renamer
-from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.skeleton_reader import nearest_listed
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.rig import Rig
@@ -31,7 +30,7 @@ Renaming = Mapping[str, Callable[[str], str]]
 
 def rename_joints(edit: UsdEdit) -> None:
     """Read the source again with the new names; FileError where not all that names joints can be edited."""
-    source, names = edit.source, _names(edit.source, edit.rig)
+    source, names = edit.source, new_names(edit.source, edit.rig)
     if not names:
         return
     renaming: Renaming = {path: renamer(source.skeletons[path].tokens, each) for path, each in names.items()}
@@ -47,26 +46,6 @@ def rename_joints(edit: UsdEdit) -> None:
     edit.prepare(edits)
     lists.expect(edit.expected)
     edit.rig = replace(edit.rig, keys=_keys(source, edit.source, edit.rig))
-
-
-def _names(source: Source, rig: Rig) -> dict[str, dict[str, str]]:
-    """By skeleton and token the new names of joints. FileError for a prim with another name."""
-    found: dict[str, dict[str, str]] = {}
-    place = {key: node for node, key in enumerate(rig.keys) if key is not None}
-    for node, (path, token) in source.joints.items():
-        name = rig.names[place[source.rig.keys[node]]]
-        if name != source.rig.names[node] and name:
-            found.setdefault(path, {})[token] = name
-    for node, key in enumerate(source.rig.keys):
-        if kind(key) == "prim" and node not in source.rig.metadata:
-            name = rig.names[place[key]]
-            if name != source.rig.names[node] and name:
-                raise FileError(
-                    f"<{source.rig.labels[node]}> is a prim, and another name ('{name}') would give it and "
-                    "all below it other paths; only joints of skeletons can be renamed. Rename prims in the "
-                    "program that made the file; orient-joints and set-rest keep their names"
-                )
-    return found
 
 
 def _check(source: Source, path: str, renamed: Callable[[str], str]) -> None:

@@ -29,7 +29,7 @@ from rigtri.formats.usd.opinions.skeleton_edits import (
     set_array,
     set_joints,
 )
-from rigtri.formats.usd.passes.usd_edit import UsdEdit, new_above, resting
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, holder_names, new_above, resting
 from rigtri.formats.usd.reading.animation_reader import NOTHING, Animation, Property
 from rigtri.formats.usd.reading.joint_tokens import split_token
 from rigtri.formats.usd.reading.node_keys import kind, parts
@@ -130,7 +130,6 @@ def split_joints(edit: UsdEdit) -> None:
 def _splits(source: Source, rig: Rig) -> dict[str, Split]:
     """The joints that a rig splits and the source does not, by skeleton."""
     token_of = {source.rig.keys[node]: token for node, (_, token) in source.joints.items()}
-    found: dict[str, dict[str, str]] = {}
     binds: dict[str, dict[str, Floats]] = {}
     for joint, holder in sorted(new_above(rig).items()):
         key = rig.keys[joint]
@@ -148,18 +147,13 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
                 else "Put one there in the program that made the file"
             )
             raise UsageError(f"{what}. {instead}.")
-        path, token = parts(key)[1], token_of[key]
-        taken = {other.rpartition("/")[2] for other in source.skeletons[path].tokens}
-        name = rig.names[holder]
-        while name in taken:
-            name += "_"
-        found.setdefault(path, {})[token] = name
         for skin in rig.skins if joint not in rig.frame_of else ():
-            if skin.key == ("skeleton", path) and holder in skin.joints:
+            if skin.key == ("skeleton", parts(key)[1]) and holder in skin.joints:
                 bound = skin.inverse_bind[skin.joints.tolist().index(holder)]
-                binds.setdefault(path, {})[token] = inverse(bound)
+                binds.setdefault(parts(key)[1], {})[token_of[key]] = inverse(bound)
     return {
-        path: Split(source.skeletons[path], holders, binds.get(path, {})) for path, holders in found.items()
+        path: Split(source.skeletons[path], holders, binds.get(path, {}))
+        for path, holders in holder_names(source, rig).items()
     }
 
 
@@ -210,8 +204,8 @@ def _check_shared(
             raise FileError(
                 f"Animation <{animation.path}> of layer {spec.layer.identifier} also drives the skeleton "
                 f"<{other.path}>, for which '{token}' would have to be called '{other_renamed}' in it, and "
-                f"for the other '{renamed}'; animations are not copied. Give each skeleton an animation "
-                f"of its own{instead}."
+                f"for the other '{renamed}'; what nothing plays is not copied. Bind each skeleton to an "
+                f"animation of its own{instead}."
             )
 
 

@@ -15,6 +15,7 @@ from rigtri.formats.usd.composition.variants import SkeletonVariants
 from rigtri.formats.usd.opinions.composition_check import Expected
 from rigtri.formats.usd.opinions.edits import Edit
 from rigtri.formats.usd.opinions.instance_edits import apply_edits
+from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Booleans
@@ -124,6 +125,41 @@ def new_above(rig: Rig) -> dict[int, int]:
     found = {joint: holder for joint, holder in rig.frame_of.items() if rig.keys[holder] is None}
     above = enumerate(rig.parents.tolist())
     return found | {k: n for k, n in above if n >= 0 and rig.keys[k] is not None and rig.keys[n] is None}
+
+
+def new_names(source: Source, rig: Rig) -> dict[str, dict[str, str]]:
+    """By skeleton and token the new names of joints. FileError for a prim with another name."""
+    found: dict[str, dict[str, str]] = {}
+    place = {key: node for node, key in enumerate(rig.keys) if key is not None}
+    for node, (path, token) in source.joints.items():
+        name = rig.names[place[source.rig.keys[node]]]
+        if name != source.rig.names[node] and name:
+            found.setdefault(path, {})[token] = name
+    for node, key in enumerate(source.rig.keys):
+        if kind(key) == "prim" and node not in source.rig.metadata:
+            name = rig.names[place[key]]
+            if name != source.rig.names[node] and name:
+                raise FileError(
+                    f"<{source.rig.labels[node]}> is a prim, and another name ('{name}') would give it and "
+                    "all below it other paths; only joints of skeletons can be renamed. Rename prims in the "
+                    "program that made the file; orient-joints and set-rest keep their names"
+                )
+    return found
+
+
+def holder_names(source: Source, rig: Rig) -> dict[str, dict[str, str]]:
+    """By skeleton and token of a joint the name of the new joint above it, which no other joint has."""
+    token_of = {source.rig.keys[node]: joint for node, joint in source.joints.items()}
+    found: dict[str, dict[str, str]] = {}
+    for node, holder in sorted(new_above(rig).items()):
+        if kind(rig.keys[node]) == "joint":
+            path, token = token_of[rig.keys[node]]
+            taken = {other.rpartition("/")[2] for other in source.skeletons[path].tokens}
+            name = rig.names[holder]
+            while name in taken:
+                name += "_"
+            found.setdefault(path, {})[token] = name
+    return found
 
 
 def changed_besides(path: str) -> UsageError:

@@ -6,14 +6,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.half_turn_keys import half_turns, keep_way_round
 from rigtri.formats.usd.composition.stage import refuse
-from rigtri.formats.usd.composition.time_samples import time_samples
-from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, set_value
-from rigtri.formats.usd.opinions.skeleton_edits import set_array
+from rigtri.formats.usd.opinions.edits import Edit, bind_animation
+from rigtri.formats.usd.opinions.skeleton_edits import copy_animation, set_array
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import HELD, Animation
 from rigtri.formats.usd.reading.node_keys import parts
@@ -85,7 +83,7 @@ def _write_animation(
                 "that were re-oriented differently. Re-orient all of them alike, or bind it to the one that "
                 "it is for (skel:animationSource)."
             )
-        copy, made = _copy_of(source, animation, number + 1)
+        copy, made = copy_animation(source.stage, animation.path, number + 1)
         found += [*made, *_array_edits(animation, copy, columns)]
         for skeleton in skeletons:
             if len(source.skeletons[skeleton].animations) > 1:
@@ -185,25 +183,3 @@ def _keep_ways_round(rows: np.ndarray, before: Floats, changed: np.ndarray) -> N
     negative = dot(before[:-1], before[1:]) < 0
     for k in np.flatnonzero(near & changed[1:]).tolist():
         keep_way_round(rows, k, negative=bool(negative[k]))
-
-
-def _copy_of(source: Source, animation: Animation, number: int) -> tuple[str, list[Edit]]:
-    """A copy of an animation prim beside it, with all that is composed on it."""
-    stage, prim = source.stage, source.stage.GetPrimAtPath(animation.path)
-    parent, name = prim.GetPath().GetParentPath(), f"{prim.GetName()}_{number}"
-    while stage.GetPrimAtPath(parent.AppendChild(name)):
-        name += "_"
-    path = parent.AppendChild(name)
-    copies = [
-        set_value(
-            path,
-            attribute.GetName(),
-            attribute.GetTypeName(),
-            attribute.Get(),
-            samples=dict(time_samples(attribute)),
-            uniform=attribute.GetVariability() == Sdf.VariabilityUniform,
-            custom=attribute.IsCustom(),
-        )
-        for attribute in prim.GetAuthoredAttributes()
-    ]
-    return str(path), [define(path, prim.GetTypeName()), *copies]

@@ -65,13 +65,12 @@ def read_source(
 
 # What is said of animations that no skeleton plays.
 _IDLE = (
-    "No skeleton plays {} in the selected variants. Names, axes, rest and size of joints change in them, "
-    "too; new motion, such as that of controls, they do not get."
+    "No skeleton plays {}{}. Names, axes, rest and size of joints change in them, too; new motion, such as "
+    "that of controls, they do not get."
 )
 _OF_NONE = (
-    "No skeleton uses {} in the selected variants: left as they were, unless a skeleton of another variant "
-    "uses them. What joints or controls get they do not, axes or motion. To edit one along, bind a skeleton "
-    "to it (skel:animationSource) and run again from the source."
+    "No skeleton uses {}{}: left as they were{}. What joints or controls get they do not, axes or motion. To "
+    "edit one along, bind a skeleton to it (skel:animationSource) and run again from the source."
 )
 _OF_VARIANTS = (
     "Variants that are not selected have {}, which no skeleton uses there: left as they were. To edit one "
@@ -289,9 +288,12 @@ class _Reader:
             for user in users:
                 skeleton = self.skeletons[user]
                 self.skeletons[user] = replace(skeleton, decided=(*skeleton.decided, path))
+        is_varied = any(prim.HasVariantSets() for prim in self.instances.prims())
+        there = (" in the selected variants", ", unless a skeleton of another variant uses them")
+        where = there if is_varied else ("", "")
         for text, found in ((_IDLE, joined), (_OF_NONE, left), (_OF_VARIANTS, shown)):
             if found:
-                self.warnings.append(Notice("unbound-animation", text.format(and_more(found, 3))))
+                self.warnings.append(Notice("unbound-animation", text.format(and_more(found, 3), *where)))
 
     def _resting(self, clips: Sequence[Clip]) -> dict[int, Resting]:
         """What animations have no value for at times, when UsdSkel shows rest poses and no blend shapes."""
