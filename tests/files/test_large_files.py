@@ -20,9 +20,10 @@ from characters import Held
 from gltf_files import Builder, character, glb_json, small
 
 from rigtri.errors import FileError
+from rigtri.files import mapped_file
 from rigtri.files.atomic_write import fsync_while_writing
 from rigtri.formats import read
-from rigtri.formats.gltf import document, mesh_reader, mmap
+from rigtri.formats.gltf import document, mesh_reader
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
@@ -68,8 +69,8 @@ def holed_glb(path: Path, b: Builder, total: int) -> Path:
 @pytest.fixture
 def all_mapped(monkeypatch: pytest.MonkeyPatch) -> None:
     """Treat files of any size as large."""
-    monkeypatch.setattr(mmap, "MAP_FROM", 1)
-    monkeypatch.setattr(mmap, "WORTHWHILE", 1)
+    monkeypatch.setattr(mapped_file, "MAP_FROM", 1)
+    monkeypatch.setattr(mapped_file, "WORTHWHILE", 1)
     monkeypatch.setattr(document, "BUFFERING", 16)  # what is smaller is written in one go
 
 

@@ -21,12 +21,12 @@ from program import cli
 
 import rigtri
 from rigtri.errors import UsageError
+from rigtri.files import mapped_file, temp_dirs, worker_process
 from rigtri.files import relative_path as relative
-from rigtri.files import temp_dirs, worker_process
 from rigtri.files.atomic_write import stale_files
 from rigtri.files.staged_output import _link
 from rigtri.files.worker_process import WorkerProcess
-from rigtri.formats.gltf import mmap, uris
+from rigtri.formats.gltf import uris
 from rigtri.pipeline.batch import inputs, urls
 from rigtri.pipeline.batch.local_engine import processors
 
@@ -47,8 +47,8 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> set[Path]:
     signals = {name: value for name, value in vars(signal).items() if name != "pthread_sigmask"}
     monkeypatch.setattr(worker_process, "signal", SimpleNamespace(**signals))
     monkeypatch.setattr(multiprocessing, "get_all_start_methods", lambda: ["spawn"])
-    monkeypatch.setattr(mmap, "MAPS", False)
-    monkeypatch.setattr(mmap, "MAP_FROM", 1)
+    monkeypatch.setattr(mapped_file, "MAPS", False)
+    monkeypatch.setattr(mapped_file, "MAP_FROM", 1)
     opened, replaced = os.open, os.replace
     maps: set[Path] = set()
 
@@ -69,7 +69,7 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> set[Path]:
     monkeypatch.setattr(os, "open", no_folders)
     monkeypatch.setattr(os, "replace", not_mapped)
     monkeypatch.setattr(os, "link", no_links)
-    loaded = mmap.Mapped.__new__
+    loaded = mapped_file.Mapped.__new__
 
     def noted(cls: Any, file: int) -> Any:
         mapped, path = loaded(cls, file), Path(os.readlink(f"/proc/self/fd/{file}"))
@@ -77,7 +77,7 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> set[Path]:
         weakref.finalize(mapped, maps.discard, path)
         return mapped
 
-    monkeypatch.setattr(mmap.Mapped, "__new__", staticmethod(noted))
+    monkeypatch.setattr(mapped_file.Mapped, "__new__", staticmethod(noted))
     return maps
 
 
@@ -99,7 +99,7 @@ def test_a_system_that_lets_no_mapped_file_be_replaced_would_refuse_one(
     """That the fixture is as strict as Windows: with maps, the same edit is refused, and nothing is lost."""
     hero = tmp_path / "hero.glb"
     hero.write_bytes((SAMPLES / "biped.glb").read_bytes())
-    monkeypatch.setattr(mmap, "MAPS", True)
+    monkeypatch.setattr(mapped_file, "MAPS", True)
     assert "is mapped" in cli("orient-joints", hero, "-o", hero, "--overwrite", code=3).stderr
     assert hero.read_bytes() == (SAMPLES / "biped.glb").read_bytes()
     gc.collect()

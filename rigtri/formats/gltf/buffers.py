@@ -8,8 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal
 
+from rigtri.files.mapped_file import Mapped, load
 from rigtri.formats.gltf.container import Container
-from rigtri.formats.gltf.mmap import Mapped, load
 from rigtri.formats.gltf.uris import decode_data, file_of, is_data, is_file, is_own, is_there, why_absent
 from rigtri.formats.json_values import Value
 

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import FileError
+from rigtri.files.mapped_file import load
 from rigtri.formats.gltf.json_splice import splice
 from rigtri.formats.gltf.json_style import Spelling, encode, parse_placed
-from rigtri.formats.gltf.mmap import load
 from rigtri.model.dataclass import dataclass
 from rigtri.report import Notice
 

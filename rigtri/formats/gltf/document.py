@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
+from rigtri.files import mapped_file
 from rigtri.files.atomic_write import fsync_while_writing, same_file
+from rigtri.files.mapped_file import load, pour
 from rigtri.formats.document import Companion, Embedded, ReadOptions
-from rigtri.formats.gltf import mmap
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animation_reader import ClipReader, animated_nodes
 from rigtri.formats.gltf.animation_writer import ClipWriter, refuse_early
@@ -25,7 +26,6 @@ from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, Piece, open_container
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.mesh_reader import Drawn, MeshReader
-from rigtri.formats.gltf.mmap import load, pour
 from rigtri.formats.gltf.node_reader import Rest, read_rest, read_tree
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.references import check_added, named_nodes
@@ -379,7 +379,7 @@ def _write(part: Path, pieces: Sequence[Piece]) -> None:
             return
         with (
             part.open("wb", buffering=BUFFERING) as file,
-            fsync_while_writing(file, large=size >= mmap.MAP_FROM),
+            fsync_while_writing(file, large=size >= mapped_file.MAP_FROM),
         ):
             for piece in pieces:
                 pour(file, piece)

@@ -58,8 +58,8 @@ class UsdDocument:
             others = elsewhere(source.stage, rig, layer)
             rig = replace(rig, rules=replace(rig.rules, elsewhere=others))
         self._source, self._options = replace(source, rig=rig), options
-        self._output = Output(self._source, layer, options)
         self._held = Held(source.stage)
+        self._output = Output(self._source, layer, options, self._held.content)
         self._hidden: dict[str, list[str]] = {}
 
     @classmethod
@@ -122,8 +122,9 @@ class UsdDocument:
         Relative asset paths are anchored anew where ``target`` lies in another folder.
         UsageError for a target of another format; FileError where the source was replaced since.
         """
-        self._held.check(self._source.layer)
         output, stage = self._output, self._source.stage
+        stays = output.is_new_layer or output.is_sublayer
+        self._held.check((self._source.layer, output.layer), stays=stays)
         output.check_target(target)
         with quiet(f"{target}: USD cannot write it"):
             edit = edit_stage(self._source, rig, self._options)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
+from rigtri.files.mapped_file import load, pour
 from rigtri.files.relative_path import relative_path
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd import usdz
@@ -31,11 +31,16 @@ _METADATA = ("typeName", "variability", "custom", "elementSize", "interpolation"
 
 @dataclass(frozen=True, eq=False)
 class Output:
-    """What becomes of a source. layer: the one to edit, the stage's root layer or the opinions above it."""
+    """What becomes of a source.
+
+    layer: the one to edit, the stage's root layer or the opinions above it. read: the bytes of the root
+    layer's file.
+    """
 
     source: Source
     layer: Any
     options: ReadOptions
+    read: memoryview
 
     @property
     def is_bare(self) -> bool:
@@ -52,6 +57,11 @@ class Output:
     def layer_path(self) -> Path:
         """The file of what is edited."""
         return Path(self.layer.realPath) if self.is_sublayer else self.source.path
+
+    @property
+    def content(self) -> memoryview:
+        """The bytes of that file as it was read."""
+        return self.read if self.layer == self.source.layer else load(self.layer_path)
 
     @property
     def is_streamed(self) -> bool:
@@ -93,7 +103,7 @@ class Output:
         packed = path.suffix.lower() == ".usdz"
         rename = None if packed else self._rename(target)
         if not edits and rename is None:
-            shutil.copyfile(path, part)
+            self._copy(part)
             return
         layer = layers.copy_of(self.layer)
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
@@ -104,17 +114,21 @@ class Output:
             _drop_bare(self.layer, layer, edits)
         renamed = rename is not None and layers.rename_assets(layer, rename)
         if not edits and not renamed:
-            shutil.copyfile(path, part)
+            self._copy(part)
         elif packed:
-            package = usdz.read(path)
+            package = usdz.parse(bytes(self.content), str(path))
             _check_sums(package, path, notices)
             root = package.bytes_of(package.root)
             encoding = "usdc" if root.startswith(b"PXR-USDC") else "usda"
             usdz.write(package, self._encoded(layer, encoding, root, notices), part)
         else:
             encoding = layers.encoding_of(self.layer)
-            content = path.read_bytes() if encoding == "usda" else b""
+            content = bytes(self.content) if encoding == "usda" else b""
             part.write_bytes(self._encoded(layer, encoding, content, notices))
+
+    def _copy(self, part: Path) -> None:
+        with part.open("wb") as file:
+            pour(file, self.content)
 
     def hidden(self, edits: Sequence[Edit]) -> dict[str, list[str]]:
         """By file, the prims on which opinions of other layers are hidden by those of the output.

@@ -27,14 +27,18 @@ SETTINGS = 64
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
 
 
-def check(path: Path, *, allow_external: bool, variables: Variables | None = None) -> list[Any]:
+def check(
+    path: Path, *, allow_external: bool, variables: Variables | None = None, root: Any = None
+) -> list[Any]:
     """Look at every layer that composing ``path`` may open; returns those layers, still open.
 
-    variables: of the layer stack that it will be part of; its own where there is none above.
+    variables: of the layer stack that it will be part of; its own where there is none above. root: what was
+    read of ``path`` before, instead of what is there now.
     FileError for one that lies outside the folder of ``path`` (unless allowed), on a network or
     in no plain file, naming the layer and the prim that refer to it.
     """
-    root = Sdf.Layer.FindOrOpen(str(path))
+    known_root = root
+    root = root or Sdf.Layer.FindOrOpen(str(path))
     found: dict[str, Any] = {}
     # A layer is looked at again where other variables are set, which its expressions may name.
     waiting: list[tuple[Any, Variables]] = []
@@ -51,8 +55,8 @@ def check(path: Path, *, allow_external: bool, variables: Variables | None = Non
                 f"{layer.identifier} is referred to with more than {SETTINGS} settings of "
                 "expressionVariables. Write the asset paths without expressions"
             )
-        if not seen:
-            held_layers.renew(layer)
+        if not seen and layer != known_root:
+            layer = held_layers.renew(layer)
         seen.append(given)
         found[layer.identifier] = layer
         waiting += _below(layer, given, path, allow_external, sound)
@@ -211,12 +215,13 @@ def _matching(template: str, layer: Any) -> Iterator[str]:
 
 def files(stage: Any, path: Path) -> Iterator[tuple[Path, str]]:
     """Every file that the layers of a file read or name, in all variants, each with who names it."""
-    opened = check(path, allow_external=True)
+    root = stage.GetRootLayer()
+    opened = check(path, allow_external=True, root=root if root.realPath else None)
     # What a clip has opened, no walk through the layers finds.
     used = [layer for layer in stage.GetUsedLayers(True) if layer not in opened]
     for layer in (*opened, *used):
         if layer.realPath:
-            yield layer_content.outer_file(layer.realPath), f"a layer of {path}"
+            yield (path if layer == root else layer_content.outer_file(layer.realPath)), f"a layer of {path}"
     for layer in (*opened, *used):
         if layer.realPath:
             yield from ((file, f"a file that {layer.identifier} refers to") for file in _named(layer))

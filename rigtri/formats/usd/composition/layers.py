@@ -54,11 +54,13 @@ def empty() -> Any:
 def fresh(path: Path) -> Any:
     """The layer in a file, as the file is now."""
     known = Sdf.Layer.Find(str(path))
+    if known is None:
+        return Sdf.Layer.FindOrOpen(str(path))
     # pxr keeps layers that someone holds; the file may have been replaced since.
-    if known is not None:
-        held_layers.renew(known)
-        known.Reload(True)
-    return Sdf.Layer.FindOrOpen(str(path))
+    now = held_layers.renew(known)
+    if now == known:
+        now.Reload(True)
+    return now
 
 
 def remove(spec: Any) -> None:
