@@ -338,6 +338,28 @@ def test_blocks_of_times_do_not_change_the_result(monkeypatch: pytest.MonkeyPatc
         assert (one["poses"], one["worst"]) == (other["poses"], other["worst"])
 
 
+def test_a_long_chain_is_posed_no_more_often_than_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A pose of a chain takes a step for each joint: more poses, too, would cost the square of its length.
+    monkeypatch.setattr("rigtri.verification.compare.deviation._DEEP_BLOCK", 1 << 8)
+    monkeypatch.setattr("rigtri.verification.compare.deviation._BLOCK", 1)
+    posed: list[int] = []
+
+    def counted(rig: Rig, local: Floats) -> Floats:
+        posed.append(len(local))
+        return worlds(rig, local)
+
+    monkeypatch.setattr("rigtri.evaluation.sampling.worlds", counted)
+    needed = []
+    for joints in (3, 30):
+        rig = chain(*((float(k), 0.0, 0.0) for k in range(joints)), names=[f"j{k}" for k in range(joints)])
+        track = Track(joints - 1, "translation", "LINEAR", np.arange(6.0), np.zeros((6, 3)))
+        rig = replace(rig, clips=(Clip("c", (track,)),))
+        posed.clear()
+        self_check(Held(rig), Held(nudged(rig, joints - 1)))
+        needed.append(len(posed))
+    assert needed[0] == needed[1]
+
+
 def test_both_rigs_in_one_stand_as_each_by_itself() -> None:
     mine, theirs = random_rig(3), random_rig(4)
     theirs = replace(theirs, clips=theirs.clips[: len(mine.clips)])

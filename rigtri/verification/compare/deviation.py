@@ -33,6 +33,8 @@ _BLOCK = 1 << 16
 # A deep rig is evaluated level by level, so that each step should have some matrices to multiply:
 # this many numbers of a level, in a block of at most so many.
 _LEVEL, _DEEP_BLOCK = 1 << 13, 1 << 19
+# But so many times at once where each level is one joint: else steps grow with the square of its length.
+_LEAST_TIMES = 8
 # From so many keys on only the widest gaps between them are looked into: so many for each kind of track.
 _MANY_KEYS, _GAPS = 2000, 500
 # 1 − cos of half a right angle.
@@ -192,7 +194,8 @@ def _steps(path: str, values: Floats) -> Floats:
 def _times_at_once(rig: Rig) -> int:
     """How many times of a clip go into one block."""
     numbers, levels = 16 * max(len(rig), 1), max(len(rig.levels), 1)
-    return max(1, max(_BLOCK, min(_DEEP_BLOCK, _LEVEL * levels)) // numbers)
+    least = -(-_LEAST_TIMES * levels // max(len(rig), 1))
+    return max(least, max(_BLOCK, min(_DEEP_BLOCK, _LEVEL * levels)) // numbers)
 
 
 def _times_of_points(probes: Sequence[Probe]) -> int:
