@@ -37,7 +37,8 @@ from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.joint_selection import EYE, ROOT
 from rigtri.operations.options.add_controls import AddControlsOptions
 from rigtri.operations.options.orient_joints import OrientJointsOptions
-from rigtri.operations.orient_joints.orient import plan_frames
+from rigtri.operations.orient_joints.orient import FramePlan, plan_frames
+from rigtri.operations.orient_joints.up_direction import PRESENT, STATED
 from rigtri.report import Report
 
 # A joint and a kind of control over it.
@@ -187,9 +188,20 @@ class ControlAxes:
         world, found = plan.targets.ref.world, dict[int, Floats]()
         for joint in joints.intersection(plan.requested.joints):
             rows = normalise(transform_directions(to_axes(delta[joint]), world[joint]))
-            # Right-handed, also over a joint that mirrors.
-            found[joint] = frame(rows[axis_of(aim)[0]], rows[axis_of(up)[0]], aim_axis=aim, up_axis=up)
+            hinge = rows[axis_of(up)[0]]
+            # Right-handed, also over a joint that mirrors, whose hinge is reversed to mean the same.
+            hinge = -hinge if _is_reversed(plan, joint, style) else hinge
+            found[joint] = frame(rows[axis_of(aim)[0]], hinge, aim_axis=aim, up_axis=up)
         return found
+
+
+def _is_reversed(plan: FramePlan, joint: int, style: AxisStyle) -> bool:
+    """Whether the up axis of a joint is its hinge, and left-handed axes turn about that the other way."""
+    targets, step = plan.targets, plan.requested.ups.step
+    while joint in targets.aims and targets.aims[joint].how == "parent" and targets.tree.above[joint] >= 0:
+        joint = targets.tree.above[joint]
+    from_hinge = step[joint] not in (STATED, PRESENT) and style.up_from != "pole"
+    return bool(targets.mirrored[joint]) and from_hinge
 
 
 def _request(style: AxisStyle) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import pytest
 from avatars import avatar_0
 from carried import EDITS, SAME_MOTION, carried
 from places import SAMPLES, every_other, real_files, slow
+from recognition_bodies.skeletons import MAN, rig_with
 
 import rigtri
 from rigtri.errors import RigtriError, UsageError
@@ -188,3 +189,24 @@ def test_other_axes_of_a_control_leave_the_controls_below_where_they_are() -> No
     far = np.abs(again.world[: len(rig)] - rig.world).max(axis=(1, 2))
     assert far[changed] > 0.1
     assert far[[k for k in range(len(rig)) if k not in (changed, int(rig.parents[changed]))]].max() < 1e-6
+
+
+@pytest.mark.parametrize("preset", ["article", "maya", "blender", "talk"])
+def test_controls_below_a_mirrored_root_close_as_all_others_do(preset: str) -> None:
+    """Before, a positive turn of a control opened elbow and knee there, for its joint's axes are left-handed."""
+    joints = [("root", "", (0.0, 0.0, 0.0)), *((name, above or "root", at) for name, above, at in MAN)]
+    plain = rig_with(joints)
+    flip, scale = np.array([-1.0, 1.0, 1.0]), np.ones((len(plain), 3))
+    scale[plain.find("root")] = flip
+    (skin,), inverse_bind = plain.skins, plain.skins[0].inverse_bind * [-1.0, 1.0, 1.0, 1.0]
+    mirrored = replace(
+        plain,
+        translation=plain.translation * flip,
+        scale=scale,
+        skins=(replace(skin, inverse_bind=inverse_bind),),
+    )
+    here, there = (rigtri.add_controls(k, whole_character=True, preset=preset) for k in (mirrored, plain))
+    names = [name for name in there.names if name.endswith("_ctl") and "root" not in name]
+    assert len(names) > 10
+    for name in names:
+        np.testing.assert_allclose(here.world[here.find(name)], there.world[there.find(name)], atol=1e-6)

@@ -29,6 +29,8 @@ from rigtri.operations.orient_joints.bend_planes import BendPlanes, UpDirections
 from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.report import Report
 
+# The steps whose direction is an axis as it is, and no hinge that left-handed axes reverse.
+STATED, PRESENT = 1, 8
 # Words for sources of up directions that files and reports keep, as messages have them.
 _TEXT = {
     "clips": "the animation clips",
@@ -73,7 +75,7 @@ class UpLadder:
             vectors = np.stack(list(stated.values()))
             clear = crossing(vectors, targets.bone[list(stated)])
             for joint, vector in zip(np.array(list(stated))[clear].tolist(), vectors[clear], strict=True):
-                self.ups.set([joint], vector, 1, targets.styles[joint].up_from)
+                self.ups.set([joint], vector, STATED, targets.styles[joint].up_from)
                 open_.discard(joint)
         left = [joint for joint in joints if joint in open_]
         self._find_normals(left)
@@ -83,7 +85,7 @@ class UpLadder:
             if up_from == "pole":
                 self._take_pole(joint)
                 continue
-            if targets.mirrored[joint] and self.normals.step[joint] != 8:
+            if targets.mirrored[joint] and self.normals.step[joint] != PRESENT:
                 # A positive rotation about an axis of a left-handed frame turns the other way.
                 self.ups.vector[joint] = -self.ups.vector[joint]
             if joint in stated:
@@ -113,7 +115,7 @@ class UpLadder:
                 step, source = int(self.ups.step[above]), self.ups.source[above]
                 sine = float(self.ups.sine[above])
             else:
-                up, step, source, sine = _stated(targets, joint), 1, targets.styles[joint].up_from, 1.0
+                up, step, source, sine = _stated(targets, joint), STATED, targets.styles[joint].up_from, 1.0
             if up is not None and crossing(up, bone):
                 self.ups.set([joint], up, step, source, sine)
             else:
@@ -146,13 +148,13 @@ class UpLadder:
         if self._present and crossing(own, bone):
             # For ``pole`` it is an up direction already, not a normal.
             pole = self._targets.styles[joint].up_from == "pole"
-            self.normals.set([joint], cross(own, bone) if pole else own, 8, "its present axis")
+            self.normals.set([joint], cross(own, bone) if pole else own, PRESENT, "its present axis")
             return
         self.normals.set([joint], axis_across(bone), 9, "world axis least parallel to the bone")
 
     def _take_pole(self, joint: int) -> None:
         """``pole``: up is the side that the limb bends to, in its plane."""
-        present = self.normals.step[joint] == 8
+        present = self.normals.step[joint] == PRESENT
         bone, normal = self._targets.bone[joint], self.normals.vector[joint]
         self.ups.vector[joint] = _present_axis(self._targets, joint) if present else cross(bone, normal)
 
