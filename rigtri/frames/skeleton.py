@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import field, replace
 from functools import cached_property
 
@@ -38,6 +38,11 @@ class Skeleton:
     below: dict[int, tuple[int, ...]]  # the nearest joints below
     carries: Booleans  # (n,), weight or a rigid mesh on or below
     sockets: frozenset[int] = frozenset()  # joints that only hold what is below them
+    before: Mapping[int, int] = field(default_factory=dict)  # of joints beside one that they follow, that one
+
+    def over(self, joint: int) -> int:
+        """The joint that one follows: as a rule the nearest above, −1 for a root joint."""
+        return self.before.get(joint, self.above[joint])
 
     @cached_property
     def roots(self) -> tuple[int, ...]:

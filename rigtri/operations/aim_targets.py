@@ -64,8 +64,7 @@ class Rules:
     heads: heads, with the hips of the bodies that stand upright, else −1; a head goes on as its trunk,
     whatever is below it.
     feet: feet without toes, and where they point in the world, unit, (3,). hands: those without fingers.
-    twists: twist joints beside the ends of bones, whose axes they take. before: in a body without a
-    hierarchy the joint before each of a chain, as its parent says nothing of it.
+    twists: twist joints beside the ends of bones, whose axes they take.
     """
 
     branch: Branch = "chain"
@@ -78,7 +77,6 @@ class Rules:
     feet: Mapping[int, Floats] = field(default_factory=dict)
     hands: Container[int] = ()
     twists: Container[int] = ()
-    before: Mapping[int, int] = field(default_factory=dict)
 
 
 def chain_child(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
@@ -190,7 +188,9 @@ def trunk_children(tree: Skeleton, characters: Iterable[Character]) -> dict[int,
     """For each joint of a trunk, hips to head, the next one of it."""
     after: dict[int, int] = {}
     for character in characters:
-        after |= {a: b for a, b in pairwise(_trunk(tree, character)) if _follows(tree, character, a, b)}
+        flat = _is_flat(tree, character)
+        pairs = pairwise(_trunk(tree, character))
+        after |= {a: b for a, b in pairs if tree.above.get(b) == a or (flat and _follows(tree, a, b))}
     return after
 
 
@@ -206,39 +206,44 @@ def _trunk(tree: Skeleton, character: Character) -> list[int]:
     return trunk
 
 
-def _follows(tree: Skeleton, character: Character, joint: int, child: int) -> bool:
-    """Whether a joint is a child of the one before it, or in a body without a hierarchy its sibling."""
-    above = tree.above.get(child)
-    return above == joint or (
-        above is not None and above == tree.above.get(joint) and _is_flat(tree, character)
-    )
-
-
 def flat_joints(tree: Skeleton, characters: Iterable[Character]) -> tuple[dict[int, int], dict[int, int]]:
-    """Of bodies without a hierarchy the joint before each of a chain, and what hips and clavicles aim at.
+    """Of limbs without a hierarchy the joint before each, and what hips and clavicles aim at.
 
     Hips stand beside the spine there, and not above it, and clavicles beside their arms.
     """
     before: dict[int, int] = {}
     beside: dict[int, int] = {}
-    for character in (k for k in characters if _is_flat(tree, k)):
+    for character in characters:
+        flat = _is_flat(tree, character)
         bones = {part.bone: part.joint for part in character.parts}
-        pairs = [*pairwise(_trunk(tree, character))][:1]
-        for chain in (k for k in character.sure_chains if k.kind == "arm" and k.bend):
+        pairs = [*pairwise(_trunk(tree, character))][:1] if flat else []
+        for chain in (k for k in character.sure_chains if flat and k.kind == "arm" and k.bend):
             pairs.append((bones.get(f"{chain.side}Shoulder", -1), chain.bend[0]))
-        beside |= {a: b for a, b in pairs if a >= 0 and _follows(tree, character, a, b)}
-        # Which of siblings is the next of a finger is a guess.
-        chains = [chain.joints for chain in character.sure_chains if chain.kind != "finger"]
-        for joints in (_trunk(tree, character), *chains):
-            before |= {b: a for a, b in pairwise(joints) if _follows(tree, character, a, b)}
+        beside |= {a: b for a, b in pairs if _follows(tree, a, b)}
+        chains = [chain.joints for chain in character.sure_chains]
+        for joints in (_trunk(tree, character), *chains) if flat else chains:
+            before |= {b: a for a, b in pairwise(joints) if _is_beside(tree, a, b)}
     return before, beside
 
 
 def _is_flat(tree: Skeleton, character: Character) -> bool:
-    """Whether limbs of a body have no hierarchy: all joints are below one."""
+    """Whether a limb of a body has no hierarchy: its joints are below one, or below what is above that."""
     return any(
         chain.bend and not tree.rig.is_below(chain.bend[1], chain.bend[0]) for chain in character.limbs
     )
+
+
+def _follows(tree: Skeleton, joint: int, child: int) -> bool:
+    """Whether a joint of a chain is a child of the one before it, or beside it."""
+    return joint in tree.above and (tree.above.get(child) == joint or _is_beside(tree, joint, child))
+
+
+def _is_beside(tree: Skeleton, joint: int, child: int) -> bool:
+    """Whether a joint that follows another is parented to what is above that."""
+    if joint not in tree.above or child not in tree.above or tree.rig.is_below(joint, child):
+        return False
+    above = tree.above[child]
+    return above != joint and (above < 0 or tree.rig.is_below(joint, above))
 
 
 def chain_children(tree: Skeleton, ref: ReferencePose, characters: Iterable[Character]) -> dict[int, int]:
@@ -251,10 +256,8 @@ def chain_children(tree: Skeleton, ref: ReferencePose, characters: Iterable[Char
     for character in characters:
         for chain in (chain for chain in character.sure_chains if chain.kind in _ENDED):
             last = chain.joints[-1]
-            if chain.kind == "foot":
-                found |= {a: b for a, b in pairwise(chain.joints) if _follows(tree, character, a, b)}
-            elif chain.kind == "finger":
-                found |= {a: b for a, b in pairwise(chain.joints) if tree.above.get(b) == a}
+            if chain.kind in ("foot", "finger"):
+                found |= {a: b for a, b in pairwise(chain.joints) if _follows(tree, a, b)}
             # What is below a palm or ankle may be anything.
             called = chain.kind in ("hand", "foot") and len(chain.joints) == 1
             ends = _end_joints(tree, ref, last, called=called) if last in tree.below else []
@@ -310,7 +313,7 @@ def _ends_in_name(names: Sequence[str], joint: int, nodes: Iterable[int]) -> lis
 
 def _head(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
     """A head without an end goes on as the neck: eyes, jaw and hair would tilt each head differently."""
-    aim, hips, parent = _ending(tree, ref, joint, rules), rules.heads[joint], tree.above[joint]
+    aim, hips, parent = _ending(tree, ref, joint, rules), rules.heads[joint], tree.over(joint)
     if aim.how != "parent" or rules.end == "parent" or min(hips, parent) < 0:
         return aim
     (x, y, z), (u, v, w) = _way(ref, hips, joint), _way(ref, parent, joint)
@@ -359,10 +362,10 @@ def _ending(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim
             return aim
         if joint in rules.feet:
             ahead = normalise(transform_directions(rules.feet[joint], ref.inverse[joint]))
-            shin = _distance(ref, tree.above[joint], joint) if tree.above[joint] >= 0 else 0.0
+            shin = _distance(ref, tree.over(joint), joint) if tree.over(joint) >= 0 else 0.0
             return Aim("facing", ahead, None, FOOT * shin)
-        if joint in rules.before:
-            return _incoming(tree, ref, joint, rules.before[joint]) or Aim("keep")
+        if joint in tree.before:
+            return _incoming(tree, ref, joint) or Aim("keep")
         end = "incoming" if joint in rules.apart else "parent"
     if end == "incoming":
         return _incoming(tree, ref, joint) or Aim("keep")
@@ -386,8 +389,8 @@ def _tip(tree: Skeleton, joint: int) -> int | None:
 
 
 def _incoming(tree: Skeleton, ref: ReferencePose, joint: int, start: int | None = None) -> Aim | None:
-    """The direction in which the bone from the parent arrives, or from ``start``."""
-    parent = tree.above[joint] if start is None else start
+    """The direction in which the bone from the joint before arrives, or from ``start``."""
+    parent = tree.over(joint) if start is None else start
     if parent < 0 or not _distance(ref, parent, joint) > ZERO_LENGTH * ref.extent:
         return None
     back = _seen_from(ref, joint, [parent])[0]
@@ -412,7 +415,7 @@ def _at(ref: ReferencePose, joint: int, node: int, how: str) -> Aim | None:
 
 def _within(tree: Skeleton, ref: ReferencePose, joint: int, child: int, cosine: float) -> bool:
     """Whether a child is off the incoming bone by no more than the angle of this cosine, in the world."""
-    parent = tree.above[joint]
+    parent = tree.over(joint)
     if parent < 0 or not _distance(ref, parent, joint) > ZERO_LENGTH * ref.extent:
         return True
     (x, y, z), (u, v, w) = _way(ref, parent, joint), _way(ref, joint, child)

@@ -63,6 +63,14 @@ class Poses:
         return {}
 
     @cached_property
+    def after(self) -> dict[int, int]:
+        """For each joint that follows another beside it by its name, that one: see `order_in_names`.
+
+        It is how joints hang together, so what looks at shape alone has it, too.
+        """
+        return {}
+
+    @cached_property
     def rest(self) -> Floats:
         return finite(self.rig.world[:, 3, :3])
 

@@ -38,6 +38,7 @@ from rigtri.recognition.naming_schemes import (
     roles_in_name,
     schemes,
 )
+from rigtri.recognition.order_in_names import followers
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_alone import agreed
 from rigtri.recognition.shape_analysis import MOST, shape_of, tree_of
@@ -92,6 +93,11 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     segments = segments_of(Tree(rig, body, poses.rest)) if not certain else frozenset()
     body = [node for node in body if node not in segments]
     reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
+    bones = certain or (reading.bones if reading is not None else {})
+    if after := followers(Tree(rig, body, poses.rest), bones):
+        poses.after.update(after)
+        poses.measured.clear()
+        reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
     words = limb_names(rig, body, reading)
     shape = shape_of(body, poses, words)
     draft = Draft(shape, poses, reading, certain, words, controls, segments)

@@ -22,6 +22,7 @@ from rigtri.recognition.limb_triples import HAND, first_bend
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.many_legs import many_legs
 from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.order_in_names import joined
 from rigtri.recognition.pose_samples import Measured, Poses
 from rigtri.recognition.symmetry import Pair, Plane, named_pairs, opposite, plane_of
 from rigtri.recognition.two_or_four import settled
@@ -51,7 +52,10 @@ class Shape:
 
 
 def tree_of(nodes: Sequence[int], poses: Poses, pose: PoseName) -> Tree:
-    """The tree of joints; where all are children of one, each is a child of its neighbour."""
+    """The tree of joints; where all are children of one, each is a child of its neighbour.
+
+    And of the one before it where names tell that, see `Poses.after`.
+    """
     return _measured(nodes, poses, pose).tree.of(poses.rig)
 
 
@@ -59,7 +63,8 @@ def _measured(nodes: Sequence[int], poses: Poses, pose: PoseName) -> Measured:
     known = poses.measured.get((pose, tuple(nodes)))
     if known is None:
         tree = Tree(poses.rig, nodes, poses.named(pose))
-        known = Measured(_neighbours(tree) if len(nodes) <= MOST and is_flat(tree) else tree)
+        tree = _neighbours(tree) if len(nodes) <= MOST and is_flat(tree) else tree
+        known = Measured(joined(tree, poses.after) if poses.after else tree)
         poses.measured[pose, tuple(nodes)] = known
     return known
 

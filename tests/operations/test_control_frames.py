@@ -193,7 +193,7 @@ def test_other_axes_of_a_control_leave_the_controls_below_where_they_are() -> No
 
 @pytest.mark.parametrize("preset", ["article", "maya", "blender", "talk"])
 def test_controls_below_a_mirrored_root_close_as_all_others_do(preset: str) -> None:
-    """Before, a positive turn of a control opened elbow and knee there, for its joint's axes are left-handed."""
+    """Before, a positive turn of a control opened elbow and knee there: joints are left-handed."""
     joints = [("root", "", (0.0, 0.0, 0.0)), *((name, above or "root", at) for name, above, at in MAN)]
     plain = rig_with(joints)
     flip, scale = np.array([-1.0, 1.0, 1.0]), np.ones((len(plain), 3))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import MAN, rig_with
+from recognition_bodies.skeletons import MAN, Joint, line, rig_with
 
 from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.report import Report
 
 
 @pytest.mark.parametrize("preset", ["article", "maya", "blender"])
@@ -33,19 +36,82 @@ def test_a_body_whose_joints_are_all_below_one_has_the_axes_of_one_with_a_hierar
     assert np.array_equal(orient_joints(here, preset=preset).world, here.world)
 
 
-def test_without_a_hierarchy_no_finger_aims_at_another() -> None:
-    """Before, the end of one finger aimed at the next one, and a second run turned them again."""
-    places = {name: np.array(at) for name, _, at in MAN}
-    flat = [("root", "", (0.0, 0.0, 0.0)), *((name, "root", at) for name, _, at in MAN)]
+def with_fingers() -> list[Joint]:
+    """A man with a hierarchy and four fingers of three joints on each hand."""
+    places, joints = {name: np.array(at) for name, _, at in MAN}, [("root", "", (0.0, 0.0, 0.0))]
+    joints += [(name, above or "root", at) for name, above, at in MAN]
     for side in ("L", "R"):
         out = places[f"hand.{side}"] - places[f"forearm.{side}"]
         out = out / np.linalg.norm(out)
         for n, finger in enumerate(("index", "middle", "ring", "pinky")):
-            row = places[f"hand.{side}"] + np.array([0.0, 0.0, 0.03 - 0.02 * n])
-            flat += [(f"{finger}{k}.{side}", "root", tuple(row + out * (0.05 + 0.03 * k))) for k in (1, 2, 3)]
-    made = orient_joints(rig_with(flat))
+            row, above = places[f"hand.{side}"] + np.array([0.0, 0.0, 0.03 - 0.02 * n]), f"hand.{side}"
+            for k in (1, 2, 3):
+                x, y, z = (row + out * (0.05 + 0.03 * k)).tolist()
+                joints.append((f"{finger}{k}.{side}", above, (x, y, z)))
+                above = f"{finger}{k}.{side}"
+    return joints
+
+
+def _is_finger(name: str) -> bool:
+    return name.startswith(("index", "middle", "ring", "pinky"))
+
+
+def _of_arm(name: str) -> bool:
+    return name.startswith(("upper_arm", "forearm", "hand"))
+
+
+# What is parented to what, instead of the joint before it.
+FLAT: dict[str, Callable[[str, str], str]] = {
+    "all below one": lambda name, above: "root" if above else "",
+    "arms below the chest": lambda name, above: "chest" if _of_arm(name) else above,
+    "arms below the root": lambda name, above: "root" if _of_arm(name) else above,
+    "fingers below the hand": lambda name, above: f"hand.{name[-1]}" if _is_finger(name) else above,
+}
+
+
+@pytest.mark.parametrize("preset", ["article", "maya", "blender"])
+@pytest.mark.parametrize("kind", FLAT)
+def test_fingers_and_limbs_side_by_side_aim_as_those_one_below_another(kind: str, preset: str) -> None:
+    """Before, flat fingers had the axes of what they hang from, and arms alone that are flat no sure limb."""
+    joints = with_fingers()
+    flat = [(name, FLAT[kind](name, above), at) for name, above, at in joints]
+    notes = Report()
+    here, there = (
+        orient_joints(rig_with(flat), preset=preset, report=notes),
+        orient_joints(rig_with(joints), preset=preset),
+    )
+    for name in there.names:
+        np.testing.assert_allclose(
+            here.world[here.find(name)], there.world[there.find(name)], atol=1e-9, err_msg=name
+        )
+    assert np.array_equal(orient_joints(here, preset=preset).world, here.world)
+    assert not {"no-hierarchy", "unsure-limb", "unsure-character"} & {note.code for note in notes.warnings}
+
+
+def test_joints_side_by_side_of_which_nothing_tells_the_order_keep_their_axes_with_a_warning() -> None:
+    """Before, they got the axes of the root without a word, or one finger aimed at another."""
+    flat = [(name, "root" if above else "", at) for name, above, at in with_fingers()]
+    rig, notes = rig_with(flat, named=False), Report()
+    made = orient_joints(rig, report=notes)
+    (note,) = (note for note in notes.warnings if note.code == "no-hierarchy")
+    assert "24 joints" in note.text
+    assert "aim_at" in note.text
+    fingers = [k for k, (name, _, _) in enumerate(flat) if _is_finger(name)]
+    assert np.array_equal(made.world[fingers], rig.world[fingers])
     assert np.array_equal(orient_joints(made).world, made.world)
-    at = {name: k for k, name in enumerate(made.names)}
-    across = made.world[at["middle1.L"], 3, :3] - made.world[at["index1.L"], 3, :3]
-    aim = made.world[at["index1.L"], 0, :3]
-    assert abs(aim @ across) < 0.9 * np.linalg.norm(across) * np.linalg.norm(aim)
+
+
+def test_that_no_character_is_recognised_is_said_once() -> None:
+    """Before, what is no body, or none that is recognised, was re-oriented without a word."""
+    joints = [
+        ("base", "", (0.0, 0.0, 0.0)),
+        ("mast", "base", (0.0, 1.0, 0.0)),
+        *line("boom hook", "mast", (1.0, 2.0, 0.0), (2.0, 1.0, 0.0)),
+        *line("stay weight", "mast", (-0.3, 2.0, 0.2), (-0.4, 1.5, 0.5)),
+    ]
+    notes, quiet, chain = Report(), Report(), Report()
+    orient_joints(rig_with(joints), report=notes)
+    orient_joints(rig_with(joints), per_joint_plane=True, report=quiet)
+    orient_joints(rig_with(joints[:4]), report=chain)
+    assert [note.code for note in notes.warnings].count("no-character") == 1
+    assert "no-character" not in {note.code for note in (*quiet.warnings, *chain.warnings)}

@@ -117,6 +117,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
     bodily = tree.joints if options.style.world else (joint for _, chain in chains for joint in chain.joints)
     before, beside = flat_joints(tree, characters)
+    tree = replace(tree, before=before)
     meant = twists.intersection(rig.nodes_of("twist"))  # their weights may not be split yet
     meant = meant.union(_standard_bones(characters, options))
     joints, skipped = select(
@@ -147,7 +148,6 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         body_hinges.lone_feet(characters, bodies or (), ref.world[:, 3, :3]),
         frozenset(_lone_hands(characters)),
         twists,
-        before,
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Any
 
@@ -19,7 +19,7 @@ from rigtri.maths.vectors import angle, length, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_records import joint_record
-from rigtri.operations.joint_selection import warn_held, warn_unread
+from rigtri.operations.joint_selection import LONE, warn_held, warn_unread
 from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.joint_frames import DeadBand
@@ -80,6 +80,10 @@ def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
         warn_unread(rig, report)
 
 
+# Fewer joints than this are no body.
+FEW = 5
+# So many children that have none are a body, or a hand, without a hierarchy: a hand has fewer fingers.
+SIDE_BY_SIDE = 8
 _OF_BONES = "joints take the planes of their own bones, not those of a body. Name limbs with --limb"
 # What it means for axes that a character is not sure.
 _UNSURE = {
@@ -90,14 +94,21 @@ _UNSURE = {
 }
 
 
-def warn_unsure(targets: Targets, report: Report) -> None:
-    """Warn of characters that are not recognised surely: nothing is known then of trunk and limbs."""
-    for character in recognise(targets.tree.rig).characters:
+def warn_unsure(targets: Targets, report: Report, *, per_joint: bool) -> None:
+    """Warn of characters that are not recognised surely: nothing is known then of trunk and limbs.
+
+    per_joint: the user asks for the plane of each joint's own bones, which is all that there is without one.
+    """
+    if all(targets.styles[k].world for k in targets.joints):
+        return
+    layout = recognise(targets.tree.rig)
+    if not layout.characters and not per_joint:
+        _warn_no_character(targets, layout.remarks, report)
+    for character in layout.characters:
         joints = {part.joint for part in character.parts}
         if joints.isdisjoint(targets.joints):
             continue
-        if all(targets.styles[k].world for k in targets.joints):
-            continue
+        _warn_side_by_side(targets, joints, report)
         if character.is_mirrored:
             report.warn(
                 "sides-disagree",
@@ -114,6 +125,53 @@ def warn_unsure(targets: Targets, report: Report) -> None:
             f"{CONFIDENT}): {_UNSURE[character.form]}; see: rigtri recognise FILE",
             geometry=True,
         )
+
+
+def _warn_no_character(targets: Targets, remarks: Sequence[str], report: Report) -> None:
+    """Warn once that nothing is known of a body, of joints that may be one.
+
+    A chain without branches has none, and few joints have no more to say than their planes.
+    """
+    tree, named = targets.tree, {node for limb in targets.limbs for node in limb.triple}
+    branches = any(len(tree.below[joint]) > 1 for joint in tree.joints)
+    planes = [
+        k for k in targets.joints if targets.styles[k].up_from in ("plane", "pole") or targets.styles[k].held
+    ]
+    if branches and len(tree.joints) >= FEW and not named.issuperset(planes):
+        why = f" ({remarks[0]})" if remarks else ""
+        report.warn(
+            "no-character",
+            f"No character is recognised{why}: joints take the planes of their own bones, not those of a "
+            "body. If it is one, name its limbs with --limb START MIDDLE END; if it is none, "
+            "--per-joint-plane says so",
+            geometry=True,
+        )
+
+
+def _warn_side_by_side(targets: Targets, joints: set[int], report: Report) -> None:
+    """Warn of joints of a body that are all children of one, and of which nothing tells what they follow."""
+    tree, rig = targets.tree, targets.tree.rig
+    heads = {chain.joints[-1] for chain in recognise(rig).chains if chain.kind == "head"}
+    for above in (joint for joint in tree.joints if joint not in heads):
+        leaves = [k for k in tree.below[above] if not tree.below[k] and tree.carries[k] and k in joints]
+        if len(leaves) < SIDE_BY_SIDE:
+            continue
+        lost = [k for k in leaves if targets.skipped.get(k) == LONE or _copies(targets, k)]
+        if lost:
+            kept = all(k in targets.skipped for k in lost)
+            so = "they keep their axes" if kept else "they take its axes"
+            report.warn(
+                "no-hierarchy",
+                f"{and_more([rig.title(k) for k in lost], 6)}: {len(lost)} joints are children of "
+                f"'{rig.title(above)}' side by side, and neither the hierarchy nor their names tell which "
+                f"follows which, so {so}. Say what each aims at with --aim-at NODE=TARGET, or give them the "
+                "names of a naming scheme",
+                geometry=True,
+            )
+
+
+def _copies(targets: Targets, joint: int) -> bool:
+    return joint in targets.aims and targets.aims[joint].how == "parent"
 
 
 def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report) -> None:

@@ -268,7 +268,7 @@ def requested_frames(
             warn_facing(standard, report)
         known = targets.bodies if characters else ()
         known = bodies(rig, characters, targets.ref.world, facing) if known is None else known
-        messages.warn_unsure(targets, report)
+        messages.warn_unsure(targets, report, per_joint=options.per_joint_plane)
         planes = bend_planes(targets, known, facing, per_joint=options.per_joint_plane, report=report)
         # After an offset or a snap the present axis is not the one that a run before has found.
         present = not any(options.offset) and not options.snap
