@@ -45,6 +45,8 @@ _SEEN = 0.5
 _CLOSE = 0.04
 # A pair of legs or of arms alone is never surer than this by its shape.
 _HALF = 0.62
+# Nor is a body whose two sides are alike only if noise is allowed for.
+_ROUGH = 0.72
 # Scores of a body between which it goes from a mere guess to as sure as a shape can be.
 _GUESS, _CLEAR, _LEAST, _SUREST = 0.6, 0.9, 0.5, 0.94
 # What is left of a limb without names where others have some.
@@ -164,6 +166,7 @@ def _shape_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
         sure -= 0.2 * (1.0 - within(limbs.lead, TIE, 3.0 * TIE))
     if limbs is body.arms and lacks_hand(draft.tree, limbs):
         sure = min(sure, _HALF)
+    sure = min(sure, _ROUGH) if draft.shape.is_rough else sure
     return min(sure, _HALF) if draft.shape.legs or len(limbs.at) < 3 else sure
 
 

@@ -18,6 +18,7 @@ from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
     arm_as_front_leg,
     arm_as_leg,
+    arm_on_the_ground,
     goes_on,
     later_start,
     middle_bone,
@@ -379,5 +380,5 @@ _OF_SHAPES = (
         reaches_further,
         other_end,
     ),
-    *_alone(points_ahead, may_be_wings, may_be_a_thing),
+    *_alone(points_ahead, arm_on_the_ground, may_be_wings, may_be_a_thing),
 )

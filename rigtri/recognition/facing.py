@@ -47,6 +47,9 @@ _FEET, _TOES = "the feet point there", 1.4
 _ASIDE, _RAISED = 0.3, 0.5
 # The thumb of three fingers goes so far another way (40°), and so many times as far as the others do.
 _OPPOSED, _ODD = radians_below(40), 2.0
+# Where hind and front legs bend the same way by so much (the product of their votes), elbows tell which: no
+# front leg bends ahead there; hind legs bend back at their hocks, and those of robots at their knees.
+_ONE_WAY = 0.25
 # A trunk that leans so far from its up (a sine) leans ahead, and from the second on it lies.
 _LEANS, _LIES = 0.35, 0.7
 # So far ahead feet point (a cosine).
@@ -113,7 +116,7 @@ def _votes(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tupl
         along = (body.arms.starts - body.legs.starts).unit.dot(ahead)
         if body.form == "quadruped" and body.lead > 0.02:
             yield 3.0 * along, "the front legs are ahead of the hind legs"
-        elif abs(along) > _LEANS:
+        elif body.form == "biped" and abs(along) > _LEANS:
             yield 3.0 * along, "the trunk leans there"
     if body.legs:
         yield 2.0 * feet_ahead(tree, body, ahead, poses), _FEET
@@ -152,7 +155,10 @@ def _bends(
     And whether they bend so far that they tell something alone.
     """
     moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
-    for limbs, clear, small, all_, far in _bent(body, plane.normal, ahead, moments):
+    bent = list(_bent(body, plane.normal, ahead, moments))
+    if body.form == "quadruped" and len(bent) == 2 and bent[0][1] * bent[1][1] > _ONE_WAY:
+        bent = [each for each in bent if each[0] is body.arms]
+    for limbs, clear, small, all_, far in bent:
         feet = long_feet(tree, limbs, body.up, ahead) if limbs is body.legs and body.form == "biped" else 0.0
         if feet:
             yield feet, 0.0, 0.0, _FEET, True

@@ -10,6 +10,7 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.layout import NAMES, Kind
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.naming_schemes import roles_in_name
+from rigtri.recognition.symmetry import SIMILAR_LENGTH
 
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
 _SIZE, _QUALITY = 0.35, 0.3
@@ -31,7 +32,7 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
             continue
         if not wing and (len(limbs.at) < 3 or limbs.quality < _QUALITY or _is_worn(names)):
             continue
-        if not any(draft.poses.moves_points(k) for k in nodes):
+        if draft.poses.has_weights and not any(draft.poses.moves_points(k) for k in nodes):
             continue  # controls
         taken |= nodes
         for which, path in enumerate(limbs.pair.paths):
@@ -64,7 +65,19 @@ def _is_worn(names: Sequence[str]) -> bool:
 
 
 def _kind(draft: Draft, body: Body, limbs: Limbs, size: float) -> Kind:
-    """A further leg where it ends as low as the legs do."""
+    """A further leg where it ends as low as the legs do, or a further arm where it is built as arms are."""
     if body.legs is None:
         return "limb"
-    return "leg" if abs((limbs.ends - body.legs.ends).dot(draft.up)) < 0.2 * size else "limb"
+    if abs((limbs.ends - body.legs.ends).dot(draft.up)) < 0.2 * size:
+        return "leg"
+    return "arm" if body.arms is not None and _is_built_as(draft, limbs, body.arms) else "limb"
+
+
+def _is_built_as(draft: Draft, limbs: Limbs, arms: Limbs) -> bool:
+    """Whether the bones of a pair are as long as those of the arms, and as many fingers end both."""
+    if len(arms.at) < 3 or limbs.fingers != arms.fingers:
+        return False
+    at = draft.tree.at
+    mine, other = ([at[k] for k in pair.joints(0)] for pair in (limbs, arms))
+    bones = [((mine[k + 1] - mine[k]).length, (other[k + 1] - other[k]).length) for k in (0, 1)]
+    return all(abs(one - two) < SIMILAR_LENGTH * max(one, two) for one, two in bones)

@@ -44,6 +44,15 @@ class Measured:
     def plane(self) -> Plane | None:
         return plane_of(self.tree, self.pairs)
 
+    @cached_property
+    def rough_pairs(self) -> list[Pair]:
+        """The pairs if noise has changed the lengths of bones."""
+        return pairs_of(self.tree, rough=True)
+
+    @cached_property
+    def rough_plane(self) -> Plane | None:
+        return plane_of(self.tree, self.rough_pairs)
+
 
 @dataclass(eq=False)
 class Poses:
@@ -137,6 +146,11 @@ class Poses:
     def moves_points(self, node: int) -> bool:
         """Whether a joint has weight of any point. It reads the weights of all meshes when first called."""
         return bool(self._moving[node])
+
+    @property
+    def has_weights(self) -> bool:
+        """Whether any joint moves points: a skeleton alone, as for motion, has no skin."""
+        return bool(self._moving.any())
 
     @cached_property
     def _boxes(self) -> dict[int, list[Floats]]:

@@ -36,7 +36,7 @@ MOST = 3000
 @dataclass(frozen=True, eq=False)
 class Shape:
     """tree: in the pose ``pose``. bodies: the likeliest first, () where it is none. legs: of a body with more
-    than two pairs of them."""
+    than two pairs of them. is_rough: its pairs are alike only if noise is allowed for."""
 
     tree: Tree
     pose: PoseName
@@ -45,6 +45,7 @@ class Shape:
     limbs: tuple[Limbs, ...]
     bodies: tuple[Body, ...]
     legs: tuple[Limbs, ...] = ()
+    is_rough: bool = False
 
     @property
     def body(self) -> Body | None:
@@ -87,12 +88,32 @@ def _worth(shape: Shape) -> float:
 
 
 def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int, LimbWords]) -> Shape:
-    tree = tree_of(nodes, poses, pose)
     if len(nodes) > MOST:
-        return Shape(tree, pose, (), None, (), ())
+        return Shape(tree_of(nodes, poses, pose), pose, (), None, (), ())
     measured = _measured(nodes, poses, pose)
-    pairs = [pair for pair in measured.pairs if not _of_one_side(tree, pair)]
-    plane = measured.plane if len(pairs) == len(measured.pairs) else plane_of(tree, pairs)
+    exact = _with_pairs(measured.pairs, measured.plane, nodes, poses, pose, names)
+    if _is_whole(exact) or len(measured.rough_pairs) == len(measured.pairs):
+        return exact
+    rough = _with_pairs(measured.rough_pairs, measured.rough_plane, nodes, poses, pose, names)
+    return replace(rough, is_rough=True) if _is_whole(rough) else exact
+
+
+def _is_whole(shape: Shape) -> bool:
+    """Whether a body has legs and arms, or legs in front and behind."""
+    return bool(shape.legs) or (shape.body is not None and bool(shape.body.legs and shape.body.arms))
+
+
+def _with_pairs(
+    known: Sequence[Pair],
+    plane: Plane | None,
+    nodes: Sequence[int],
+    poses: Poses,
+    pose: PoseName,
+    names: Mapping[int, LimbWords],
+) -> Shape:
+    tree = tree_of(nodes, poses, pose)
+    pairs = [pair for pair in known if not _of_one_side(tree, pair)]
+    plane = plane if len(pairs) == len(known) else plane_of(tree, pairs)
     if more := named_pairs(tree, pairs):
         pairs = ranked([*pairs, *more], lambda pair: pair.reach, SAME_LENGTH * tree.span)
         plane = plane or plane_of(tree, pairs)
@@ -110,10 +131,10 @@ def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int
     if legs and ways:
         ways = [replace(ways[0], up=up), *ways[1:]]
     if plane is not None and ways and not legs:
-        known = _pointed(tree, ways[0], plane, poses, names)
-        limbs = [known.get(one, one) for one in limbs]
+        again = _pointed(tree, ways[0], plane, poses, names)
+        limbs = [again.get(one, one) for one in limbs]
         ways = [
-            replace(way, legs=known.get(way.legs, way.legs), arms=known.get(way.arms, way.arms))
+            replace(way, legs=again.get(way.legs, way.legs), arms=again.get(way.arms, way.arms))
             for way in ways
         ]
     return Shape(tree, pose, tuple(pairs), plane, tuple(limbs), tuple(ways), legs)

@@ -117,6 +117,17 @@ def arm_as_front_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     return "it ends as low as the legs, below other arms" if over and high < _LOW * body.legs.size else ""
 
 
+def arm_on_the_ground(draft: Draft, each: Found) -> str:
+    """Arms without names or hands that end as low as the legs: front legs, of an animal that sits."""
+    body, mine = draft.shape.body, each.pair
+    if each.kind != "arm" or mine is None or mine.kind or mine.fingers >= 2:
+        return ""
+    if body is None or body.legs is None or mine is not body.arms:
+        return ""
+    high = lowest(draft.tree, mine, body.up) - lowest(draft.tree, body.legs, body.up)
+    return "it ends as low as the legs, as front legs do" if high < _LOW * mine.size else ""
+
+
 def other_bend(draft: Draft, each: Found) -> str:
     """Shape that hardly tells which joint of a chain bends; of a hind leg with a hock either is right."""
     mine, body = each.pair, draft.shape.body

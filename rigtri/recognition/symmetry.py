@@ -26,12 +26,20 @@ SHORT = 0.06
 SIMILAR_LENGTH = 0.15
 # Short bones may differ by this part of the whole branch.
 SLACK = 0.02
+# Where no two pairs of limbs are found so, noise of a hundredth of the body is allowed for: bones may differ
+# by so much of their length, and by so much of the branch.
+_ROUGH_LENGTH, _ROUGH_SLACK = 0.25, 0.1
 # Bones whose names are each other's on the other side are alike up to this part.
 _NAMED = 0.4
 # Pairs shorter than this part of the longest have no say in where the plane is.
 _VOTING = 0.35
 # By so much a plane through two pairs has to be better than that of one.
 _BETTER = 0.02
+# A pair agrees with a plane that is no further from its middle than this part of the whole, and along which
+# its limbs are no further from each other: a front leg and the hind one of the other side are.
+_ASIDE = 0.06
+# Directions nearer to each other than this (a cosine) are one.
+_SAME_WAY = 0.93
 # Of more branches at one node the longest are compared; of more joints the mirror image of so many is.
 _MOST, _MANY = 16, 160
 
@@ -68,26 +76,29 @@ class Plane:
         return (point - self.point).dot(self.normal)
 
 
-def pairs_of(tree: Tree) -> list[Pair]:
-    """The pairs of branches below one node, or without any above, that are alike; longest first."""
+def pairs_of(tree: Tree, *, rough: bool = False) -> list[Pair]:
+    """The pairs of branches below one node, or without any above, that are alike; longest first.
+
+    rough: noise may have changed the lengths of their bones.
+    """
     whole = tree.span
     found = []
     for above, below in tree.below.items():
         long = [k for k in below if tree.bone[k] + tree.reach[k] > SHORT * whole]
         long = ranked(long, lambda k: tree.bone[k] + tree.reach[k], SAME_LENGTH * whole)
         for a, b in combinations(long[:_MOST], 2):
-            pair = _mirrored_pair(tree, above, a, b)
+            pair = _mirrored_pair(tree, above, a, b, rough)
             if pair is not None and pair.reach > SHORT * whole:
                 found.append(pair)
     return ranked(found, lambda pair: pair.reach, SAME_LENGTH * whole)
 
 
-def _mirrored_pair(tree: Tree, above: int, a: int, b: int) -> Pair | None:
-    if above >= 0 and not _near(tree.bone[a], tree.bone[b], max(tree.reach[a], tree.reach[b])):
+def _mirrored_pair(tree: Tree, above: int, a: int, b: int, rough: bool) -> Pair | None:
+    if above >= 0 and not _near(tree.bone[a], tree.bone[b], max(tree.reach[a], tree.reach[b]), rough):
         return None
     same, reach = 1, 0.0
     for left, right in zip(tree.paths[a][1:], tree.paths[b][1:], strict=False):
-        if not _near(tree.bone[left], tree.bone[right], tree.reach[a]):
+        if not _near(tree.bone[left], tree.bone[right], tree.reach[a], rough):
             break
         same, reach = same + 1, reach + min(tree.bone[left], tree.bone[right])
     if reach < 0.6 * min(tree.reach[a], tree.reach[b]):
@@ -130,8 +141,9 @@ def _named_alike(tree: Tree, a: int, b: int) -> tuple[tuple[int, ...], tuple[int
     return tree.paths[a][:same], tree.paths[b][:same]
 
 
-def _near(a: float, b: float, reach: float) -> bool:
-    return abs(a - b) <= SIMILAR_LENGTH * max(a, b) + SLACK * reach
+def _near(a: float, b: float, reach: float, rough: bool) -> bool:
+    similar, slack = (_ROUGH_LENGTH, _ROUGH_SLACK) if rough else (SIMILAR_LENGTH, SLACK)
+    return abs(a - b) <= similar * max(a, b) + slack * reach
 
 
 def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
@@ -143,6 +155,7 @@ def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
     votes = [
         (*between(tree, pair), pair.reach) for pair in pairs[:24] if pair.reach > _VOTING * pairs[0].reach
     ]
+    apart = [_apart(tree, pair) for pair in pairs[: len(votes)]]
     most = fsum(reach for _, _, reach in votes)
     long = ranked(tree.nodes, lambda k: tree.bone[k] + tree.reach[k], SAME_LENGTH * whole)
     places = tree.places[long[:_MANY]]
@@ -150,8 +163,10 @@ def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
     def score(point: Vector, normal: Vector) -> tuple[float, Plane]:
         agree = fsum(
             reach
-            for other, across, reach in votes
-            if abs(across.dot(normal)) > 0.93 and abs((other - point).dot(normal)) < 0.06 * whole
+            for (other, across, reach), line in zip(votes, apart, strict=True)
+            if abs(across.dot(normal)) > _SAME_WAY
+            and abs((other - point).dot(normal)) < _ASIDE * whole
+            and (line - normal * line.dot(normal)).length < _ASIDE * whole
         )
         share = _mirrored(places, point, normal, 0.02 * whole)
         return agree / most + share + 0.1 * (1.0 - abs(normal.dot(up))), Plane(point, normal, share)
@@ -161,7 +176,7 @@ def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
         value, plane = score(point, normal)
         if value > best + 1e-9:
             best, found = value, plane
-    for point, normal in _through_two(votes, found):
+    for point, normal in (*_through_two(votes, found), *_averaged(tree, pairs[:24], votes[:10])):
         value, plane = score(point, normal)
         # Exact bodies keep the plane of one pair: rounding chooses nothing.
         if value > best + _BETTER:
@@ -182,6 +197,31 @@ def _through_two(
     for middle, *_ in votes[1:10]:
         on = (middle - first).unit
         yield first, (plane.normal - on * plane.normal.dot(on)).unit
+
+
+def _averaged(
+    tree: Tree, pairs: Sequence[Pair], votes: Sequence[tuple[Vector, Vector, float]]
+) -> Iterator[tuple[Vector, Vector]]:
+    """One plane for each direction of votes: square to the lines between all joints of pairs along it.
+
+    Of narrow bodies with noise the line of no single pair is good enough, and that of a limb and the one
+    behind it, which is longer, would win.
+    """
+    known: list[Vector] = []
+    for _, way, _ in votes:
+        if any(abs(way.dot(other)) > _SAME_WAY for other in known):
+            continue
+        known.append(way)
+        lines, middles, count = Vector(), Vector(), 0
+        for pair in pairs:
+            if abs(between(tree, pair)[1].dot(way)) <= _SAME_WAY:
+                continue
+            for a, b in zip(*pair.paths, strict=True):
+                line = tree.at[a] - tree.at[b]
+                lines = lines + line * (1.0 if line.dot(way) > 0 else -1.0)
+                middles, count = middles + (tree.at[a] + tree.at[b]) * 0.5, count + 1
+        if count:
+            yield middles * (1.0 / count), lines.unit
 
 
 def opposite(tree: Tree, pairs: Sequence[Pair], plane: Plane | None) -> list[Pair]:
@@ -211,11 +251,21 @@ def _off(tree: Tree, pair: Pair, plane: Plane) -> float:
 
 def between(tree: Tree, pair: Pair) -> tuple[Vector, Vector]:
     """The middle between a pair and the direction from one to the other, where they first part."""
+    left, right = _first_apart(tree, pair)
+    return (left + right) * 0.5, (left - right).unit
+
+
+def _apart(tree: Tree, pair: Pair) -> Vector:
+    """From one of a pair to the other, where they first part."""
+    left, right = _first_apart(tree, pair)
+    return left - right
+
+
+def _first_apart(tree: Tree, pair: Pair) -> tuple[Vector, Vector]:
     ends = [(tree.at[a], tree.at[b]) for a, b in zip(*pair.paths, strict=True)]
     apart = [(a - b).length for a, b in ends]
     far = next((k for k, size in enumerate(apart) if size > 0.1 * pair.reach), apart.index(max(apart)))
-    left, right = ends[far]
-    return (left + right) * 0.5, (left - right).unit
+    return ends[far]
 
 
 def _mirrored(places: Floats, point: Vector, normal: Vector, near: float) -> float:
