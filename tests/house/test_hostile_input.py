@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import struct
 import threading
@@ -379,6 +380,16 @@ def test_bytes_that_are_no_text_are_refused_wherever_they_stand(tmp_path: Path) 
     content[at] = 0xE8
     (tmp_path / "odd.usdc").write_bytes(content)
     assert error_of(tmp_path / "odd.usdc")
+
+
+def test_a_crate_that_lists_a_prim_that_is_not_in_it_is_refused(tmp_path: Path) -> None:
+    content = bytearray(crate(tmp_path))
+    assert content[88:96] == struct.pack(
+        "<Q", 1
+    )  # so many root prims, and the token with the name of the first
+    content[96] ^= 2
+    (tmp_path / "odd.usdc").write_bytes(content)
+    assert re.search(r"below </> it lists a prim '.*' and has none", error_of(tmp_path / "odd.usdc"))
 
 
 def test_joints_that_are_no_tokens_are_refused_or_ignored_by_name(tmp_path: Path) -> None:

@@ -196,7 +196,13 @@ class _Count:
             if spec is None:
                 continue
             content.there = True
-            content.children.update(dict.fromkeys(spec.nameChildren.keys()))
+            for name, child in spec.nameChildren.items():
+                if child is None:  # where pxr looks for it all the same, the process dies
+                    raise FileError(
+                        f"{layer.identifier}: below <{path}> it lists a prim '{name}' and has none, so the "
+                        "file is damaged. Export it again"
+                    )
+                content.children[name] = None
             if path.IsAbsoluteRootPath():
                 continue
             content.arcs += self._arcs(spec, layer, number)
