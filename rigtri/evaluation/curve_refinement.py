@@ -36,6 +36,8 @@ MOST_A_SECOND = 1024.0
 _WHOLE = 1.001
 # Seconds between samples that are not parted any more: beyond that, what float32 rounds decides.
 FINEST = 2.0**-16
+# USD allows 0 time codes per second; keys then lie as near as they may.
+_SLOWEST = 1e-6
 # Where an interval is looked at: the middle, and where two curves do not happen to meet.
 _SHARES = (0.29, 0.5)
 # How often an interval is halved before it is looked at again.
@@ -87,9 +89,10 @@ class _Refinement:
 
     def __init__(self, curve: Curve, times: Floats, bound: float, per_second: float) -> None:
         self.curve, self.times, self.parts, self.bound = curve, times, curve.at(times), bound
+        per_second = max(per_second, _SLOWEST)
         self.finest = FINEST * per_second
-        seconds = max((times[-1] - times[0]) / per_second, 1.0)
-        self.most = min(int(seconds * MOST_A_SECOND) + 1, MOST_KEYS)
+        seconds = max(float(times[-1] - times[0]) / per_second, 1.0)
+        self.most = int(min(seconds * MOST_A_SECOND + 1, MOST_KEYS))
         self.worst, self.limited = (0.0, 0.0, -1), False
         self.nodes = np.zeros(0, dtype=np.int64)
         self.rounds = 0

@@ -78,3 +78,9 @@ def test_intervals_are_divided_until_lines_are_near_enough_and_no_further() -> N
     assert found.off == pytest.approx(0.25**2 / 4)
     assert (found.limited, found.node) == (False, 3)
     np.testing.assert_allclose(found.parts[3].translation[:, 0], found.times**2)
+
+
+def test_time_codes_that_are_no_seconds_are_refined_all_the_same() -> None:
+    """USD allows 0 time codes per second."""
+    found = refine_samples(_Parabola(), np.array([0.0, 2.0]), bound=0.02, per_second=0.0)
+    assert (len(found.times), found.limited) == (9, False)

@@ -111,6 +111,8 @@ def test_scales_that_half_floats_round_too_much_are_named_the_most_telling_first
     assert rough_scales(same, same, 1e-4) == []  # nobody has changed them
     glb = replace(scaled(1), rules=noisy().rules)
     assert rough_scales(rig, glb, 1e-4) == []
+    socket = replace(rig, metadata={3: {"v": 1, "type": "offset", "kind": "fk", "joint": "a"}})
+    assert 3 in rough_scales(socket, scaled(3), 1e-4)  # its whole frame is compared
     said = why_near(rig, scaled(1, 2), result(1e-4), 1e-5)
     assert "the new ones of 'b', 'c' closely enough. Keep their scale" in said
     assert "the new ones of 'b' closely enough. Keep its scale" in why_near(

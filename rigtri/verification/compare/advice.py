@@ -104,9 +104,12 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
     if not off.any():
         return []
     try:
-        effect = off * LeverArm(before).exact
+        reach = LeverArm(before).exact.copy()
     except FileError:
         return []
+    # The whole frames of what rigtri has added are compared, as long as the rig.
+    reach[list(before.with_ancestors(before.own))] += 1.0
+    effect = off * reach
     # A reach is that of bones in one line; in a pose they are not.
     whole = _GROWN * sum(effect.tolist())
     found = np.flatnonzero((effect > _BLAME * shown) & (whole > shown)).tolist()
