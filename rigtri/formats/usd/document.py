@@ -126,6 +126,7 @@ class UsdDocument:
         stays = output.is_new_layer or output.is_sublayer
         self._held.check((self._source.layer, output.layer), stays=stays)
         output.check_target(target)
+        output.check_metrics(rig)
         with quiet(f"{target}: USD cannot write it"):
             edit = edit_stage(self._source, rig, self._options)
             output.write(edit.edits, part, target, edit.notices, strips=bool(edit.rig.pending.removed))

@@ -23,6 +23,7 @@ from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.text import splice
 from rigtri.formats.usd.text.statements import UnknownTextError
 from rigtri.model.dataclass import dataclass
+from rigtri.model.rig import Rig
 from rigtri.report import Notice
 
 # What an attribute has besides its values.
@@ -71,6 +72,14 @@ class Output:
     def is_new_layer(self) -> bool:
         """Whether the output is an override of its source, and not the source edited."""
         return self.options.is_override and not is_override(self.layer)
+
+    def check_metrics(self, rig: Rig) -> None:
+        """UsageError for another unit or up axis in a layer whose own no stage has."""
+        if rig.pending.conversion is not None and (self.is_sublayer or self.is_bare):
+            raise UsageError(
+                f"--edit-target {self.options.edit_target}: the unit and the up axis of a stage are those of "
+                "its root layer. Convert that, with --edit-target root or new"
+            )
 
     def check_target(self, target: Path) -> None:
         """UsageError for a target of another format."""

@@ -88,3 +88,13 @@ def test_a_layer_that_is_none_of_the_stage_is_named_with_those_that_are(shot: Pa
     save(shot.parent, f'#usda 1.0\ndef "A" (references = @./{shot.name}@</Root>)\n{{\n}}\n', "set.usda")
     words[1] = shot.parent / "set.usda"
     assert "anim.usda is referred to, under other paths" in cli(*words, "anim.usda", code=3).output
+
+
+@pytest.mark.parametrize(("options", "target"), [("--unit 0.1", "anim.usda"), ("--up-axis z", "bare")])
+def test_only_a_root_layer_gets_another_unit_or_up_axis(options: str, target: str, shot: Path) -> None:
+    out = shot.parent / "out.usda"
+    printed = cli("freeze", shot, "-o", out, "--edit-target", target, *options.split(), code=2).stderr
+    assert (
+        f"--edit-target {target}: the unit and the up axis of a stage are those of its root layer" in printed
+    )
+    assert not out.exists()

@@ -82,6 +82,33 @@ def test_instances_stay_where_they_are(options: list[str], size: float, below: b
     assert np.allclose(one * (3.0 * size if below else 1.0), other)
 
 
+@pytest.mark.parametrize("scales", [True, False])
+def test_prototypes_below_and_beside_an_instancer_keep_their_sizes(scales: bool, tmp_path: Path) -> None:
+    """The rock below it keeps its points and the hero beside it gets others, so their scales differ."""
+    text = stage_of(below=False, scales=scales)
+    text = text.replace(ROCK, "").replace("</World/P/Rock>", "</World/Army/Rock>")
+    source = save(
+        tmp_path, text.replace('def PointInstancer "Army"\n{', f'def PointInstancer "Army"\n{{\n{ROCK}')
+    )
+    out = tmp_path / "out.usda"
+    cli("freeze", source, "-o", out, "--unit", "0.01", code=0)
+    for time in (1.0, 3.0, 5.0):
+        before, after = drawn(source, time) * 100.0, drawn(out, time)
+        assert np.abs(before - after).max() < 1e-6 * np.abs(before).max()
+
+
+def test_instances_that_change_in_time_cannot_get_sizes_of_their_own(tmp_path: Path) -> None:
+    text = stage_of(below=False, scales=True).replace(ROCK, "").replace("/World/P/Rock", "/World/Army/Rock")
+    text = text.replace(
+        "protoIndices = [0, 1, 0]", "protoIndices.timeSamples = { 1: [0, 1, 0], 5: [1, 0, 0] }"
+    )
+    source = save(
+        tmp_path, text.replace('def PointInstancer "Army"\n{', f'def PointInstancer "Army"\n{{\n{ROCK}')
+    )
+    printed = cli("freeze", source, "-o", tmp_path / "out.usda", "--unit", "0.01", code=3).output
+    assert "Prototypes of </World/Army> would get different sizes, and its instances change" in printed
+
+
 def test_instances_stay_where_they_are_with_another_up_axis(tmp_path: Path) -> None:
     text = stage_of(below=True, scales=True)
     more = "vector3f[] accelerations = [(1, 2, 3), (0, 0, 1), (0, 1, 0)]"

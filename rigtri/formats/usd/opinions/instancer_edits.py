@@ -45,19 +45,18 @@ def move_instancers(source: Source, frame_at: Callable[[Any], tuple[Floats, floa
         targets = UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets()
         turn, size = frame_at(prim.GetPath())
         frames = [frame_at(target.GetParentPath()) for target in targets]
-        sizes = {held for _, held in frames} or {size}
+        sizes = [held for _, held in frames] or [size]
         axes = to_axes(conjugate(turn))
         quarters = np.rint(axes)
         others = [np.abs(to_axes(conjugate(rotation)) - axes).max() for rotation, _ in frames]
         if max(np.abs(axes - quarters).max(), *others, 0.0) > _QUARTERS:
             raise FileError(
                 f"What <{prim.GetPath()}> draws would be turned, and its orientations cannot hold that "
-                "exactly. Freeze scale or unit alone, with --scale or --unit"
+                "exactly. Freeze scale or unit alone, with --scale or --unit, or put all prototypes below it"
             )
-        if len(sizes) > 1 or min(size, *sizes) <= 0:
+        if min(size, *sizes) <= 0:
             raise FileError(
-                f"Prototypes of <{prim.GetPath()}> would get different sizes or be mirrored. Put them below "
-                "one prim without scale"
+                f"Prototypes of <{prim.GetPath()}> would be mirrored. Put them below one prim without scale"
             )
         # Of a vector in the new axes each number is one of the old numbers, or its opposite.
         order = np.abs(quarters).argmax(axis=0)
@@ -65,10 +64,25 @@ def move_instancers(source: Source, frame_at: Callable[[Any], tuple[Floats, floa
         turned = bool((quarters != np.eye(3)).any())
         if turned or size != 1.0:
             yield from _vectors(prim, order, signs, size)
-        factor = sizes.pop() / size
-        if turned or factor != 1.0:
+        factor = sizes[0] / size if len({*sizes}) == 1 else _of_each(prim, np.array(sizes) / size)
+        resized = bool(np.any(factor != 1.0))
+        if turned or resized:
             resize = partial(_picked, order=order, factor=factor)
-            yield from _changed(prim, "scales", resize) or (_scales(prim, factor) if factor != 1.0 else ())
+            yield from _changed(prim, "scales", resize) or (_scales(prim, factor) if resized else ())
+
+
+def _of_each(prim: Any, factors: Floats) -> Floats:
+    """For each instance what its prototype has, (n, 1). FileError where that is not one in all its time."""
+    indices = UsdGeom.PointInstancer(prim).GetProtoIndicesAttr()
+    every = np.array(indices.Get(DEFAULT) or (), dtype=np.int64)
+    scales = [value for _, value in time_samples(prim.GetAttribute("scales"))]
+    counts = {len(value) for value in (*scales, prim.GetAttribute("scales").Get(DEFAULT)) if value}
+    if indices.GetNumTimeSamples() or counts - {len(every)} or np.any((every < 0) | (every >= len(factors))):
+        raise FileError(
+            f"Prototypes of <{prim.GetPath()}> would get different sizes, and its instances change in time. "
+            "Put all prototypes below it, or below one prim beside it"
+        )
+    return factors[every][:, np.newaxis]
 
 
 def _vectors(prim: Any, order: Integers, signs: Floats, size: float) -> Iterator[Edit]:
@@ -109,7 +123,7 @@ def _changed(prim: Any, name: str, change: Change) -> list[Edit]:
     return [set_value(prim.GetPath(), name, attribute.GetTypeName(), default, samples=samples)]
 
 
-def _scales(prim: Any, factor: float) -> list[Edit]:
+def _scales(prim: Any, factor: Floats | float) -> list[Edit]:
     """Scales where there were none."""
     indices = UsdGeom.PointInstancer(prim).GetProtoIndicesAttr()
     if indices.GetNumTimeSamples():
@@ -117,5 +131,5 @@ def _scales(prim: Any, factor: float) -> list[Edit]:
             f"<{prim.GetPath()}> has no scales, and its instances change in time. Give it scales of 1"
         )
     count = len(indices.Get(DEFAULT) or ())
-    value = Vt.Vec3fArray.FromNumpy(np.full((count, 3), factor, dtype=np.float32))
+    value = Vt.Vec3fArray.FromNumpy(np.broadcast_to(factor, (count, 3)).astype(np.float32))
     return [set_value(prim.GetPath(), "scales", Sdf.ValueTypeNames.Float3Array, value)]
