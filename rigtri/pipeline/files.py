@@ -138,7 +138,8 @@ def verify(
 ) -> Comparison:
     """How far two files, or two documents, look apart, in every pose; see `compare.verify`.
 
-    Up to 16 variants of a USD file that are not selected are compared, too, and others named (``unseen``).
+    Up to 64 variants of a USD file that are not selected, and combinations of them, are compared, too, and
+    others named (``unseen``).
     before, after: paths, or documents as `rigtri.formats.read` returns them. options: how files are read.
     Of a glTF and a USD that `rigtri.convert` has made of one another, nodes are known by what it calls them.
     """

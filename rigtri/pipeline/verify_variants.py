@@ -10,8 +10,9 @@ from rigtri.errors import FileError, NameNotFoundError
 from rigtri.verification.compare import compare
 from rigtri.verification.compare.compare import Comparison, Source
 
-# Each is a comparison of all that the files show; what is beyond is named.
-MOST = 16
+# Each is a comparison of all that the files show; what is beyond is named. As many as an edit looks through
+# for one skeleton (`formats.usd.composition.variants.LIMIT`), so that all is seen that an edit has written.
+MOST = 64
 # So many nodes are compared again, in all of them; one variant at least.
 MOST_NODES = 20_000
 
@@ -27,8 +28,9 @@ class Choosing(Source, Protocol):
 def with_variants(found: Comparison, before: Source, after: Source) -> Comparison:
     """What was found with the selected variants, and what there is in others, up to `MOST` of them.
 
-    One set is selected otherwise at a time, and with it those that only its variant shows. What could not be
-    compared is named as ``unseen``: what only the first file can select, cannot be read, or is too much.
+    One set is selected otherwise at a time, and with it those that only its variant shows; then several at
+    once that each show characters otherwise. What could not be compared is named as ``unseen``: what only the
+    first file can select, cannot be read, or is too much.
     """
     if not (isinstance(before, Choosing) and isinstance(after, Choosing)):
         return found

@@ -18,7 +18,8 @@ from rigtri.formats.usd.composition import external_paths
 from rigtri.formats.usd.composition.edit_target import sublayer
 from rigtri.formats.usd.composition.held_layers import Held
 from rigtri.formats.usd.composition.stage import open_file, quiet
-from rigtri.formats.usd.composition.variant_choices import VariantSet, alike, each_choice, lacking, selecting
+from rigtri.formats.usd.composition.variant_choices import VariantSet, alike, lacking, selecting
+from rigtri.formats.usd.composition.variant_combinations import combinations
 from rigtri.formats.usd.composition.variants import in_words
 from rigtri.formats.usd.embed import embedded
 from rigtri.formats.usd.layer_writer import Output
@@ -139,16 +140,14 @@ class UsdDocument:
         return ()
 
     def choices(self) -> Sequence[Mapping[VariantSet, str]]:
-        """Each way to select one variant otherwise than the file, and sets that only that one shows.
+        """Each way to select one variant otherwise than the file, and sets that only that one shows; then
+        several of them at once that each show characters otherwise.
 
         Of the instances of one prototype, at the first alone.
         """
         source = self._source
         with quiet(f"{source.path}: USD cannot read its variants"):
-            left_out = alike(source.stage)
-            each = each_choice(source.stage, counts=lambda prim, *_: prim.GetPath() not in left_out)
-            others = (dict(chosen) for chosen, _ in each if chosen)
-            return list(islice(others, MOST_CHOICES))
+            return list(islice(combinations(source.stage, alike(source.stage)), MOST_CHOICES))
 
     def selecting(self, chosen: Mapping[VariantSet, str]) -> UsdDocument | None:
         """The file with these variants; None if it lacks the sets. NameNotFoundError for a variant."""

@@ -129,6 +129,21 @@ def test_scale_is_frozen_where_another_variant_deactivates_a_mesh(tmp_path: Path
     assert np.abs(before["/Root/Skin"] - 100 * after["/Root/Skin"]).max() < 1e-4
 
 
+def test_an_up_axis_is_changed_where_another_variant_leaves_out_the_reference(tmp_path: Path) -> None:
+    """What has no type and nothing below it is nowhere, so nothing there would be placed otherwise."""
+    save(tmp_path, scene(skeleton(), animation(), MESH), "hero.usda")
+    one = """"one" (prepend references = @./hero.usda@</Root>)
+{
+}"""
+    text = (
+        f'#usda 1.0\n(\n    upAxis = "Y"\n)\ndef "A"\n{{\nvariantSet "v" = {{\n"none" {{\n}}\n{one}\n}}\n}}\n'
+    )
+    source, out = save(tmp_path, choosing(text, 'def "A"', v="one")), tmp_path / "out.usda"
+    cli("freeze", source, "-o", out, "--up-axis", "z", code=0)
+    before, after = (skinned(Usd.Stage.Open(str(path)), Usd.TimeCode(3)) for path in (source, out))
+    assert np.abs(before["/A/Skin"][:, [0, 2, 1]] * (1, -1, 1) - after["/A/Skin"]).max() < 1e-6
+
+
 def test_sets_within_a_variant_are_tried_with_it(tmp_path: Path) -> None:
     inner = 'def Xform "In" (\nvariants = {\nstring kind = "p"\n}\nprepend variantSets = "kind"\n)\n{\n%s\n}'
     text = scene(variant_set("lod", hi="", lo=inner % variant_set("kind", p="", q='def Cube "Proxy"\n{\n}')))

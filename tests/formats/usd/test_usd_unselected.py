@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 from program import cli
 from pxr import Usd
-from test_usd_variants import HOLD, RUN, choosing, variant_set
-from usd_files import MESH, animation, save, scene, skeleton
+from test_usd_variants import HOLD, RUN, choosing, over, variant_set
+from usd_files import MESH, animation, read, save, scene, skeleton
 
-from rigtri.pipeline.verify_variants import MOST
+from rigtri.pipeline import verify_variants
 
 WALK, FURTHER = animation(), '\ndef Xform "Prop"\n{\n}'
 
@@ -67,8 +68,50 @@ def test_a_variant_that_only_the_first_file_can_show_is_named_or_lost(tmp_path: 
     assert "not compared: variant 'b'" in cli("verify", wrong, sound, code=0).stdout
 
 
-def test_variants_beyond_a_number_are_named(tmp_path: Path) -> None:
-    names = [f"v{k:02d}" for k in range(MOST + 3)]
+INDICES = 'int[] primvars:skel:jointIndices = [{}] (elementSize = 2; interpolation = "vertex")'
+NEAR, FAR, WRONG = "0, 1, 1, 0, 1, 0", "0, 1, 1, 0, 2, 0", "0, 1, 1, 0, 1, 2"
+# The joints in the order of the animation: a/b, a, a/b/c.
+BENT = "quatf[] rotations = [(0.6, 0.8, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0)]"
+CURLED = "quatf[] rotations = [(0.6, 0.8, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0)]"
+
+
+def takes(folder: Path, name: str, low: str) -> Path:
+    """One set chooses which animation plays, one what the mesh is bound to, one a colour."""
+    mesh = MESH.replace(INDICES.format("0, 1, 1, 2, 2, 1"), "")
+    lods = {lod: over("Skin", INDICES.format(which)) for lod, which in (("high", NEAR), ("low", low))}
+    sets = [
+        variant_set("take", walk=bound("Anim"), run=animation("Run", rotations=CURLED) + "\n" + bound("Run")),
+        variant_set("lod", **lods),
+        variant_set("paint", red=paint("(1, 0, 0)"), blue=paint("(0, 0, 1)")),
+    ]
+    text = scene(*sets, skeleton(source=""), animation(rotations=BENT), mesh)
+    return save(folder, choosing(text, take="walk", lod="high", paint="red"), name)
+
+
+def bound(animation: str) -> str:
+    return over("Skel", f"rel skel:animationSource = </Root/{animation}>")
+
+
+def paint(colour: str) -> str:
+    return over("Skin", f"color3f[] primvars:displayColor = [{colour}]")
+
+
+def test_a_fault_that_two_variants_show_together_fails(tmp_path: Path) -> None:
+    """A vertex that follows the wrong joint shows that only in the take that moves the right one."""
+    before, after = takes(tmp_path, "before.usda", FAR), takes(tmp_path, "after.usda", WRONG)
+    said = cli("verify", before, after, code=6).stderr
+    assert "variant 'run' of the variant set 'take' on </Root> and variant 'low' of the variant set" in said
+    assert "not compared" not in cli("verify", before, before, code=0).stdout
+
+
+def test_variants_are_combined_where_each_shows_the_character_otherwise(tmp_path: Path) -> None:
+    chosen = read(takes(tmp_path, "hero.usda", FAR)).choices()
+    assert [list(each.values()) for each in chosen] == [["run"], ["low"], ["blue"], ["run", "low"]]
+
+
+def test_variants_beyond_a_number_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verify_variants, "MOST", 3)
+    names = [f"v{k:02d}" for k in range(6)]
     variants = dict.fromkeys(names, WALK)
     before = hero(tmp_path, "before.usda", names[0], **variants)
     said = cli("verify", before, before, code=0).stdout

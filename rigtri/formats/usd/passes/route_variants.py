@@ -111,10 +111,15 @@ def _why_placed_otherwise(stage: Any) -> str:
             before = found
             continue
         prims = {path: trial.GetPrimAtPath(path.GetPrimPath()) for path in differing(before, found)}
-        if there := [path for path, prim in prims.items() if prim and _SHOWN(prim)]:
+        if there := [path for path, prim in prims.items() if prim and _SHOWN(prim) and _stands(prim)]:
             title = in_words(chosen, begin=True)
             return f"{title} has <{min(there)}> of its own. Give each variant a file of its own"
     return ""
+
+
+def _stands(prim: Any) -> bool:
+    """Whether a prim, or one below it, is anywhere: what has no type, as without its reference, is not."""
+    return any(each.IsA(UsdGeom.Xformable) for each in Usd.PrimRange(prim, _SHOWN))
 
 
 def _placing(stage: Any) -> Origins:
