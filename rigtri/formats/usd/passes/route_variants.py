@@ -118,8 +118,8 @@ def _why_placed_otherwise(stage: Any) -> str:
 
 
 def _stands(prim: Any) -> bool:
-    """Whether a prim, or one below it, is anywhere: what has no type, as without its reference, is not."""
-    return any(each.IsA(UsdGeom.Xformable) for each in Usd.PrimRange(prim, _SHOWN))
+    """Whether a prim, or one below it, is anything: what has no type, as without its reference, is not."""
+    return any(each.GetTypeName() for each in Usd.PrimRange(prim, _SHOWN))
 
 
 def _placing(stage: Any) -> Origins:
