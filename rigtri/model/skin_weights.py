@@ -68,13 +68,11 @@ def folded(
     """
     inside = np.clip(joints, 0, len(rows) - 1)
     live = weights != 0
-    moved = live & (rows[inside] != joints)
     out_joints, out_weights = np.where(live | (rows[inside] == joints), rows[inside], 0), weights.copy()
     for later in range(1, joints.shape[1]):
         for first in range(later):
             both = (out_weights[:, first] != 0) & (out_weights[:, later] != 0)
             both &= (out_joints[:, first] == out_joints[:, later]) & (joints[:, first] != joints[:, later])
-            both &= moved[:, first] | moved[:, later]
             one, two = at[inside[:, first]], at[inside[:, later]]
             ahead = (one < two) | ((one == two) & (joints[:, first] < joints[:, later]))
             total = out_weights[:, first] + out_weights[:, later]

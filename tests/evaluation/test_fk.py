@@ -101,3 +101,18 @@ def test_an_offset_rides_on_the_joint_of_the_control_above() -> None:
     expected = zero.world[step.own.offset] @ np.linalg.inv(zero.world[1]) @ pose.world(1)[0]
     assert_allclose(world, expected, atol=1e-9)
     assert_allclose(world[3, :3], [1 - 2 * np.sin(0.4), 0.5 + 2 * np.cos(0.4), 0], atol=1e-9)
+
+
+@pytest.mark.parametrize("frame", ["joint", "bone"])
+def test_zeros_of_channels_have_one_sign_however_many_frames_are_solved(frame: str) -> None:
+    step, _ = fk(frame)
+    rest = step.rest
+    for turn in (
+        from_axis_angle(X, np.pi),
+        from_axis_angle(np.array([1.0, 1, 1]), 2.0),
+        from_axis_angle(Z, np.pi),
+    ):
+        stood = rest._replace(rotation=turn[np.newaxis])
+        for count in (1, 3):
+            many = Parts(*(np.repeat(part, count, axis=0) for part in stood))
+            assert not np.signbit(step.needed(many, many).translation).any()

@@ -24,7 +24,7 @@ from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.timelines import timelines, times_within
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle
-from rigtri.model.animation import Track
+from rigtri.model.animation import Interpolation, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
@@ -138,6 +138,18 @@ def test_what_takes_over_shows_the_whole_clip(to: str) -> None:
     again = snap(done, options=SnapOptions(to, (f"{clip}@0.35",), (ARM,)))  # type: ignore[arg-type]
     assert keyed_apart(done, again, clip) < BOUND
     assert end in keyed(again, clip)
+
+
+@pytest.mark.parametrize("way", ["STEP", "LINEAR"])
+def test_what_takes_over_a_stepped_clip_is_stepped(way: Interpolation) -> None:
+    rig = posed_by_fk()
+    tracks = tuple(replace(track, interpolation=way) for track in rig.clip("new").tracks)
+    rig = replace(rig, clips=(*rig.clips[:-1], replace(rig.clips[-1], tracks=tracks)))
+    done = snap(rig, options=SnapOptions("ik", ("new@0.3",), (ARM,)))
+    new = [track for track in done.clip("new").tracks if track.node == control(rig, "hand_L", "ik")]
+    assert new
+    assert {t.interpolation for t in new if len(t.times) > 1} == {way}
+    assert {t.interpolation for t in done.clip("new").tracks if len(t.times) == 1} <= {"STEP"}
 
 
 @pytest.mark.ci
