@@ -12,7 +12,9 @@ from pxr import Gf, Usd, UsdGeom, UsdSkel
 from rigs import rig_of
 from usd_files import MESH, animation, read, save, scene, skeleton
 
-from rigtri.evaluation.rig_space import in_rig_space, shearing_node
+from rigtri.evaluation.rig_space import in_rig_space, shearing_node, uneven_above
+from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Path as Channel
 from rigtri.model.skin import Skin
 from rigtri.operations.bake.warnings import warn_outside
 from rigtri.report import Report
@@ -126,6 +128,26 @@ def test_a_bake_warns_of_each_node_above_the_joints_whose_scale_is_uneven() -> N
     (warning,) = report.warnings
     assert warning.code == "uneven-above"
     assert "The scale of 'squashed' is not uniform" in str(warning)
+
+
+@pytest.mark.parametrize(
+    ("node", "path", "values", "uneven"),
+    [
+        (0, "scale", [[1, 1, 1], [1, -1, 1]], []),
+        (0, "scale", [[1, 1, 1], [1, 2, 1]], [0]),
+        (0, "scale", [[3, 3, 3], [1, 1, 1]], []),
+        (0, "translation", [[0, 0, 0], [1, 2, 3]], []),
+        (1, "scale", [[1, 1, 1], [1, 2, 1]], []),  # a joint
+        (2, "scale", [[1, 1, 1], [1, 2, 1]], []),  # above none
+    ],
+)
+def test_a_clip_makes_a_node_above_joints_uneven_by_its_scale_alone(
+    node: int, path: Channel, values: list[list[float]], uneven: list[int]
+) -> None:
+    rig = rig_of(["above", "hips", "beside"], [-1, 0, -1], np.zeros((3, 3)))
+    track = Track(node, path, "LINEAR", np.array([0.0, 1.0]), np.array(values, dtype=np.float64))
+    skin = Skin("skin", np.array([1]), np.eye(4)[np.newaxis])
+    assert uneven_above(replace(rig, skins=(skin,), clips=(Clip("grow", (track,)),))) == uneven
 
 
 def test_what_shears_a_node_is_no_noise_above_it() -> None:

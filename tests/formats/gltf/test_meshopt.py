@@ -14,10 +14,11 @@ from meshopt_streams import Job, by_the_c_library, encode_attributes, encode_ind
 from places import slow
 
 from rigtri.errors import FileError
+from rigtri.formats.gltf.meshopt import views
 from rigtri.formats.gltf.meshopt.attributes import decode_attributes, decode_indices
 from rigtri.formats.gltf.meshopt.filters import FILTERS, color, exponential, octahedral, quaternion
 from rigtri.formats.gltf.meshopt.triangles import decode_triangles
-from rigtri.formats.gltf.meshopt.views import _check
+from rigtri.formats.gltf.meshopt.views import _check, decode_view
 from rigtri.formats.json_values import Value
 
 # Around every border: a group, a block, and more than one portion.
@@ -342,3 +343,48 @@ def test_modes_filters_and_strides_that_go_together(mode: str, kind: Any, stride
     else:
         with pytest.raises(FileError, match=told):
             _check(how, mode, kind, stride)
+
+
+class _One:
+    """One buffer."""
+
+    def __init__(self, content: bytes) -> None:
+        self._content = content
+
+    def __len__(self) -> int:
+        return 1
+
+    def content(self, index: int) -> memoryview:
+        return memoryview(self._content)
+
+
+@pytest.mark.parametrize(
+    ("bounds", "changed", "told"),
+    [
+        ({}, {}, ""),
+        ({"MOST_BYTES": 64}, {}, ""),
+        ({"MOST_BYTES": 63}, {}, "claims 64 bytes, and rigtri decodes 63 at most; split the view"),
+        ({"SMALL": 63, "RATIO": 64 / 242}, {}, ""),
+        ({"SMALL": 64, "RATIO": 63 / 242}, {}, ""),
+        ({"SMALL": 63, "RATIO": 63 / 242}, {}, "242 bytes claim to be 64; nothing but a trap"),
+        ({}, {"count": 5}, "5 elements of 16 bytes are not the 64 bytes of the view"),
+        ({}, {"byteStride": 8, "count": 8}, "pack the file again"),
+        ({}, {"buffer": 1}, "there is no buffer 1, the file has 1"),
+        ({}, {"byteOffset": 1}, "ends at 243, outside buffer 0 of 242 bytes"),
+    ],
+)
+def test_a_view_holds_what_it_claims_and_claims_no_more_than_is_likely(
+    bounds: dict[str, float], changed: dict[str, int], told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in bounds.items():
+        monkeypatch.setattr(views, name, value)
+    stream = encode_attributes(bytes(range(64)), 16, 0, random.Random(1))
+    how = {"buffer": 0, "byteLength": len(stream), "byteStride": 16, "count": 4, "mode": "ATTRIBUTES"}
+    view = Value({"byteLength": 64, "extensions": {"EXT_meshopt_compression": how | changed}}, "view")
+    buffers: Any = _One(stream)
+    assert len(stream) == 242
+    if told:
+        with pytest.raises(FileError, match=told):
+            decode_view(view, buffers)
+    else:
+        assert decode_view(view, buffers).tobytes() == bytes(range(64))
