@@ -62,6 +62,14 @@ RUNS = {
     "orient-joints": "orient-joints IN -o OUT --preset maya --json",
     "diff": "diff IN ORIENTED --json",
     "diff-file": "diff IN ORIENTED --only file --all",
+    "inspect-built": "inspect BUILT",
+    "bake": "bake BUILT -o OUT --to controls --json",
+    "mirror-built": "mirror BUILT -o OUT --json",
+    "take": "take-clips IN -o OUT --from BUILT --json",
+    "view": "view BUILT -o OUT.html --against IN",
+    "blender": "export-blender BUILT -o OUT.py --json",
+    "pose": "pose BUILT --at rest --matrices",
+    "built": "check BUILT --json",
 }
 
 
@@ -71,12 +79,15 @@ def test_what_commands_print_and_write_is_what_it_was(
 ) -> None:
     (tmp_path / "in").mkdir()
     source, found = FILES[name](tmp_path / "in"), dict[str, str]()
-    oriented = tmp_path / f"oriented{source.suffix}"
+    oriented, built = tmp_path / f"oriented{source.suffix}", tmp_path / "add-controls" / f"out{source.suffix}"
     other = ".glb" if source.suffix.startswith(".usd") else ".usda"
     for run, words in RUNS.items():
         (out := tmp_path / run).mkdir()
         places = {
             "IN": source,
+            "BUILT": built if built.exists() else source,
+            "OUT.html": out / "out.html",
+            "OUT.py": out / "out.py",
             "OUT": out / f"out{source.suffix}",
             "OUT.svg": out / "out.svg",
             "OTHER": out / f"out{other}",
