@@ -25,8 +25,8 @@ _GLUED = re.compile(
     r"|radius|elbow|wrist|hand|fingers?|thumb|index|mid|middle|ring|little|pinky|palm|hip|hipjoint|buttock|thigh|femur|knee"
     r"|shin|calf|tibia|ankle|foot|heel|toes?)(?![a-z]))"
 )
-_LEFT = frozenset({"l", "left", "lft", "左"})
-_RIGHT = frozenset({"r", "right", "rgt", "右"})
+_LEFT = frozenset({"l", "left", "lft", "lf", "左"})
+_RIGHT = frozenset({"r", "right", "rgt", "rt", "右"})
 SIDES = _LEFT | _RIGHT
 # Latin letters that no decomposition takes apart.
 _WRITTEN = {"ß": "ss", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe"}

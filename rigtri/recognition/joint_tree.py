@@ -20,6 +20,8 @@ from rigtri.recognition.naming_schemes import is_bone, is_segment, parse_name, r
 _LONGEST = 15
 # A segment of a bone bends no further than this, as a cosine (25°): rest poses are not quite straight.
 _IN_LINE = 0.9
+# One that is called a twist joint may be off by noise, too: 45°.
+_TWISTED = 0.7
 # Nearer than this part of the bone that it is in, a node stands where the joint does.
 _SAME_POSITION = 1e-3
 
@@ -228,7 +230,8 @@ def segments_of(tree: Tree) -> frozenset[int]:
             continue
         after = tree.below[node][0] if tree.below[node] else -1
         other = _is_lower(names, over, node, after) or _is_first(names, over, node, after)
-        if after < 0 or (_is_between(tree, over, node, after) and not other):
+        least = _TWISTED if "twist" in parse_name(names[node]).words else _IN_LINE
+        if after < 0 or (_is_between(tree, over, node, after, least) and not other):
             found.add(node)
     return frozenset(found)
 
@@ -251,7 +254,7 @@ def _is_first(names: Sequence[str], start: int, node: int, end: int) -> bool:
     return same and not of_start and "before" in limb_words(names[start]).levels
 
 
-def _is_between(tree: Tree, start: int, node: int, end: int) -> bool:
-    """Whether a joint stands near the line between two others."""
+def _is_between(tree: Tree, start: int, node: int, end: int, least: float) -> bool:
+    """Whether a joint stands near the line between two others; least: the cosine of the bend there."""
     one, other = tree.at[node] - tree.at[start], tree.at[end] - tree.at[node]
-    return not any(one) or not any(other) or one.unit.dot(other.unit) > _IN_LINE
+    return not any(one) or not any(other) or one.unit.dot(other.unit) > least

@@ -139,12 +139,13 @@ def _place_of(limbs: Limbs, names: Mapping[int, LimbWords]) -> Place:
 
     A foreleg that follows a leg is a shin, as a forearm follows an arm.
     """
-    places = set[Place]()
+    places: list[set[Place]] = []
     for joints in (limbs.joints(0), limbs.joints(1)):
         start, *rest = (names.get(k, NO_WORDS) for k in joints)
         shin = start.kind == "leg" and not start.place and rest[0].place == "front"
-        places.update(word.place for word in (start, *rest[shin:]) if word.place)
-    return places.pop() if len(places) == 1 else ""
+        places.append({word.place for word in (start, *rest[shin:]) if word.place})
+    # ``lf`` is front left where ``rf`` is front right, and left where ``rt`` is right.
+    return places[0].pop() if places[0] == places[1] and len(places[0]) == 1 else ""
 
 
 def _middlemost(tree: Tree, pair: Pair, at: int) -> Pair:

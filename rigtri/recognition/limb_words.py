@@ -29,7 +29,7 @@ _TWO = {("fore", "arm"): "forearm", ("horse", "link"): "horselink"}
 # What a letter before a word of a leg says: ``fthigh``, ``bshin``.
 _FIRST = {"f": "front", "b": "back", "h": "hind"}
 # Words of limbs that tables and chairs have, too.
-_FURNITURE = frozenset(["leg", "legs", "foot", "feet", "arm"])
+_FURNITURE = frozenset(["leg", "legs", "foot", "feet", "arm", "bein", "pata", "pied", "piede"])
 # Of an arm these are its hands, and of a leg the hind one.
 _HANDS = frozenset(["lh", "rh"])
 # What a name counts against a limb that says another place of its joint.

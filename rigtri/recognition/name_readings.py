@@ -72,10 +72,12 @@ def read_names(tree: Tree, nodes: Iterable[int], known: Sequence[Scheme]) -> Rea
 def _without_corners(rig: Rig, nodes: Sequence[int]) -> list[int]:
     """The joints without those of front and hind legs, where names tell these apart: no scheme has such.
 
-    A front leg alone is read as any other.
+    A front leg alone is read as any other, and so is ``lf`` where no joint on the right has a place: it is
+    the left of ``rt``.
     """
     said = {node: limb_words(rig.names[node]) for node in nodes}
-    if len({words.place for words in said.values() if words.kind}) < 2:
+    right = {words.place for node, words in said.items() if parse_name(rig.names[node]).side == "right"}
+    if len({words.place for words in said.values() if words.kind}) < 2 or right == {""}:
         return list(nodes)
     return [node for node, words in said.items() if not (words.kind and words.place)]
 

@@ -5,7 +5,7 @@ Symmetry is measured by lengths of bones, which no pose changes; only the plane 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import combinations
 from math import fsum
@@ -17,8 +17,10 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
 from rigtri.model.dataclass import dataclass
-from rigtri.model.joint_names import twin
+from rigtri.model.joint_names import Side, twin
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_words import Place, limb_words
+from rigtri.recognition.naming_schemes import parse_name
 
 # Branches shorter than this part of the whole are no limbs.
 SHORT = 0.06
@@ -115,25 +117,48 @@ def named_pairs(tree: Tree, pairs: Sequence[Pair]) -> list[Pair]:
     Noise and sculpted poses make bones of twins less alike than those that shape alone has for such.
     """
     names, known = tree.rig.names, [pair.nodes for pair in pairs]
-    found = []
+    found: list[Pair] = []
     for above, below in tree.below.items():
         by_name = {names[k]: k for k in below if names[k]}
+        by_words = {_words_of(names[k]): k for k in below if names[k]}
         for name, a in by_name.items():
-            b = by_name.get(twin(name), a)
-            if a >= b or any(a in nodes and b in nodes for nodes in known):
+            b = by_name.get(twin(name), _twin_by_words(name, by_words, a))
+            if a == b or any(a in nodes and b in nodes for nodes in known):
                 continue
             paths = _named_alike(tree, a, b)
             reach = min(fsum(tree.bone[k] for k in path[1:]) for path in paths)
             if reach > max(SHORT * tree.span, 0.6 * min(tree.reach[a], tree.reach[b])):
                 found.append(Pair(above, paths, reach))
+                known.append(found[-1].nodes)
     return found
+
+
+def _words_of(name: str) -> tuple[Side, str, Place]:
+    """The side that a name says, its words without it, and its place: ``FL_hip`` and ``FR_hip`` are twins."""
+    parsed = parse_name(name)
+    return parsed.side, parsed.raw, limb_words(name).place
+
+
+def _twin_by_words(name: str, by_words: Mapping[tuple[Side, str, Place], int], node: int) -> int:
+    """The twin of ``node``, whose name this is, by the words of names; itself where there is none.
+
+    ``lf`` is the front left one, and of others the left of ``rt``.
+    """
+    which, plain, place = _words_of(name)
+    other: Side = "right" if which == "left" else "left"
+    return by_words.get((other, plain, place), by_words.get((other, plain, ""), node)) if which else node
+
+
+def _are_twins(one: str, other: str) -> bool:
+    """Whether two names are each other's on the other side."""
+    return twin(one) == other or _twin_by_words(one, {_words_of(other): 1}, 0) == 1
 
 
 def _named_alike(tree: Tree, a: int, b: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """The longest ways down from two twins, as far as names say that and bones do not deny it."""
     same, names, bone = 1, tree.rig.names, tree.bone
     for left, right in zip(tree.paths[a][1:], tree.paths[b][1:], strict=False):
-        if twin(names[left]) != names[right] or abs(bone[left] - bone[right]) > _NAMED * max(
+        if not _are_twins(names[left], names[right]) or abs(bone[left] - bone[right]) > _NAMED * max(
             bone[left], bone[right]
         ):
             break

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import ARM, LEG, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import ARM, HORSE, LEG, TRUNK, Joint, both, line, rig_with
 
 from rigtri.recognition.layout import Character
 from rigtri.recognition.recognise import recognise
@@ -108,3 +108,84 @@ def test_wings_of_a_skeleton_without_a_skin_are_found() -> None:
 
 def sides(body: Character, kind: str) -> list[str]:
     return sorted(chain.side for chain in body.chains if chain.kind == kind)
+
+
+def sure(joints: Sequence[Joint]) -> dict[str, str]:
+    """The joints of the sure limbs of a body whose names say so, by the names of the limbs."""
+    (found,) = recognise(rig_with(joints)).characters
+    chains = (chain for chain in found.chains if chain.bend and chain.is_sure)
+    chains = (chain for chain in chains if chain.evidence[0].startswith("its names"))
+    return {chain.name: " ".join(joints[k][0] for k in chain.bend) for chain in chains}
+
+
+def called(joints: Sequence[Joint], names: dict[str, str], sides: tuple[str, str]) -> list[Joint]:
+    """The joints under other names; sides: what is written for left and right behind a name with ``.L``."""
+
+    def new(name: str) -> str:
+        part, _, side = name.partition(".")
+        return names.get(part, part) + (f"_{sides['LR'.index(side)]}" if side else "")
+
+    return [(new(name), new(above), place) for name, above, place in joints]
+
+
+@pytest.mark.parametrize(
+    ("front", "hind", "upper", "lower", "foot"),
+    [
+        ("Vorderbein", "Hinterbein", "oben", "unten", "Huf"),
+        ("patte_av", "patte_ar", "haut", "bas", "sabot"),
+        ("pata_delantera", "pata_trasera", "superior", "inferior", "pezuna"),
+        ("zampa_anteriore", "zampa_posteriore", "superiore", "inferiore", "zoccolo"),
+    ],
+)
+def test_legs_of_animals_have_names_in_other_languages(
+    front: str, hind: str, upper: str, lower: str, foot: str
+) -> None:
+    """Before, none of them said which leg it is, or where along it a joint stands."""
+    names = {"clavicle": "x", "upper_arm": f"{front}_{upper}", "forearm": f"{front}_{lower}"}
+    names |= {"hand": f"{front}_{foot}", "thigh": f"{hind}_{upper}", "shin": f"{hind}_{lower}"}
+    names |= {"foot": f"{hind}_{foot}", "toe": "y", "finger": "z"}
+    expected = {
+        f"{side} {place} leg": " ".join(f"{leg}_{part}_{side[0].upper()}" for part in (upper, lower, foot))
+        for side in ("left", "right")
+        for place, leg in (("front", front), ("hind", hind))
+    }
+    assert sure(called(HORSE, names, ("L", "R"))) == expected
+
+
+@pytest.mark.parametrize("sides", [("L", "R"), ("fl", "fr"), ("lf", "rt")])
+def test_twins_are_known_by_all_that_says_a_side(sides: tuple[str, str]) -> None:
+    """Before, only letters and words of left and right made twins of branches whose bones are not alike."""
+    legs = called([*TRUNK, *both(LEG)], {}, sides)
+    odd = [
+        (name, above, (x, y - 0.15, z))
+        if name in (f"shin_{sides[1]}", f"foot_{sides[1]}")
+        else (name, above, (x, y, z))
+        for name, above, (x, y, z) in legs
+    ]
+    found = limbs_by_name(odd)
+    assert [found[start] for start in (f"thigh_{side}" for side in sides)] == [
+        f"foot_{side}" for side in sides
+    ]
+
+
+def limbs_by_name(joints: Sequence[Joint]) -> dict[str, str]:
+    """The last joint of each leg that was found, by its first one."""
+    (found,) = recognise(rig_with(joints)).characters
+    legs = (chain for chain in found.chains if chain.kind == "leg" and len(chain.bend) == 3)
+    return {joints[leg.bend[0]][0]: joints[leg.bend[2]][0] for leg in legs}
+
+
+def test_no_limb_begins_at_a_twist_joint_that_noise_has_moved_off_its_bone() -> None:
+    """Before, beyond 25° it was an upper arm, and surely."""
+    arm = line(
+        "collar.L ShldrBend.L ShldrTwist.L ForearmBend.L Hand.L",
+        "chest",
+        (0.04, 1.45, 0),
+        (0.16, 1.45, 0),
+        (0.29, 1.5, 0),
+        (0.44, 1.45, -0.005),
+        (0.7, 1.45, 0),
+    )
+    found = sure([*TRUNK, *both([*arm, *LEG])])
+    assert not any("Twist" in joints for joints in found.values())
+    assert found["left arm"] == "ShldrBend.L ForearmBend.L Hand.L"
