@@ -392,6 +392,16 @@ def test_a_crate_that_lists_a_prim_that_is_not_in_it_is_refused(tmp_path: Path) 
     assert re.search(r"below </> it lists a prim '.*' and has none", error_of(tmp_path / "odd.usdc"))
 
 
+def test_a_crate_whose_sample_times_are_not_in_order_is_refused(tmp_path: Path) -> None:
+    """OpenUSD lists all of them, and finds no value at some."""
+    content = bytearray(crate(tmp_path))
+    times = struct.pack("<Qdd", 2, 1.0, 5.0)
+    at = content.index(times)
+    content[at : at + 24] = struct.pack("<Qdd", 2, 5.0, 1.0)
+    (tmp_path / "odd.usdc").write_bytes(content)
+    assert "the times of its samples are not in order" in error_of(tmp_path / "odd.usdc")
+
+
 def test_joints_that_are_no_tokens_are_refused_or_ignored_by_name(tmp_path: Path) -> None:
     for block in (skeleton(joints="int[] joints = [1, 2, 3]"), skeleton(joints="custom strong joints = 3")):
         assert error_of(save(tmp_path, scene(block, animation(), MESH), f"{len(block)}.usda"))

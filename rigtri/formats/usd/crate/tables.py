@@ -34,7 +34,7 @@ _MOST_INTEGERS = 4 * lz4.MOST
 Words = np.ndarray[tuple[int, ...], np.dtype[np.uint64]]
 
 _ARRAY, _INLINED, _COMPRESSED = 1 << 63, 1 << 62, 1 << 61
-_STRING, _TOKEN, _ASSET, _TIME_SAMPLES = 10, 11, 12, 46
+_STRING, _TOKEN, _ASSET, _TIMES, _TIME_SAMPLES = 10, 11, 12, 48, 46
 # Type → bytes of one item of an array; strings, tokens, paths and expressions are indices.
 _SIZES = {
     1: 1, 2: 1, 3: 4, 4: 4, 5: 8, 6: 8, 7: 2, 8: 4, 9: 8, 10: 4, 11: 4, 12: 4, 13: 32, 14: 72, 15: 128,
@@ -325,13 +325,26 @@ def _check_array(
 def _check_samples(content: memoryview, at: int, version: tuple[int, int, int], seen: set[int]) -> None:
     """Times and values; each stands behind what it needs, by a jump from where the jump is written."""
     times = at + _jump(content, at)
-    _check_value(content, _number(content, times), version, seen)
+    value = _number(content, times)
+    fresh = value not in seen
+    _check_value(content, value, version, seen)
+    if fresh and value >> 48 & 0xFF == _TIMES and not value & _INLINED:
+        _check_times(content, value & (1 << 48) - 1)
     start = times + 8
     start += _jump(content, start)
     count = _number(content, start)
     _fits(content, start + 8, count, 8)
     values = np.frombuffer(content[start + 8 : start + 8 + 8 * count], dtype="<u8")
     _check_each(content, values[values >> np.uint64(48) & np.uint64(0xFF) != _TIME_SAMPLES], version, seen)
+
+
+def _check_times(content: memoryview, at: int) -> None:
+    """In order: usd-core looks for a time by halves, and finds no value at some of those that it lists."""
+    start, count = at + 8, _number(content, at)
+    times = np.frombuffer(content[start : start + 8 * count], dtype="<f8")
+    # One that is nan is refused with the path that has it.
+    if (np.diff(times) <= 0).any():
+        raise ValueError("the times of its samples are not in order")
 
 
 def _jump(content: memoryview, at: int) -> int:
