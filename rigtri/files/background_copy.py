@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+from rigtri.errors import FileError
 from rigtri.files.atomic_write import discard_stale, fsync_while_writing, same_file, temp_path
 
 # Smaller files are copied in no time. A .gltf with embedded data would be read twice for nothing.
@@ -114,7 +115,7 @@ class _Copy:
         self._thread.start()
 
     def _run(self, file: Path) -> None:
-        with suppress(OSError):  # whoever needs the copy makes it again, and gets the error
+        with suppress(OSError, FileError):  # whoever needs the copy makes it again, and gets the error
             self._done = copy_file(file, self.part, self._stop)
 
     def complete(self) -> bool:
@@ -138,9 +139,16 @@ def _by_kernel(source: int, target: int) -> int:
 
 
 def copy_file(file: Path, to: Path, stop: threading.Event | None = None) -> bool:
-    """Copy a file, by the kernel where it can, the disk taking it meanwhile; False where it was stopped."""
-    size = file.stat().st_size
-    with file.open("rb") as source, to.open("wb") as target, fsync_while_writing(target, large=size >= FROM):
+    """Copy a file, by the kernel where it can, the disk taking it meanwhile; False where it was stopped.
+
+    FileError where it cannot be read, OSError where the copy cannot be written.
+    """
+    try:
+        source = file.open("rb")
+    except OSError as error:
+        raise FileError(f"{file} cannot be read: {error.strerror}") from error
+    size = os.fstat(source.fileno()).st_size
+    with source, to.open("wb") as target, fsync_while_writing(target, large=size >= FROM):
         while not (stop and stop.is_set()) and _by_kernel(source.fileno(), target.fileno()):
             pass
         while not (stop and stop.is_set()):

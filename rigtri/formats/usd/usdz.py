@@ -17,6 +17,7 @@ from itertools import pairwise
 from pathlib import Path, PurePosixPath
 
 from rigtri.errors import FileError
+from rigtri.files.mapped_file import load
 from rigtri.model.dataclass import dataclass
 
 ALIGNMENT = 64
@@ -109,7 +110,7 @@ def read(path: Path) -> Package:
     FileError for what is no .usdz: not a zip, a compressed root layer, encrypted entries,
     names that lead outside, entries that overlap or end outside the file.
     """
-    return parse(path.read_bytes(), str(path))
+    return parse(bytes(load(path)), str(path))
 
 
 def parse(content: bytes, path: str) -> Package:

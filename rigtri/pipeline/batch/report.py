@@ -58,6 +58,10 @@ def manifests(path: Path) -> list[Path]:
     """A manifest, or all of a folder. FileError where there is none."""
     if not path.is_dir():
         return [path]
+    try:
+        os.scandir(path).close()
+    except OSError as error:  # glob finds nothing there, and does not say so
+        raise FileError(f"{path} cannot be read: {error.strerror}") from None
     found = sorted(path.glob(f"{Path(NAME).stem}*{Path(NAME).suffix}"))
     if not found:
         raise FileError(f"There is no manifest of a batch in {path}")

@@ -6,7 +6,6 @@ end of the stack.
 
 from __future__ import annotations
 
-import mmap
 import re
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import numpy as np
 from pxr import Ar, Sdf
 
 from rigtri.errors import FileError
+from rigtri.files.mapped_file import load
 from rigtri.formats.usd import usdz
 from rigtri.formats.usd.crate import tables
 from rigtri.formats.usd.text.statements import COMMENTS, STRINGS
@@ -38,9 +38,7 @@ def check(identifier: str) -> None:
     if file.suffix.lower() == ".usdz":
         _check_entries(usdz.read(file), str(file), NESTED)
         return
-    with file.open("rb") as stream:
-        # Not closed by hand: the traceback of an error may still hold a part of it.
-        content = memoryview(mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ))
+    content = load(file)
     (tables.check if _is_crate(content) else _check_brackets)(content, str(file))
 
 
