@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import io
 import os
+import sys
 from pathlib import Path
 
 import pytest
 
 from rigtri.errors import FileError
 from rigtri.files import text_files
-from rigtri.files.text_files import check_no_pointer, check_plain, check_utf8_path, json_of, rows_of, text_of
+from rigtri.files.text_files import (
+    check_no_pointer,
+    check_plain,
+    check_utf8_path,
+    json_of,
+    rows_of,
+    stdin_text,
+    text_of,
+)
 
 
 @pytest.mark.parametrize(
@@ -66,6 +76,19 @@ def test_a_text_has_so_many_bytes_at_most_and_no_byte_order_mark(tmp_path: Path)
     path.write_bytes(b"ab\xff")
     with pytest.raises(FileError, match=f"^{path} is not UTF-8 text: byte 2"):
         text_of(path)
+
+
+def test_standard_input_has_so_many_bytes_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    def given(content: bytes, most: int) -> str:
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(content)))
+        return stdin_text(most)
+
+    assert given(b"\xef\xbb\xbf" + b"a\xff", 5) == "a\udcff"
+    with pytest.raises(FileError, match=r"^standard input has more than 4 bytes$"):
+        given(b"\xef\xbb\xbf" + b"a\xff", 4)
+    monkeypatch.setattr(sys, "stdin", None)
+    with pytest.raises(FileError, match=r"^standard input is closed: give a file, or one that - stands for$"):
+        stdin_text()
 
 
 def test_a_name_stands_in_an_object_once(tmp_path: Path) -> None:
