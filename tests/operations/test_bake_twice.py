@@ -33,6 +33,8 @@ from rigtri.operations.freeze import FreezeOptions, freeze
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
+TO_CONTROLS = BakeOptions(to="controls", fps=24)
+
 
 def single(values: Floats) -> Floats:
     return np.asarray(values).astype(np.float32).astype(np.float64)
@@ -312,3 +314,22 @@ def test_skins_that_play_one_animation_share_its_times(kind: str, shared: bool) 
     before = float(np.nextafter(np.float32(1.0), np.float32(0.0)))
     assert before not in times[0]
     assert times == ([[0.0, 1.0, 2.0]] * 2 if shared else [[0.0, 1.0], [0.0, 2.0]])
+
+
+@pytest.mark.ci
+def test_keys_of_a_rivet_are_no_moments_at_which_a_bake_to_controls_is_refused() -> None:
+    """Before, motion between the frames of --fps counted as lost, where a rivet had keys there."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    rig = bake(add_controls(replace(rig, clips=rig.clips[:1]), options=WHOLE), options=TO_CONTROLS)
+    hand = control(rig, "hand_L", "ik")
+    places = rig.translation[hand] + np.array([[0, 0, 0], [0.4, 0.3, 0.2], [-0.3, 0.4, 0.1], [0, 0, 0.0]])
+    keys = Track(hand, "translation", "LINEAR", np.arange(4.0) / 24, single(places))
+    kept = tuple(t for t in rig.clips[0].tracks if (t.node, t.path) != (hand, "translation"))
+    rig = replace(rig, clips=(replace(rig.clips[0], tracks=(*kept, keys)),))
+    rig = rigtri.add_rivet(rig, mesh=rig.address(rig.meshes[0].node), triangle=(0,), name="button", fps=96)
+    baked = bake(rig, options=BakeOptions(fps=24))
+    again = bake(bake(baked, options=TO_CONTROLS), options=BakeOptions(fps=24))
+    times = np.arange(4.0) / 24
+    shown = [sampling.worlds(each, sampling.locals_at(each, each.clips[0], times)) for each in (baked, again)]
+    joints = np.flatnonzero(rig.is_joint)
+    np.testing.assert_allclose(shown[1][:, joints], shown[0][:, joints], atol=1e-5)

@@ -27,7 +27,7 @@ from rigtri.evaluation.inverse_solver import solve_controls
 from rigtri.evaluation.key_reduction import key_tolerances
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.rig_space import in_rig_space
-from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.sampling import key_times, sample
 from rigtri.evaluation.shared_key_times import times_of, with_shared_times
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import (
@@ -355,7 +355,9 @@ class _Baker:
         before, self.rig = self.rig, put_tracks(self.rig, timeline, tracks)
         if not self.options.discard_motion:
             bound = max(self.options.between, UNBAKED)
-            refuse_replaced(before, self.rig, timeline, self.size, bound)
+            # What only follows, such as a rivet, has keys where no joint or control has any.
+            compared = key_times(self._times_from(timeline, ()).clip)
+            refuse_replaced(before, self.rig, timeline, compared, self.size, bound)
         controls = sorted({node for block in found for node in block.found.controls})
         fidelity_record, notices = fidelity(
             self.rig, found, times, clip=timeline.name, size=self.size, tolerance=self.options.tolerance

@@ -79,16 +79,18 @@ def moved_otherwise(rig: Rig, timeline: Timeline, nodes: frozenset[int]) -> dict
     return {node: _deviation(kept, posed, node, size) for node in sorted(found)}
 
 
-def refuse_replaced(before: Rig, after: Rig, timeline: Timeline, size: float, bound: float) -> None:
+def refuse_replaced(
+    before: Rig, after: Rig, timeline: Timeline, times: Floats, size: float, bound: float
+) -> None:
     """GeometryError where new keys of controls move joints otherwise in a clip than the old ones.
 
-    bound: by how much, as a share of the size. What constraints make of joints is in both.
+    times: where both are compared, (f,). bound: by how much, as a share of the size. What constraints make of
+    joints is in both.
     """
     driven = controls_at_work(before, timeline)
     if not driven:
         return
     (now,) = (each for each in timelines(after) if each.members == timeline.members)
-    times = key_times(timeline.clip)
     sampled = sample_parts(after, now.clip, times)
     posed = Solver(after, driven | controls_at_work(after, now)).run(sampled)
     old = sample_parts(before, timeline.clip, times)
