@@ -62,10 +62,13 @@ class Operation(Protocol[O_contra]):
     ) -> Rig: ...
 
 
-def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Operation[O_contra]]:
+def operation(
+    kind: type[O_contra] | None, *, alone: Callable[[Rig, frozenset[int], str], None] | None = None
+) -> Callable[[Callable[..., Rig]], Operation[O_contra]]:
     """Let a function of a rig, ``options`` and ``report`` be called without either, or with keywords.
 
-    kind: of its options; None for a function that has none.
+    kind: of its options; None for a function that has none. alone: refuses what cannot be done to a character
+    alone, of the rig, the character's nodes and its name.
 
     What it reports is also kept with a rig that was read by itself, for when that is written.
     """
@@ -95,7 +98,7 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
                 _check_rigs(options)
                 options = _with_words(rig, options)
                 check(options, given)
-                return _run(function, rig, others, report, {"options": options}, spelling)
+                return _run(function, rig, others, report, {"options": options}, spelling, alone)
 
         return called if kind is None else _shown(called, function, kind)
 
@@ -109,10 +112,11 @@ def _run(
     report: Report,
     words: Mapping[str, Any],
     spelling: Spelling = AS_FLAGS,
+    alone: Callable[[Rig, frozenset[int], str], None] | None = None,
 ) -> Rig:
     """What an operation makes of a rig; one that knows its file keeps what was reported."""
     options = words.get("options")
-    run = _of_character(function, getattr(options, "character", None))
+    run = _of_character(function, getattr(options, "character", None), alone)
     read = [*others, *(vars(options).values() if options is not None else ())]
     sources = [file for one in read if isinstance(one, Rig) and one.source for file in one.source.needed()]
     if rig.source is None:
@@ -163,7 +167,11 @@ def with_keywords(*kinds: type) -> Callable[[F], F]:
     return decorated
 
 
-def _of_character(function: Callable[..., Rig], name: str | None) -> Callable[..., Rig]:
+def _of_character(
+    function: Callable[..., Rig],
+    name: str | None,
+    alone: Callable[[Rig, frozenset[int], str], None] | None,
+) -> Callable[..., Rig]:
     """A function of a rig that edits one of its characters alone; None for all."""
     if name is None:
         return function
@@ -172,6 +180,8 @@ def _of_character(function: Callable[..., Rig], name: str | None) -> Callable[..
         from rigtri.recognition.one_character import named, within
 
         nodes = named(rig, name)
+        if alone is not None:
+            alone(rig, nodes, name)
         return within(rig, nodes, lambda small: function(small, *others, **keywords))
 
     return run

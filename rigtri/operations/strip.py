@@ -17,7 +17,7 @@ from rigtri.errors import GeometryError
 from rigtri.frames.reoriented_constraints import constraints_from_metadata
 from rigtri.maths.arrays import Booleans
 from rigtri.model.bindings import NodeConstraint
-from rigtri.model.metadata import PoseReaderRecord, TwistRecord
+from rigtri.model.metadata import ConstraintRecord, PoseReaderRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.add_posereader.corrective_joints import driven_paths, without_driven
@@ -38,7 +38,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     Raises GeometryError where a node of someone else is a child of one of ours, and where controls have
     motion that the joints do not have.
     """
-    kept = _kept(rig, report)
+    kept = _kept(rig, report) | _of_others(rig)
     gone = _gone(rig, kept)
     if not options.discard_motion:
         refuse_unbaked(rig)
@@ -144,6 +144,14 @@ def _kept(rig: Rig, report: Report) -> frozenset[int]:
     text = f"The rig of {files} stays, with all that is about it here. To remove it, strip {files}"
     report.warn("rig-elsewhere", text)
     return frozenset(kept)
+
+
+def _of_others(rig: Rig) -> frozenset[int]:
+    """The constraints of other characters that follow this one, with their weights and what holds them."""
+    rules = [
+        node for node, rule in rig.records(ConstraintRecord).items() if rig.known(rule.child) in rig.others
+    ]
+    return frozenset(k for node in rules for k in (*rig.path_to_root(node), *rig.below(node))) & rig.own
 
 
 def _gone(rig: Rig, kept: frozenset[int]) -> frozenset[int]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.model.characters import characters
-from rigtri.model.metadata import ConstraintRecord
+from rigtri.model.metadata import ConstraintRecord, ConstraintWeightRecord
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
 
@@ -88,15 +88,16 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
     while rig.rules.group_parent >= 0 and rig.parents[top] >= 0:
         top = int(rig.parents[top])
     parent = top if rig.rules.group_parent >= 0 else -1
-    rules = replace(rig.rules, group_parent=parent, others=frozenset(hidden))
+    theirs = frozenset(joint for skin in others.values() for joint in skin.joints.tolist()) - nodes
+    rules = replace(rig.rules, group_parent=parent, others=theirs | hidden.keys())
     content = rig.content.without_skins(others)
     small = replace(rig, skins=skins, metadata=seen, rules=rules, content=content)
     made = edit(small)
     if made is small:
         return rig
-    # Nodes of the file may have other numbers: a split puts some between them.
+    # Nodes of the file may have other numbers: a split puts some between them. Those of no file may be gone.
     now = {(key, label): node for node, (key, label) in enumerate(zip(made.keys, made.labels, strict=True))}
-    place = [now[both] for both in zip(rig.keys, rig.labels, strict=True)]
+    place = [now.get(both, -1) for both in zip(rig.keys, rig.labels, strict=True)]
     _refuse_others(small, made, {place[node] for node in hidden}, place)
     whole = list(made.skins)
     for k, skin in others.items():
@@ -125,8 +126,8 @@ def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:
     hidden: dict[int, Mapping[str, Any]] = {}
     # Groups come before what they hold, and what is below controls after these.
     for node, stored in sorted(rig.metadata.items(), reverse=True):
-        if about := _about(rig, node, frozenset()):
-            others = not about & nodes
+        if joints := about(rig, node):
+            others = not joints & nodes
         else:
             parent = int(rig.parents[node])
             elsewhere = parent >= 0 and not nodes & set(rig.below(parent))
@@ -149,20 +150,24 @@ def _constrained(rig: Rig) -> set[int]:
     return {node for node in found if node is not None}
 
 
-def _about(rig: Rig, node: int, seen: Nodes) -> set[int]:
+def about(rig: Rig, node: int, seen: Nodes = frozenset()) -> set[int]:
     """The joints that a node of rigtri is about: those that it names, else those of what it names or is in.
 
-    The constraint of a control's space names controls, and its weights one driver each, the world too.
+    A constraint is about its child and its drivers, joints or controls, of another character, too. Its
+    weights name one driver each, or the world: they are about what it is about.
     """
     if rig.is_joint[node]:
         return {node}
     if node not in rig.metadata or node in seen:
         return set()
+    if rig.type_of(node) == ConstraintWeightRecord.type and rig.parents[node] in rig.metadata:
+        return about(rig, int(rig.parents[node]), seen)
     known = rig.named_by(rig.metadata[node])
-    if joints := {found for found in known if rig.is_joint[found]}:
+    joints = {found for found in known if rig.is_joint[found]}
+    if joints and rig.type_of(node) != ConstraintRecord.type:
         return joints
     seen |= {node}
-    if named := set[int]().union(*(_about(rig, each, seen) for each in known)):
+    if named := set[int]().union(*(about(rig, each, seen) for each in known)):
         return named
     above = int(rig.parents[node])
-    return _about(rig, above, seen) if above >= 0 and not rig.is_joint[above] else set()
+    return about(rig, above, seen) if above >= 0 and not rig.is_joint[above] else set()

@@ -16,8 +16,9 @@ from program import cli
 from rigs import rig_of
 from usd_files import deviation, save
 
-from rigtri import add_controls, constrain, take_clips
-from rigtri.errors import UsageError
+from rigtri import add_controls, bake, constrain, snap, strip, take_clips
+from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.timelines import put_tracks, timelines
 from rigtri.formats import read
 from rigtri.model.animation import Track
 from rigtri.model.characters import characters
@@ -297,3 +298,44 @@ def test_metadata_of_other_characters_are_those_about_their_joints_alone_and_gro
     assert set(_of_others(rig, frozenset([0, 1]))) == {6, 7}
     assert set(_of_others(rig, frozenset([2, 3]))) == {4, 5}
     assert set(_of_others(rig, frozenset(range(4)))) == set()
+
+
+@pytest.mark.parametrize("child", ["hand_L_ik_ctl", ci("hand_L")])
+def test_a_constraint_that_follows_another_character_goes_with_its_child(
+    child: str, samples: Path, tmp_path: Path
+) -> None:
+    """Before, strip refused the weights as not from rigtri, and took the constraint with its driver."""
+    source = pair(samples, tmp_path, "gltf")
+    rig = add_controls(read(source).rig, whole_character=True)
+    first, other = characters(rig)
+    inside = next(k for k in sorted(first) if rig.names[k] == child) if child == "hand_L" else rig.find(child)
+    hips = next(rig.address(k) for k in sorted(other) if rig.names[k] == "hips")
+    rig = constrain(rig, child=rig.address(inside), space=("world", hips))
+    for who, left in (("A", 0), ("B", 1)):
+        bare = strip(rig, character=who)
+        kinds = [bare.type_of(node) for node in bare.metadata]
+        assert (kinds.count("constraint"), kinds.count("constraintWeight")) == (left, 2 * left)
+        assert len([each for each in built(bare) if each]) == 1
+
+
+def test_a_character_that_follows_one_with_motion_on_its_controls_is_not_baked_alone(
+    samples: Path, tmp_path: Path
+) -> None:
+    """Before, it followed what the other's joints did before anybody moved its controls, without a word."""
+    rig = add_controls(read(pair(samples, tmp_path, "gltf")).rig, whole_character=True)
+    rig = replace(rig, clips=rig.clips[:1])
+    ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
+    bodies = [frozenset(nodes) for nodes in characters(rig)]
+    mine, theirs = (
+        next(node for node in ends if rig.named_by(rig.metadata[node]) & nodes) for nodes in bodies
+    )
+    hand = rig.records(ControlRecord)[theirs].joint
+    rig = constrain(rig, child=rig.address(mine), type="parent", driver=(hand,))
+    still = bake(rig, character="A", fps=24)
+    times = np.array([0.0, 0.5])
+    keys = Track(theirs, "translation", "LINEAR", times, rig.translation[theirs] + [[0, 0, 0], [0, 0.2, 0]])
+    moved = put_tracks(rig, timelines(rig)[0], [keys])
+    for edit in (bake, lambda rig, **more: snap(rig, to="fk", at=("walk@0.5",), limbs="auto", **more)):
+        with pytest.raises(GeometryError, match="which controls of another character move in clip 'walk'"):
+            edit(moved, character="A")
+    assert len(still.clips) == len(bake(moved, character="B", fps=24).clips) == 1

@@ -62,7 +62,7 @@ from rigtri.operations.bake.reduced_tracks import (
     reduced_tracks,
     with_rest_held,
 )
-from rigtri.operations.bake.unbaked import UNBAKED, refuse_replaced, warn_overruled
+from rigtri.operations.bake.unbaked import UNBAKED, refuse_followed, refuse_replaced, warn_overruled
 from rigtri.operations.bake.warnings import fidelity, refuse_overstretch, warn_of_result
 from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
@@ -87,7 +87,7 @@ _PASSES = 6
 _SAMPLED = 0.7
 
 
-@operation(BakeOptions)
+@operation(BakeOptions, alone=refuse_followed)
 def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
     """Evaluate controls and constraints into joint keys, or give joints' motion to their controls.
 

@@ -18,7 +18,9 @@ from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.maths.ranking import largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
+from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
+from rigtri.recognition.one_character import about
 from rigtri.report import Report
 
 # A joint whose position, as a share of the size, or whose axes differ by more at its own keys from what
@@ -97,6 +99,31 @@ def refuse_replaced(
     _refuse(_difference(Solver(before, driven), old, posed, f"in clip '{timeline.name}'", size, bound))
 
 
+def refuse_followed(rig: Rig, nodes: frozenset[int], name: str) -> None:
+    """GeometryError where a character follows another one, which controls move as its own keys do not.
+
+    nodes: those of the character, called ``name``, that is to be evaluated alone.
+    """
+    size, every = skeleton_size(rig), timelines(rig)
+    for rule in constraints_of(rig).values():
+        followed = [node for node in rule.sources if not _within(rig, node, nodes)]
+        for node in followed if _within(rig, rule.child, nodes) else ():
+            for timeline in every:
+                far = float(np.abs(away_from_keys(rig, timeline, node)).max()) / size
+                if far > UNBAKED:
+                    raise GeometryError(
+                        f"'{rig.title(rule.child)}' of {name} follows '{rig.title(node)}', which controls of "
+                        f"another character move in clip '{timeline.name}' as its own keys do not. Leave out "
+                        "--character, or take that motion to the joints of the other first, with rigtri bake "
+                        "--to joints"
+                    )
+
+
+def _within(rig: Rig, node: int, nodes: frozenset[int]) -> bool:
+    """Whether a node is of a character, or built for it; ``nodes``: the character's."""
+    return node in nodes or not nodes.isdisjoint(about(rig, node))
+
+
 def warn_overruled(rig: Rig, timeline: Timeline, solver: Solver, report: Report) -> None:
     """A warning for each joint that a constraint moves in a clip as its own keys do not, and IK will instead.
 
@@ -120,9 +147,13 @@ def warn_overruled(rig: Rig, timeline: Timeline, solver: Solver, report: Report)
 
 
 def _times(rig: Rig, clip: Clip) -> Floats:
-    """The times, (f,), of the keys of joints, and of all others before those and after them."""
+    """The times, (f,), of the keys of joints, and of all others before those and after them.
+
+    Not those of another character, among whose keys are those of its controls and of what follows it.
+    """
     every = key_times(clip)
-    own = [t for t in clip.tracks if t.path != "weights" and t.node not in rig.own]
+    without = rig.own | rig.others
+    own = [t for t in clip.tracks if t.path != "weights" and t.node not in without]
     keyed = key_times(replace(clip, tracks=tuple(own)))
     before, after = every < keyed.min(initial=np.inf), every > keyed.max(initial=-np.inf)
     found: Floats = every[np.isin(every, keyed) | before | after]
