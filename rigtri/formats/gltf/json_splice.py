@@ -7,6 +7,7 @@ line breaks. What has changed is known by identity: `Draft` copies only what it 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -15,6 +16,7 @@ from rigtri.formats.gltf.json_style import BLANKS, Spelling, skip
 
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]  # of C, without a call around it
 _NUMBERS = frozenset([float, int])
+_NUMBER = re.compile(r"[^][,\s]+")
 
 
 class _Part(NamedTuple):
@@ -190,11 +192,15 @@ class _Splicer:
     def _numbers(self, at: int, old: list[Any], new: list[Any], depth: int) -> tuple[str, int]:
         """The text of a list that held numbers alone, and where the old one ends."""
         end = self.text.index("]", at)
-        if set(map(id, old)).isdisjoint(map(id, new)) and len(self.text[at:end].split()) == 1:
+        anew = set(map(id, old)).isdisjoint(map(id, new))
+        if anew and len(self.text[at:end].split()) == 1:
             if _NUMBERS.issuperset(map(type, new)) and "n" not in (spliced := repr(new)):
                 return spliced.replace(" ", ""), end + 1
             spliced = ",".join([self.spelling.fragment(item, depth + 1) for item in new])
             return f"[{spliced}]", end + 1
+        if anew and len(new) == len(old):  # each stands where the old one stood
+            fresh = iter([self.spelling.fragment(item, depth + 1) for item in new])
+            return _NUMBER.sub(lambda _: next(fresh), self.text[at : end + 1]), end + 1
         parts, places = self.text[at + 1 : end].split(","), _places(old)
         items, last = [], len(parts) - 1
         for number, item in enumerate(new):

@@ -64,6 +64,12 @@ def test_only_what_changed_is_spelled_anew(change: Any, old: str, new: str) -> N
     assert result == ODD.replace(old, new)
 
 
+def test_numbers_that_all_change_stay_between_the_blanks_of_the_old_ones() -> None:
+    text = '{"nodes": [{"rotation": [ 0.0,\n\t0.5 ,\r\n1E-8\n, 1]}]}'
+    new = spliced(text, put("nodes", 0, "rotation", to=[0.25, 5, -1e-9, 0.125]))
+    assert new == '{"nodes": [{"rotation": [ 0.25,\n\t5 ,\r\n-1e-09\n, 0.125]}]}'
+
+
 def test_a_key_that_stands_below_or_is_a_value_is_not_taken_for_the_member_that_changes() -> None:
     for first in ('"extras":{"scale":[1]}', '"name":"scale"'):
         text = f'{{"nodes":[{{{first},"scale":[1,1,1]}},{{"scale":[2,2,2]}}]}}'
