@@ -91,6 +91,7 @@ def number(name: str) -> int | None:
     return digits[-1] if digits else None
 
 
+@lru_cache(256)
 def twin(name: str) -> str:
     """The name with its sides swapped; the name itself where it says no side.
 

@@ -107,6 +107,8 @@ def in_motion(rig: Rig, limbs: Sequence[Limb], world: Floats, other_pose: Floats
     these alone are heard. The `sine` is that of the least bend of those heard. None: nothing bends, or not
     about one hinge.
     """
+    if other_pose is None and not rig.clips:  # as of most avatars
+        return [None] * len(limbs)
     other = world[:0] if other_pose is None else other_pose
     shown = [[_bent_hinges(limb, other.reshape(-1, *world.shape))] for limb in limbs]
     lines = [_between(rig, limb.triple) for limb in limbs]
