@@ -19,7 +19,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from cold import PROGRAM
+from cold import PROGRAM, started
+from warm import Times
 
 from rigtri.pipeline.batch.axis_summary import Axes
 from rigtri.pipeline.batch.file_task import Record
@@ -39,14 +40,12 @@ def copies(source: Path, count: int, folder: Path) -> None:
     (folder / "rig.yaml").write_text(SPEC)
 
 
-def run(folder: Path, suffix: str, *words: str, fresh: bool = True) -> float:
-    """Seconds that a batch takes, with its start."""
+def run(folder: Path, suffix: str, *words: str, fresh: bool = True) -> Times:
+    """Seconds that a batch takes, and seconds of processors of the process that hands files out."""
     if fresh:
         shutil.rmtree(folder / "out", ignore_errors=True)
     given = ["batch", f"in/*{suffix}", "--spec", "rig.yaml", "-O", "out", "-q", *words]
-    begin = time.perf_counter()
-    subprocess.run([*PROGRAM, *given], cwd=folder, check=True)
-    return time.perf_counter() - begin
+    return started([*PROGRAM, *given], cwd=folder)
 
 
 def stages(folder: Path) -> dict[str, float]:
@@ -74,7 +73,10 @@ def throughput(source: Path, count: int, folder: Path, jobs: int) -> list[str]:
     few = folder / "few"
     copies(source, 2, few)
     lines = [f"{count} files of {source.stat().st_size / 1e6:.2f} MB ({source.name}).", ""]
-    lines += ["| run | files/s | seconds | start |", "|---|---|---|---|"]
+    lines += [
+        "| run | files/s | seconds | start | handing out, ms of processors a file |",
+        "|---|---|---|---|---|",
+    ]
     rates: dict[str, float] = {}
     one, two, bare, cluster = (
         "one process, verified",
@@ -87,19 +89,22 @@ def throughput(source: Path, count: int, folder: Path, jobs: int) -> list[str]:
         if address:
             runs[cluster] = ["--dask", address]
         for name, words in runs.items():
-            start = min(run(few, source.suffix, *words) for _ in range(2))
+            start, least = min(run(few, source.suffix, *words) for _ in range(2))
             (folder / "log.jsonl").unlink(missing_ok=True)
-            seconds = run(folder, source.suffix, *words, "--log", "log.jsonl")
+            seconds, used = run(folder, source.suffix, *words, "--log", "log.jsonl")
             rates[name] = (count - 2) / max(seconds - start, 1e-9)
-            lines.append(f"| {name} | {rates[name]:.1f} | {seconds:.2f} | {start:.2f} |")
+            own = 1000 * (used - least) / (count - 2)
+            lines.append(f"| {name} | {rates[name]:.1f} | {seconds:.2f} | {start:.2f} | {own:.1f} |")
             text = ", ".join(f"{stage} {value:.1f}" for stage, value in stages(folder).items())
-            lines.append(f"| in the worker, ms a file | {text} | | |")
+            lines.append(f"| in the worker, ms a file | {text} | | | |")
     words = ["-j", "1"]
     for place in (few, folder):
         run(place, source.suffix, *words)
-    start, again = (run(place, source.suffix, *words, fresh=False) for place in (few, folder))
-    rate = (count - 2) / max(again - start, 1e-9)
-    lines.append(f"| nothing left to do | {rate:.0f} | {again:.2f} | {start:.2f} |")
+    (start, least), (again, used) = (
+        run(place, source.suffix, *words, fresh=False) for place in (few, folder)
+    )
+    rate, own = (count - 2) / max(again - start, 1e-9), 1000 * (used - least) / (count - 2)
+    lines.append(f"| nothing left to do | {rate:.0f} | {again:.2f} | {start:.2f} | {own:.1f} |")
     lines += ["", f"{jobs} processes do {rates[two] / rates[one]:.2f} times what one does."]
     if cluster in rates:
         lines[-1] += f" Dask's workers do {rates[cluster] / rates[two]:.2f} of what {jobs} processes do."

@@ -37,7 +37,8 @@ def commands(folder: Path) -> dict[str, list[str]]:
         found[name] = [node, script, place, sample, copy, "0"]
     transform = os.environ.get("GLTF_TRANSFORM") or shutil.which("gltf-transform")
     if transform:
-        found["glTF-Transform, its command line: copy biped.glb"] = [transform, "copy", sample, copy]
+        name = f"glTF-Transform {version_of(transform)}, its command line: copy biped.glb"
+        found[name] = [transform, "copy", sample, copy]
     if importlib.util.find_spec("pxr"):
         found["from pxr import Usd, UsdSkel"] = [sys.executable, "-c", "from pxr import Usd, UsdSkel"]
         found["rigtri orient-joints biped.usdz, verified"] = _orient("biped.usdz", folder)
@@ -49,10 +50,16 @@ def _orient(name: str, folder: Path) -> list[str]:
     return [*PROGRAM, "orient-joints", str(ROOT / "samples" / name), "-o", target, "--overwrite", "-q"]
 
 
-def started(command: list[str]) -> Times:
+def version_of(program: str) -> str:
+    """What a program says of its version."""
+    done = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
+    return done.stdout.strip().splitlines()[-1]
+
+
+def started(command: list[str], cwd: Path | None = None) -> Times:
     """Seconds, and seconds of processors, of a new process and its children."""
     start, before = time.perf_counter(), _used()
-    subprocess.run(command, capture_output=True, check=True)
+    subprocess.run(command, cwd=cwd, capture_output=True, check=True)
     return time.perf_counter() - start, _used() - before
 
 

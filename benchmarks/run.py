@@ -22,7 +22,7 @@ from pathlib import Path
 
 from bake import tables
 from batch import batches
-from cold import PROGRAM, cold_starts
+from cold import PROGRAM, cold_starts, version_of
 from growth import commands
 from size import differences, growth, large_files
 from usdcat import beside_export
@@ -112,7 +112,8 @@ def peer_rows(source: Path, folder: Path, runs: int) -> list[Row]:
     transform = os.environ.get("GLTF_TRANSFORM") or shutil.which("gltf-transform")
     if transform:
         copy = process(transform, "copy", source, folder / "transform.glb")
-        rows.append(Row("glTF-Transform, its command line, new process: copy", median_of(runs, copy)))
+        name = f"glTF-Transform {version_of(transform)}, its command line, new process: copy"
+        rows.append(Row(name, median_of(runs, copy)))
     place, node = os.environ.get("RIGTRI_GLTF_TRANSFORM"), shutil.which("node")
     if place and node:
         script = Path(__file__).with_name("rewrite.mjs")
@@ -200,7 +201,9 @@ def small(folder: Path, assets: Path | None, runs: int) -> list[str]:
         man = next(assets.rglob("*CesiumMan*.glb"))
         lines += [*character(man, folder, runs), *measured(man, folder, 60, runs)]
         usd += list(assets.rglob("*CesiumMan*.usdz"))
-        ours = {place.stat().st_size: place for place in assets.rglob("*.glb")}
+        # VRM 0 forbids what is done here.
+        avatars = [place for place in assets.rglob("*.vrm") if b"VRMC_vrm" in place.read_bytes()]
+        ours = {place.stat().st_size: place for place in [*assets.rglob("*.glb"), *avatars]}
         characters = [place for size, place in sorted(ours.items()) if size > LEAST_CHARACTER]
         lines += side_by_side([BIPED, *characters], folder, 3)
     lines += ["## USD", "", "| file | seconds, new process, verified |", "|---|---|"]
@@ -229,7 +232,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory(dir=options.scratch) as name:
         folder = Path(name)
         machine = f"{platform.platform()}, {os.cpu_count()} cores, Python {platform.python_version()}"
-        runs = f"Medians of {options.runs} runs, of large files the best of them."
+        runs = f"Medians of {options.runs} runs."
         lines = ["# Results", "", f"{date.today()}, {machine}. {runs}", ""]
         if options.only in (None, "small"):
             lines += small(folder, options.assets, options.runs)

@@ -8,11 +8,13 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
+from statistics import median
 
-from cold import PROGRAM
+from cold import PROGRAM, version_of
 from large import Character, write_glb, write_gltf, write_usd
+from warm import version
 
 PYGLTFLIB = "import pygltflib, sys; pygltflib.GLTF2().load(sys.argv[1]).save(sys.argv[2])"
 # A peer that takes longer is stopped and listed as such.
@@ -67,18 +69,23 @@ def copied(*sources: Path, to: Path) -> Cost:
     return found
 
 
-def best(runs: int, *actions: Callable[[], Cost]) -> list[Cost]:
-    """The quickest of some runs of each action, taken in turns, so that all meet the same machine."""
-    rounds = [[action() for action in actions] for _ in range(runs)]
-    return [min(some, key=lambda one: one.seconds) for some in zip(*rounds, strict=True)]
+def medians(runs: int, *actions: Callable[[], Cost]) -> list[Cost]:
+    """The medians of some runs of each action, taken in turns, so that all meet the same machine."""
+    rounds = [[astuple(action()) for action in actions] for _ in range(runs)]
+    return [Cost(*map(median, zip(*some, strict=True))) for some in zip(*rounds, strict=True)]
 
 
 def peers(source: Path, target: Path) -> dict[str, Cost | None]:
     """What others take to read a file and write it again."""
     found: dict[str, Cost | None] = {}
+    place, node = os.environ.get("RIGTRI_GLTF_TRANSFORM"), shutil.which("node")
+    if place and node:
+        script = [node, Path(__file__).with_name("rewrite.mjs"), place, source, target, "0"]
+        found[f"glTF-Transform {version()}, a script: read, write"] = cost(*script, longest=LONGEST)
     transform = os.environ.get("GLTF_TRANSFORM") or shutil.which("gltf-transform")
     if transform:
-        found["glTF-Transform: copy"] = cost(transform, "copy", source, target, longest=LONGEST)
+        name = f"glTF-Transform {version_of(transform)}, its command line: copy"
+        found[name] = cost(transform, "copy", source, target, longest=LONGEST)
     if importlib.util.find_spec("pygltflib"):
         name = "pygltflib: read, write"
         found[name] = cost(sys.executable, "-c", PYGLTFLIB, source, target, longest=LONGEST)
@@ -87,13 +94,15 @@ def peers(source: Path, target: Path) -> dict[str, Cost | None]:
 
 
 def rows(costs: dict[str, Cost | None], base: Cost) -> list[str]:
-    lines = ["| what, as a new process | seconds | ratio | peak memory, MB |", "|---|---|---|---|"]
+    lines = ["| what, as a new process | seconds | ratio | s of processors | ratio | peak memory, MB |"]
+    lines.append(f"|{'---|' * 6}")
     for name, found in costs.items():
         if found is None:
-            lines.append(f"| {name} | over {LONGEST:.0f} | over {LONGEST / base.seconds:.0f} | - |")
+            lines.append(f"| {name} | over {LONGEST:.0f} | over {LONGEST / base.seconds:.0f} | - | - | - |")
         else:
-            ratio = found.seconds / base.seconds
-            lines.append(f"| {name} | {found.seconds:.2f} | {ratio:.2f} | {found.memory:.0f} |")
+            clock, used = found.seconds / base.seconds, found.computing / base.computing
+            row = f"| {name} | {found.seconds:.2f} | {clock:.2f} | {found.computing:.2f} | {used:.2f} |"
+            lines.append(f"{row} {found.memory:.0f} |")
     return [*lines, ""]
 
 
@@ -109,14 +118,14 @@ def large_files(folder: Path, runs: int) -> list[str]:
             old.unlink(missing_ok=True)
         return orient(source, to)
 
-    base, mine = best(runs, lambda: copied(glb, to=copies), lambda: oriented(glb, target))
+    base, mine = medians(runs, lambda: copied(glb, to=copies), lambda: oriented(glb, target))
     costs = {"cp + fsync": base, "rigtri orient-joints, verified": mine}
     lines = [f"## A .glb of {glb.stat().st_size / 1e6:.0f} MB, 5 million points", ""]
     lines += rows(costs | peers(glb, target), base)
     glb.unlink()
     gltf = write_gltf(folder / "half.gltf", half)
     both, elsewhere = [gltf, gltf.with_suffix(".bin")], folder / "elsewhere" / "half.gltf"
-    base, mine = best(runs, lambda: copied(*both, to=copies), lambda: oriented(gltf, elsewhere))
+    base, mine = medians(runs, lambda: copied(*both, to=copies), lambda: oriented(gltf, elsewhere))
     lines += ["## The same as a .gltf with a .bin, to another folder", ""]
     lines += rows({"cp + fsync": base, "rigtri orient-joints, verified": mine}, base)
     shutil.rmtree(elsewhere.parent)
