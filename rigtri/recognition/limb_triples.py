@@ -18,6 +18,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, normalise
 from rigtri.model.dataclass import dataclass
+from rigtri.recognition.bone_noise import straight_within
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords, agreement
@@ -208,15 +209,16 @@ def triple_of(
     least = (min(now[k], sharpest[after]) for k, after in enumerate(path[2:], 1))
     ever = [1.0, *least, 1.0] if moves else now
     bones = [tree.bone[node] for node in path]
+    straight = straight_within(tree, paths, bones, STRAIGHT)
     words_of = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
     words_of = [words for words in words_of if any(word.levels for word in words)]
     places, first, found = list(combinations(range(len(path)), 3)), 0, []
     whole = _LIMB if begin_as_one(tree, paths) else _WHOLE
     if whole < _WHOLE or (kind == "arm" and _leads_aside(tree, paths, len(path))):
-        behind = (_quality(bones, at, now, ever, moves, 1) for at in places if at[0])
+        behind = (_quality(bones, at, now, ever, straight, moves, 1) for at in places if at[0])
         first = int(max(behind, default=0.0) > whole)
     for at in places:
-        quality = _quality(bones, at, now, ever, moves, min(first, at[0]))
+        quality = _quality(bones, at, now, ever, straight, moves, min(first, at[0]))
         if quality == 0.0 or any(_are_axes(words, at) for words in words_of):
             continue  # a joint between bends, a bone has no length, or is between axes of one joint
         quality -= _LED if at[0] < first else 0.0
@@ -307,14 +309,21 @@ def _cosines(tree: Tree, path: Sequence[int]) -> list[float]:
 
 
 def _quality(
-    bones: list[float], at: tuple[int, int, int], now: list[float], ever: list[float], moves: bool, first: int
+    bones: list[float],
+    at: tuple[int, int, int],
+    now: list[float],
+    ever: list[float],
+    straight: list[float],
+    moves: bool,
+    first: int,
 ) -> float:
     """How limb-like three places of a path are: two long bones about as long as each other.
 
-    first: the place where the limb begins, after a clavicle.
+    first: the place where the limb begins, after a clavicle. straight: see
+    `straight_within`.
     """
     start, middle, end = at
-    if any(ever[k] < STRAIGHT for k in range(start + 1, end) if k != middle):
+    if any(ever[k] < straight[k] for k in range(start + 1, end) if k != middle):
         return 0.0
     parts = bones[start + 1 : middle + 1], bones[middle + 1 : end + 1]
     a, b = map(fsum, parts)

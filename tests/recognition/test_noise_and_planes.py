@@ -189,3 +189,24 @@ def test_no_limb_begins_at_a_twist_joint_that_noise_has_moved_off_its_bone() -> 
     found = sure([*TRUNK, *both([*arm, *LEG])])
     assert not any("Twist" in joints for joints in found.values())
     assert found["left arm"] == "ShldrBend.L ForearmBend.L Hand.L"
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_noise_makes_no_elbow_of_a_joint_within_a_bone(seed: int) -> None:
+    """Before, of bones in two pieces a joint that was 6° off was taken for an elbow."""
+    parted = line(
+        "clavicle.L upper_arm.L a.L forearm.L b.L hand.L",
+        "chest",
+        (0.04, 1.45, 0),
+        (0.16, 1.45, 0),
+        (0.3, 1.4, 0),
+        (0.44, 1.35, 0),
+        (0.56, 1.3, 0.05),
+        (0.68, 1.25, 0.1),
+    )
+    arms = {
+        key: end
+        for key, end in limbs(moved([*TRUNK, *both([*parted, *LEG])], 0.004, seed)).items()
+        if key[0] == "arm"
+    }
+    assert arms == {("arm", "left", "upper_arm.L"): "hand.L", ("arm", "right", "upper_arm.R"): "hand.R"}
