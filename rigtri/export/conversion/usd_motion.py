@@ -18,7 +18,6 @@ from pxr import UsdGeom
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sorted_unique
 from rigtri.formats.usd.composition.stage import quiet
-from rigtri.formats.usd.reading.animation_reader import NON_UNIT
 from rigtri.formats.usd.reading.xform_hierarchy import read_transform
 from rigtri.maths.matrices import SKEW, compose, decompose, skew
 from rigtri.maths.quaternions import angle_between, norm, normalise, slerp
@@ -29,6 +28,9 @@ from rigtri.verification.compare.across_formats import PlayedClip, in_a_step
 # How far keys may be off between two of them: radians, and shares of where the prim goes or, where that is
 # less, of what it shows. Prims below each other add up, so it is a part of what a conversion may be off.
 WITHIN = 4e-6
+# Rotations farther from unit than what float32 leaves of them: UsdSkel shows these as a scale, of twice as
+# much, and joints below each other add up.
+_NON_UNIT = 1e-6
 _PARTS = (3, 7)  # where rotation and scale begin among ten numbers
 
 
@@ -118,7 +120,7 @@ def unit_rotations(tracks: Sequence[Track]) -> tuple[tuple[Track, ...], float]:
     found, worst = list(tracks), 0.0
     for k, track in enumerate(tracks):
         off = float(np.abs(norm(track.values) - 1.0).max()) if track.path == "rotation" else 0.0
-        if off > NON_UNIT:
+        if off > _NON_UNIT:
             found[k], worst = replace(track, values=normalise(track.values)), max(worst, off)
     return tuple(found), worst
 

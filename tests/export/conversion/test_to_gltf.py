@@ -117,6 +117,19 @@ def test_rotations_that_are_not_unit_become_so_and_what_that_changes_is_told(tmp
     assert unit.motion is None
 
 
+def test_rotations_of_four_digits_are_made_unit_and_measured_beside(tmp_path: Path) -> None:
+    """Of (0.7071, 0.7071) the square is 2e-5 too small: as a scale, more than a conversion may be off."""
+    keys = "quatf[] rotations.timeSamples = {\n1: [(1, 0, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0)],\n"
+    keys += "5: [(0.7071, 0.7071, 0, 0), (1, 0, 0, 0), (0.7071, 0, 0, 0.7071)],\n}"
+    source = save(tmp_path, scene(skeleton(), animation(rotations=keys), MESH))
+    outcome = rigtri.convert(source, tmp_path / "out.glb")
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-6
+    assert outcome.verification.motion is not None
+    assert outcome.verification.motion.deviation > TOLERANCE
+    assert "not unit, by up to 9.6e-06" in " ".join(n.text for n in outcome.report.warnings)
+
+
 @pytest.mark.parametrize("path", [slow(p) for p in asset_files(*USD)] or [slow(None)], ids=str)
 def test_a_real_stage_in_gltf_looks_the_same_and_is_valid(
     path: Path | None, tmp_path: Path, assets: Path
