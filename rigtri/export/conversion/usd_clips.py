@@ -7,7 +7,7 @@ Source: UsdSkelAnimation (joint-local; translations float3, rotations quatf, sca
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -73,6 +73,19 @@ def write_animation(
     if shapes:
         write_weights(prim, clip, shapes, rig, rate)
     return True
+
+
+def played_scales(rig: Rig, skeletons: Iterable[Skeleton], clip: Clip) -> dict[int, Track]:
+    """How scales of joints play, by joint: half floats at the times that all joints of a Skeleton share."""
+    tracks = {track.node: track for track in clip.tracks if track.path == "scale"}
+    found: dict[int, Track] = {}
+    for skeleton in skeletons:
+        joints = [node for node in skeleton.joints if node in tracks]
+        times, rows = _columns([tracks[node] for node in joints], rig.scale[joints], rig)
+        halves = rows.astype(np.float16).astype(np.float64)
+        for column, node in enumerate(joints):
+            found.setdefault(node, Track(node, "scale", "LINEAR", times, halves[:, column]))
+    return found
 
 
 def content_of(prim: Any) -> tuple[tuple[str, bytes], ...]:

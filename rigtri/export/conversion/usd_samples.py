@@ -27,6 +27,8 @@ WITHIN = 1.5e-6
 RATES = (24.0, 30.0, 60.0, 25.0, 50.0, 48.0, 120.0, 100.0)
 # A key this share of its time from a whole frame is on it: what float32 leaves of a time in seconds.
 _ROUNDING = 2e-7
+# A model is not taken for smaller than this share of how far it is from the origin, which would be rounding.
+_FAR = 1e-4
 # Samples that are nearer to each other than this, in frames, are where rounding one would show.
 _CROWDED = 1e-2
 
@@ -54,7 +56,10 @@ def time_codes(seconds: Floats, rate: float) -> Floats:
     alone = close[1:] & ~close[:-1] & ~np.append(close[2:], False)
     before = np.append(gaps < 2 * step, False) | alone
     crowded = np.append(gaps < _CROWDED, False) | np.append(False, (gaps < _CROWDED) & ~before[:-1])
-    return np.where(near & (before | ~crowded), np.where(before, whole - step, whole), codes)
+    snapped = near & ~crowded & ~before
+    # A step that stays where it is has the sample before it where that is.
+    follows = near & before & np.append(snapped[1:], False)
+    return np.where(snapped, whole, np.where(follows, whole - step, codes))
 
 
 def sample_times(tracks: Sequence[Track], size: float) -> Floats:
@@ -100,13 +105,15 @@ def motion_times(sampled: Callable[[Floats], Floats], times: Floats, within: flo
     return adaptive_key_times(sampled, error, times, within=within) if len(times) > 1 else times
 
 
-def frame_times(sampled: Callable[[Floats], Floats], times: Floats, within: float) -> Floats:
+def frame_times(sampled: Callable[[Floats], Floats], times: Floats, within: float, most: float) -> Floats:
     """As many times as straight lines need to follow a frame, (f, 4, 4).
 
-    within: a share of its distance from the origin. Short axes, as below an armature of 0.01, are as exact.
+    within: a share of its distance from the origin, or of ``most`` where that is less: the size of the model
+    by which it is judged, which may be far out. Short axes, as below an armature of 0.01, are as exact.
     """
     frames = sampled(times)
-    size = max(float(np.abs(frames).max()), 1e-9)
+    goes = max(float(np.abs(frames).max()), 1e-9)
+    size = min(goes, max(most, _FAR * goes))
     longest = float(length(frames[:, :3, :3]).max())
     scale = longest if 0.0 < longest < 0.5 else 1.0
 

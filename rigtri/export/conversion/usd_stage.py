@@ -6,7 +6,7 @@ Source: UsdGeom, UsdSkel, UsdShade and UsdLux schemas; docs/convert.md says what
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,7 @@ from rigtri.export.conversion.usd_skeletons import Skeleton, joints_of, plan_ske
 from rigtri.formats.usd.codeless_schemas import register_usd_schemas
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.identifiers import identifier
+from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.matrices import decompose, identity
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path
@@ -39,7 +40,8 @@ from rigtri.progress import counted
 from rigtri.report import Notice
 from rigtri.text import and_more
 
-# How far a baked camera or light may be off between samples, as a share of how far it is from the origin.
+# How far a baked camera or light may be off between samples, as a share of how far it is from the origin, or
+# of the size of the model.
 BAKED = 1e-6
 # So many radians off the arcs between orient samples need no word: what a conversion may be off.
 EVEN = 1e-5
@@ -90,6 +92,7 @@ class _Writer:
         self.result = WrittenStage(layer, self.rate)
         self.joints = joints_of(scene)
         self.rig, self.sizes = without_steady_scales(scene.rig, self.joints)
+        self._judged_by = sizes_of(scene.rig, scene.rig.meshes).tolist()
         self.clip: Clip | None = self.rig.clips[0] if self.rig.clips else None
         self.skeletons = plan_skeletons(scene, self.rig, self.joints)
         self.words = node_identifiers(self.rig.names, self.rig.labels)
@@ -305,12 +308,22 @@ class _Writer:
         else:
             # Where the joints that it is on go, whose scales are half floats.
             halved = set(half_scales(self.rig, self.joints, self.rig.clips[0])) & {*place}
-            motion = Motion(*with_half_scales(small, clip, [place[joint] for joint in halved]))
+            small, clip = with_half_scales(small, clip, [place[joint] for joint in halved])
+            played = usd_clips.played_scales(self.rig, self.skeletons, self.rig.clips[0])
+            scales = {place[joint]: played[joint] for joint in halved & played.keys()}
+            clip = replace(
+                clip,
+                tracks=tuple(
+                    replace(scales[t.node], node=t.node) if t.path == "scale" and t.node in scales else t
+                    for t in clip.tracks
+                ),
+            )
+            motion = Motion(small, clip)
 
             def sampled(times: Floats) -> Floats:
                 return worlds(small, motion.locals_at(times))[:, place[node]]
 
-            times = frame_times(sampled, key_times(clip), BAKED)
+            times = frame_times(sampled, key_times(clip), BAKED, self._judged_by[node])
             parts = decompose(sampled(times))
         names: tuple[Path, ...] = ("translation", "rotation", "scale")
         rest = decompose(rig.normalised_world[node])

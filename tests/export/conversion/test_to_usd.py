@@ -395,6 +395,37 @@ def test_a_target_of_the_same_format_or_a_clip_that_is_not_there_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("far", [0.0, 300.0], ids=["here", "far"])
+def test_a_camera_below_joints_with_keys_at_different_times_goes_where_they_are_played(
+    far: float, tmp_path: Path
+) -> None:
+    """Scales of all joints are rounded at the keys of any, and a camera far out has to be as exact."""
+    b = small(3)
+    keys = [([0.0, 1.0], [[1.0] * 3, [1.7] * 3], 1), ([0.3, 0.55, 0.9], [[1.1] * 3, [1.3] * 3, [0.9] * 3], 2)]
+    parts = [
+        ({"input": b.accessor(times), "output": b.accessor(values)}, node, "scale")
+        for times, values, node in keys
+    ]
+    there = b.accessor([[far, 0, 0], [far, 0.1, 0]])
+    turns = b.accessor([[0, 0, 0, 1], [0, 0, 0.6, 0.8]])
+    parts += [
+        ({"input": b.accessor([0.0, 0.7]), "output": there}, 0, "translation"),
+        ({"input": b.accessor([0.2, 0.8]), "output": turns}, 1, "rotation"),
+    ]
+    b.gltf["animations"][0] |= {
+        "samplers": [sampler for sampler, _, _ in parts],
+        "channels": [
+            {"sampler": k, "target": {"node": n, "path": path}} for k, (_, n, path) in enumerate(parts)
+        ],
+    }
+    b.gltf["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]
+    b.gltf["nodes"][1]["children"].append(len(b.gltf["nodes"]))
+    b.gltf["nodes"].append({"name": "eye", "camera": 0, "translation": [0, 0.5, 0]})
+    outcome = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usdc")
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= TOLERANCE
+
+
 def test_a_key_whose_rounding_is_what_differs_is_named(tmp_path: Path) -> None:
     gltf, binary = glb_parts(SAMPLES / "biped.glb")
     data = bytearray(binary)

@@ -70,6 +70,15 @@ def test_the_sample_before_a_step_stays_right_before_it() -> None:
         assert 0 < there - before < 2 * STEP
 
 
+def test_the_sample_before_a_step_that_is_not_put_on_its_frame_stays_before_it() -> None:
+    """Another sample stands so near behind the step that this keeps its time: just below a whole frame."""
+    there = float(np.float32(34.0 / 24.0))
+    seconds = np.array([0.0, there - step_before(np.array([there]))[0], there, there + 2e-4])
+    codes = time_codes(seconds, 24.0)
+    assert (np.diff(codes) > 0).all()
+    assert codes[2] == there * 24.0
+
+
 def test_a_step_of_two_keys_in_float32_is_on_its_frame() -> None:
     """As glTF stores a jump at 22 frames of USD, and the sample before it."""
     there = np.float32(22.0 / 24.0)
