@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 
@@ -58,9 +58,9 @@ class Tree:
         return other
 
     @cached_property
-    def at(self) -> list[Vector]:
-        """Where each node stands, (n,)."""
-        return [Vector(*place) for place in self.places.tolist()]
+    def at(self) -> Mapping[int, Vector]:
+        """Where each node stands."""
+        return _Places(self.places)
 
     @cached_property
     def span(self) -> float:
@@ -71,9 +71,12 @@ class Tree:
     @cached_property
     def bone(self) -> list[float]:
         """How far each node stands from the one above it; 0 where there is none, (n,)."""
-        above = np.array(self.above, dtype=np.int64)
-        apart = length(self.places - self.places[above])
-        return np.where(above >= 0, apart, 0.0).tolist()  # type: ignore[no-any-return]
+        bone = [0.0] * len(self.rig)
+        below = [node for node in self.nodes if self.above[node] >= 0]
+        apart = length(self.places[below] - self.places[[self.above[node] for node in below]])
+        for node, far in zip(below, apart.tolist(), strict=True):
+            bone[node] = far
+        return bone
 
     @cached_property
     def reach(self) -> list[float]:
@@ -145,14 +148,29 @@ class Tree:
         return b
 
 
+class _Places(dict[int, Vector]):
+    """Where nodes stand, for those that are asked for: a tree is a small part of a crowd."""
+
+    def __init__(self, places: Floats) -> None:
+        self._places = places
+
+    def __missing__(self, node: int) -> Vector:
+        place = self[node] = Vector(*self._places[node].tolist())
+        return place
+
+
 def _nearest(rig: Rig, nodes: frozenset[int]) -> list[int]:
-    above = [-1] * len(rig)
-    nearest = [-1] * len(rig)  # of the tree, the node itself included
-    for node, parent in enumerate(rig.parents.tolist()):
-        over = nearest[parent] if parent >= 0 else -1
-        nearest[node] = over
-        if node in nodes:
-            above[node], nearest[node] = over, node
+    """The nearest of some nodes above each of them; −1 for none, and for all others."""
+    above, parents = [-1] * len(rig), rig.parents
+    over_others: dict[int, int] = {}
+    for node in nodes:
+        way, up = list[int](), int(parents[node])
+        while up >= 0 and up not in nodes and up not in over_others:
+            way.append(up)
+            up = int(parents[up])
+        over = over_others.get(up, up)
+        over_others.update(dict.fromkeys(way, over))
+        above[node] = over
     return above
 
 

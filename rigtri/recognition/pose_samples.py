@@ -60,9 +60,14 @@ class Poses:
 
     rig: Rig
 
+    @cached_property
+    def _nameless(self) -> Rig:
+        """The same rig without names: one for all its characters, for what it knows of its hierarchy."""
+        return replace(self.rig, names=("",) * len(self.rig))
+
     def without_names(self) -> Poses:
         """The poses of the same rig whose nodes have no names, as far as they are known."""
-        bare = Poses(replace(self.rig, names=("",) * len(self.rig)))
+        bare = Poses(self._nameless)
         vars(bare).update({key: known for key, known in vars(self).items() if key != "rig"})
         return bare
 

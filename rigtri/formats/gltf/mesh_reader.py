@@ -63,7 +63,7 @@ class MeshReader:
         crowd: what to read of `crowd`, all points or outlines.
         """
         found = []
-        for node, primitives in self._shown():
+        for node, primitives in self._shown:
             for number, primitive in enumerate(primitives):
                 try:
                     if crowd != "points" and (node, number) in self.crowd:
@@ -88,7 +88,7 @@ class MeshReader:
     def crowd(self) -> set[tuple[int, int]]:
         """Node and number of the primitives to outline: the largest, until few enough points are left."""
         sizes: dict[tuple[int, int], int] = {}
-        for node, primitives in self._shown():
+        for node, primitives in self._shown:
             for number, primitive in enumerate(primitives):
                 try:
                     rows, targets = self._rows(primitive), len(list(primitive.each("targets")))
@@ -168,7 +168,7 @@ class MeshReader:
     def weighted(self, number: int, count: int) -> Booleans:
         """Which of the ``count`` joints of skin ``number`` move any point; all where that is unknown."""
         moves, known = np.zeros(count, dtype=bool), False
-        for node, primitives in self._shown():
+        for node, primitives in self._shown:
             if self._nodes[node].get("skin") != number:
                 continue
             for primitive in primitives:
@@ -192,6 +192,7 @@ class MeshReader:
             if moves.all():
                 return
 
+    @cached_property
     def _shown(self) -> list[tuple[int, list[Value]]]:
         """Nodes with a mesh, and the primitives of that mesh."""
         shown = []

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -28,7 +29,7 @@ def pole_findings(rig: Rig, character: Character, known: list[Limb]) -> Iterator
     """Pole vectors that would bend a nearly straight limb against its nature, at rest."""
     joints = {part.joint for part in character.parts}
     limbs = [limb for limb in known if limb.start in joints]
-    poles = [list(_poles_of(rig, limb)) for limb in limbs]
+    poles = _of_all_limbs(rig, limbs)
     body = bodies(rig, [character], rig.world, None) if any(poles) else []
     if not body:
         return
@@ -49,17 +50,21 @@ def pole_findings(rig: Rig, character: Character, known: list[Limb]) -> Iterator
                 yield "axes.pole", pole, f"{text} the side {where} '{rig.title(limb.middle)}'"
 
 
-def _poles_of(rig: Rig, limb: Limb) -> Iterator[int]:
-    """The pole vectors of a limb: by what rigtri has stored, and by name."""
+def _of_all_limbs(rig: Rig, limbs: Sequence[Limb]) -> list[list[int]]:
+    """The pole vectors of each limb: by what rigtri has stored, and by name."""
+    stored: dict[tuple[int, ...], list[int]] = {}
     for node, record in rig.records(PoleVectorRecord).items():
-        try:
-            chain = tuple(rig.find(name) for name in record.chain)
-        except NameNotFoundError:
-            continue
-        if chain == limb.triple and record.source != "given":
-            yield node
-    name = rig.names[limb.middle]
-    called = {f"{name}_pole", re.sub(r"\W", "_", name) + "_pole"}
+        if record.source != "given":
+            with suppress(NameNotFoundError):
+                stored.setdefault(tuple(rig.find(name) for name in record.chain), []).append(node)
+    wanted: dict[str, list[int]] = {}
+    for number, limb in enumerate(limbs):
+        if name := rig.names[limb.middle]:
+            for called in {f"{name}_pole", re.sub(r"\W", "_", name) + "_pole"}:
+                wanted.setdefault(called, []).append(number)
+    found = [list(stored.get(limb.triple, ())) for limb in limbs]
     for node, known in enumerate(rig.names):
-        if name and known in called and rig.type_of(node) != PoleVectorRecord.type:
-            yield node
+        if known in wanted and rig.type_of(node) != PoleVectorRecord.type:
+            for number in wanted[known]:
+                found[number].append(node)
+    return found
