@@ -17,7 +17,7 @@ from rigtri.recognition.front_or_hind import is_further
 from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
 from rigtri.recognition.limb_pairs import Limbs, lacks_hand
 from rigtri.recognition.limb_triples import TIE, triple_of
-from rigtri.recognition.limb_words import NO_WORDS, agreement
+from rigtri.recognition.limb_words import NO_WORDS, agreement, in_order
 from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.two_or_four import may_be_front_legs
 from rigtri.text import a
@@ -334,7 +334,7 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
         if path is None:  # its foot, or its thigh, has another parent
             return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair)
         at = path.index(each.joints[0]), path.index(each.joints[1]), path.index(each.joints[2])
-        own = agreement([draft.words.get(joint, NO_WORDS) for joint in path], at)
+        own = agreement(in_order([draft.words.get(joint, NO_WORDS) for joint in path]), at)
         if own <= same.pair.named or _bends_within(draft, each.joints):
             return same  # words and shape together tell more than either
         words.append("but its shape bends at other joints")
@@ -379,7 +379,7 @@ def _by_words(draft: Draft, each: Found) -> Found:
     path = [*each.before, *tree.way(start, end), *tree.paths[end][1:]]
     found = triple_of(tree, [path], [], draft.words)
     words = [draft.words.get(joint, NO_WORDS) for joint in path]
-    if found is None or agreement(words, found.at) < _NAMED:
+    if found is None or agreement(in_order(words), found.at) < _NAMED:
         return each
     return replace(each, joints=tuple(path[k] for k in found.at), before=tuple(path[: found.at[0]]))
 

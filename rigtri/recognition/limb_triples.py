@@ -21,7 +21,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.recognition.bone_noise import straight_within
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
-from rigtri.recognition.limb_words import NO_WORDS, LimbWords, agreement
+from rigtri.recognition.limb_words import NO_WORDS, LimbWords, agreement, in_order
 from rigtri.recognition.pose_samples import Poses, finite
 from rigtri.recognition.symmetry import Pair
 
@@ -212,6 +212,7 @@ def triple_of(
     straight = straight_within(tree, paths, bones, STRAIGHT)
     words_of = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
     words_of = [words for words in words_of if any(word.levels for word in words)]
+    levels_of = [in_order(words) for words in words_of]
     places, first, found = list(combinations(range(len(path)), 3)), 0, []
     whole = _LIMB if begin_as_one(tree, paths) else _WHOLE
     if whole < _WHOLE or (kind == "arm" and _leads_aside(tree, paths, len(path))):
@@ -224,7 +225,7 @@ def triple_of(
         quality -= _LED if at[0] < first else 0.0
         quality -= _LED if kind == "leg" and at[0] > first and now[at[0]] > STRAIGHT else 0.0
         quality -= _HANDLESS if fingers >= HAND and at[2] < len(path) - 1 and kind != "leg" else 0.0
-        named = fsum(agreement(words, at) for words in words_of) / max(1, len(words_of))
+        named = fsum([agreement(levels, at) for levels in levels_of]) / max(1, len(levels_of))
         if towards is not None:
             quality -= _WRONG_WAY * _away(tree, [path[k] for k in at], towards)
         quality = _LITTLE if quality < _LITTLE and named == 1.0 else quality

@@ -7,7 +7,7 @@ A naming scheme says which bone of a human a whole name means. Here each word co
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Literal
@@ -126,15 +126,15 @@ def is_corner(word: str) -> bool:
     return word in _table().corners
 
 
-def agreement(names: Sequence[LimbWords], at: tuple[int, int, int]) -> float:
+def agreement(levels_of: Sequence[Mapping[Level, float]], at: tuple[int, int, int]) -> float:
     """How far the names of a chain say that it bends at three places: 1 where all three do, −1 where none.
 
-    names: of the joints of the chain, from the trunk on. What stands before, between or behind the three
+    levels_of: what the names of the chain say `in_order`. What stands before, between or behind the three
     only counts against them. Of joints that are only numbered, ``leg_1`` …, names say nothing.
     """
     start, middle, end = at
     total = 0.0
-    for k, levels in enumerate(_in_order(names)):
+    for k, levels in enumerate(levels_of):
         if not levels:
             continue
         if k <= start:
@@ -153,8 +153,8 @@ def agreement(names: Sequence[LimbWords], at: tuple[int, int, int]) -> float:
     return max(-1.0, total / 3.0)
 
 
-def _in_order(names: Sequence[LimbWords]) -> Iterator[Mapping[Level, float]]:
-    """What each name of a chain says, with the others in mind.
+def in_order(names: Sequence[LimbWords]) -> list[Mapping[Level, float]]:
+    """What each name of a chain says, with the others in mind: of its joints, from the trunk on.
 
     Of joints that are only numbered, two are the upper and the lower bone, three end the limb, and more
     say nothing, nor do three of an arm before its hand: the first may be a clavicle. After a
@@ -166,6 +166,7 @@ def _in_order(names: Sequence[LimbWords]) -> Iterator[Mapping[Level, float]]:
     hand = any(name.kind == "arm" and name.levels.keys() == {"end"} for name in names)
     most = 2 if count == 3 and hand else 3
     upper = max((k for k, name in enumerate(names) if _is_upper(name) and same[name.plain] < 2), default=-1)
+    found: list[Mapping[Level, float]] = []
     for k, name in enumerate(names):
         levels, row = name.levels, seen[name.plain]
         seen[name.plain] += 1
@@ -179,7 +180,8 @@ def _in_order(names: Sequence[LimbWords]) -> Iterator[Mapping[Level, float]]:
             levels = {"before": levels["before"]}
         lower = lower or levels == {"lower": 1.0}
         middle = middle or name.is_middle
-        yield levels
+        found.append(levels)
+    return found
 
 
 def _is_upper(name: LimbWords) -> bool:

@@ -13,7 +13,7 @@ from recognition_bodies.truth import nameless
 
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import BENDS, Layout
-from rigtri.recognition.limb_words import agreement, limb_words
+from rigtri.recognition.limb_words import agreement, in_order, limb_words
 from rigtri.recognition.recognise import recognise
 
 _FINGERS = {"t": "thumb", "f0": "index", "f1": "middle", "f2": "ring", "f3": "little"}
@@ -146,7 +146,8 @@ def test_arms_of_parted_straight_bones_are_what_their_names_say() -> None:
     ],
 )
 def test_names_of_a_chain_agree_with_the_places_at_which_it_bends(names: str, agreed: float) -> None:
-    assert agreement([limb_words(name) for name in names.split()], (0, 1, 2)) == pytest.approx(agreed)
+    levels_of = in_order([limb_words(name) for name in names.split()])
+    assert agreement(levels_of, (0, 1, 2)) == pytest.approx(agreed)
 
 
 def test_arms_beside_front_and_hind_legs_are_read_by_the_words_that_many_use() -> None:
