@@ -212,7 +212,7 @@ def _refuse_clashes(rig: Rig, names: Mapping[int, str], back: Collection[int]) -
             other = min((node, taken[name]), key=names.__contains__)
             raise UsageError(
                 f"{pair} would both be called '{name}'. Name one of them with --name, e.g. --name "
-                f"{rig.address(other)}={_free(name, {*rig.names, *names.values()})}, or leave "
+                f"'{rig.address(other)}={_free(name, {*rig.names, *names.values()})}', or leave "
                 "one out with --exclude; of two characters rename one at a time with --below NAME"
             )
         taken.setdefault(name, node)
