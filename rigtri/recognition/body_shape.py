@@ -46,6 +46,8 @@ _LEVEL, _STRETCHED, _SMALL = 0.35, 0.906, 0.3
 # Legs that go down by less than this (a cosine) as the file has it do not stand on its ground; those that go
 # along a tail by this trail behind who flies.
 _LYING, _TRAILING = 0.3, 0.8
+# Hands, knees and toes that stand on one ground differ by less than this part of a leg: flesh and heels do.
+_GROUND = 0.08
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
 # What legs lose that go the way of the spine.
@@ -138,6 +140,8 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     if turned[0] == -down or not turned[0].dot(on) > 0:
         turned = [spine.unit, limbs.unit]
     others = [(up, _OTHER_UP) for up in turned if any(up)]
+    if _kneels_on_hands(tree, legs, arms, standing):
+        return [(standing, 1.0)]
     # Legs of a body that sits go as far ahead as down, by 45°; of one that crawls the arms hang down, too,
     # and the feet trail behind.
     seat = _axis(on)
@@ -184,10 +188,23 @@ def _feet_stand(tree: Tree, legs: Limbs, seat: Vector) -> bool:
         places = [tree.at[joint] for joint in legs.joints(which)]
         tip = tree.at[tree.paths[legs.joints(which)[-1]][-1]]
         thigh = (places[1] - places[0]) - seat * (places[1] - places[0]).dot(seat)
-        foot = tip - places[-1]
-        shin = places[-1] - places[1]
+        foot, shin = tip - places[-1], places[-1] - places[1]
         found.append(shin.unit.dot(-seat) > _STANDS and foot.unit.dot(thigh.unit) > _STANDS)
     return len(legs.at) == 3 and all(found)
+
+
+def _kneels_on_hands(tree: Tree, legs: Limbs, arms: Limbs, up: Vector) -> bool:
+    """Whether hands, knees and toes stand on one ground, below hips and shoulders.
+
+    So crawls who tucks the toes, with limbs as those of a driver, whose toes are ahead of the knees.
+    """
+    if len(legs.at) < 3 or len(arms.at) < 3:
+        return False
+    joints = [(*arms.joints(which), *legs.joints(which)) for which in (0, 1)]
+    parts = [part for k in joints for part in (tree.branch(k[2]), [k[4]], tree.branch(k[5]))]
+    lows = [min(tree.at[node].dot(up) for node in part) for part in parts]
+    above = min(legs.starts.dot(up), arms.starts.dot(up)) - min(lows)
+    return max(lows) - min(lows) < _GROUND * legs.size < above
 
 
 def _axis(way: Vector) -> Vector:

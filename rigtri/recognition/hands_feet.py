@@ -29,6 +29,10 @@ _WORDS = {"Thumb": "thumb", "Little": "little finger"}
 _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: PHALANGES}
 # Of what is below a hand, chains longer than this part of the lower arm are no fingers.
 _LONG = 1.2
+# What points back by this (a sine, 20°) is a heel; feet that trail may be stretched beyond the shin.
+_HEEL = 0.35
+# A shin that goes ahead or back by this (a cosine) is one of who kneels or sits on the ground.
+_SWUNG = 0.7
 # Toes that reach less further ahead, as a part of the lower leg, reach as far.
 _AS_FAR = 1e-4
 # What no hand has, where names tell of it.
@@ -54,13 +58,16 @@ def lay_ends(draft: Draft, found: Sequence[Found]) -> None:
 
 def _foot(draft: Draft, leg: Found) -> None:
     tree, ankle = draft.tree, leg.joints[2]
-    joints = [ankle]
+    shin = tree.at[ankle] - tree.at[leg.joints[1]]
+    joints, facing = [ankle], _ahead_of(shin.unit, draft)
     while len(joints) < 4:
         below = [k for k in tree.below[joints[-1]] if not _is_other(draft, k)]
-        ahead = {k: (tree.at[k] - tree.at[ankle]).dot(draft.facing) for k in below}
-        if not below or (max(ahead.values()) < 0.0 and not draft.four):  # a heel is no toe
+        ahead = {k: (tree.at[k] - tree.at[ankle]).dot(facing) for k in below}
+        apart = {k: (tree.at[k] - tree.at[ankle]).length for k in below}
+        heels = not draft.four and all(ahead[k] < -_HEEL * apart[k] for k in below)
+        if not below or heels:
             break
-        furthest = max(ahead.values()) - _AS_FAR * (tree.at[ankle] - tree.at[leg.joints[1]]).length
+        furthest = max(ahead.values()) - _AS_FAR * shin.length
         joints.append(next(k for k in below if ahead[k] >= furthest))
     toes = draft.known_bones.get(f"{leg.side}Toes", -1)
     joints = [*tree.way(ankle, toes)] if toes >= 0 and tree.is_below(toes, ankle) else joints
@@ -68,6 +75,15 @@ def _foot(draft: Draft, leg: Found) -> None:
         draft.call(f"{leg.side}Toes", toes if toes in joints else joints[1])
     words = ("follows the leg",)
     draft.add_chain("foot", "foot", leg.side, joints, leg.confidence, words)
+
+
+def _ahead_of(shin: Vector, draft: Draft) -> Vector:
+    """Where a foot points ahead; of who kneels or crawls it swung with the shin, which does not go down."""
+    down = -draft.up
+    if abs(shin.dot(draft.facing)) < _SWUNG or not shin.dot(down) > -_SWUNG:
+        return draft.facing
+    # The shortest turn from down to the shin, of what is square to down.
+    return draft.facing - (down + shin) * (shin.dot(draft.facing) / (1.0 + shin.dot(down)))
 
 
 def _is_other(draft: Draft, node: int) -> bool:

@@ -110,6 +110,31 @@ def test_a_man_who_sits_upright_has_up_along_his_trunk(named: bool) -> None:
 
 
 @pytest.mark.parametrize("named", [True, False])
+@pytest.mark.parametrize("yaw", [0.0, 90.0])
+def test_who_crawls_on_tucked_toes_keeps_the_up_of_the_file(yaw: float, named: bool) -> None:
+    """Hands, knees and toes stand on one ground. Before, he sat, and faced it."""
+    spine = [(0, 0.5, 0), (0, 0.5, 0.15), (0, 0.5, 0.3), (0, 0.55, 0.5), (0, 0.62, 0.6)]
+    arm = [(0.16, 0.5, 0.45), (0.16, 0.27, 0.44), (0.16, 0.03, 0.45)]
+    leg = [(0.1, 0.46, 0), (0.1, 0.03, 0.02), (0.1, 0.13, -0.4), (0.1, 0, -0.42)]
+    joints = [
+        *line("hips spine chest neck head", "", *spine),
+        *both(
+            [
+                *line("upper_arm.L forearm.L hand.L", "chest", *arm),
+                *line("thigh.L shin.L foot.L toe.L", "hips", *leg),
+            ]
+        ),
+    ]
+    turn = from_axis_angle(np.eye(3)[1], np.radians(yaw))
+    places = rotate(turn, np.array([at for _, _, at in joints], dtype=np.float64)).tolist()
+    joints = [(name, above, (x, y, z)) for (name, above, _), (x, y, z) in zip(joints, places, strict=True)]
+    (man,) = recognise(rig_with(joints, named=named)).characters
+    assert man.up == (0, 1, 0)
+    assert man.facing == pytest.approx(rotate(turn, np.eye(3)[2]), abs=0.05)
+    assert [len(chain.joints) for chain in man.chains if chain.kind == "foot"] == [2, 2]
+
+
+@pytest.mark.parametrize("named", [True, False])
 def test_a_man_who_crawls_keeps_the_up_of_the_file(named: bool) -> None:
     """His legs end as far behind as below, as those of one who sits, but his arms hang from the trunk."""
     spine = line(
