@@ -26,8 +26,10 @@ from rigtri.model.animation import Clip
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin, moving_points
+from rigtri.recognition.body_hinges import turned_facings
+from rigtri.recognition.layout import Direction
 from rigtri.recognition.layout_output import direction_text
-from rigtri.recognition.limbs import facing
+from rigtri.recognition.limbs import facing, surest
 from rigtri.text import columns, counted, display_name, fit_columns, plain, wrap_line
 
 # Scales nearer to 1 are 1 that was stored as float32 or half.
@@ -96,6 +98,7 @@ def as_json(rig: Rig) -> dict[str, Any]:
     return {
         "up": _numbers(np.array(rig.rules.up)),
         "facing": None if (ahead := facing(rig)) is None else _numbers(ahead),
+        **({} if (turned := _turned(rig)) is None else {"turned": {"hips": turned[0], "chest": turned[1]}}),
         "nodes": [_node_json(seen, node) for node in range(len(rig))],
         "skins": [_skin_json(rig, skin) for skin in rig.skins],
         "clips": [_clip_json(rig, clip) for clip in rig.shown_clips],
@@ -173,8 +176,16 @@ def _heading(rig: Rig) -> str:
     ]
     ahead = facing(rig)
     looks = "" if ahead is None else f", facing {direction_text(triple(ahead))}"
+    if turned := _turned(rig):
+        looks += " (hips {}, chest {})".format(*map(direction_text, turned))
     frozen = f"; {rig.rules.orient_locked}" if rig.rules.orient_locked else ""
     return f"{', '.join(counts)}; up {_direction(np.array(rig.rules.up))}{looks}{frozen}"
+
+
+def _turned(rig: Rig) -> tuple[Direction, Direction] | None:
+    """Where hips and chest of the surest character face, where these are turned against each other."""
+    character = surest(rig)
+    return None if character is None else turned_facings(rig, character)
 
 
 def _tree(seen: _Seen, deepest: int) -> Iterator[list[str]]:

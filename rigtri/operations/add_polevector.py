@@ -40,7 +40,7 @@ from rigtri.operations.rigtri_nodes import (
 )
 from rigtri.operations.skin_joints import add_joint, is_joint_kind, move_joint, skin_sibling_parent
 from rigtri.recognition.bend_direction import CLEAR, SOURCE_TEXT, Bend, crossings
-from rigtri.recognition.body_hinges import bodies
+from rigtri.recognition.body_hinges import bodies, warn_both
 from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.limb_bends import NO_PLANE, LimbBends
 from rigtri.recognition.limbs import Limb, along, limb_title, named_limbs, unsure
@@ -77,6 +77,8 @@ def _with_poles(rig: Rig, options: AddPolevectorOptions, report: Report) -> Rig:
     others = (*limbs, *(k for k in recognised(rig) if k not in limbs))
     facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
     known = bodies(rig, recognise(rig).characters, ref.world, facing)
+    if facing is not None:
+        warn_both(rig, recognise(rig).characters, report)
     limb_bends = LimbBends(rig, ref.world, ref.other, others, known, facing)
     undecided = []
     for limb in limbs:

@@ -18,15 +18,16 @@ from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, multiply, rotate, rotation_angle
 from rigtri.maths.trigonometry import Floats, arc_tangent
-from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.model.rig import Rig
 from rigtri.model.skin import moving_points
 from rigtri.recognition.bend_direction import facing_along
 from rigtri.recognition.hand_hinges import Hinge, hand_hinges
-from rigtri.recognition.layout import Chain, Character
+from rigtri.recognition.layout import Chain, Character, Direction
 from rigtri.recognition.pose_samples import bind_pose
+from rigtri.report import Report
 
 # A bone nearer to the lateral axis than this (a cosine) takes its hinge across the facing direction.
 LATERAL = cosine_below(45)
@@ -45,8 +46,9 @@ class Body:
     """A character as it stands in a pose: unit directions of the world, (3,) each.
 
     hips, chest: where these face, which is elsewhere where one is turned against the other. nodes: all joints
-    of the character. limbs: those whose limbs say it. unsure: joints of what may be limbs. hinges: what it
-    says of the others. feet: where those with toes point, by their ankles.
+    of the character, upper: those at the end of the spine and below it. limbs: those whose limbs say it.
+    unsure: joints of what may be limbs. hinges: what it says of the others. feet: where those with toes
+    point, by their ankles.
     """
 
     facing: Floats
@@ -55,6 +57,7 @@ class Body:
     up: Floats
     left: Floats
     nodes: frozenset[int]
+    upper: frozenset[int]
     limbs: frozenset[int]
     unsure: frozenset[int]
     hinges: Mapping[int, Hinge]
@@ -64,10 +67,12 @@ class Body:
         """Where hips or chest face as a limb at ``points``, (3, 3), has it, unit, (3,)."""
         return facing_along(points[2] - points[0], self.chest if arm else self.hips, self.up)
 
-    def default(self, bone: Floats) -> Floats:
+    def default(self, bone: Floats, joint: int) -> Floats:
         """The hinge of a bone of which nothing else is known: lateral, or for lateral bones across them."""
-        lateral = abs(float(dot(bone, self.left))) > LATERAL
-        return normalise(cross(bone, self.facing)) if lateral else normalise(perpendicular(self.left, bone))
+        facing = self.chest if joint in self.upper else self.facing
+        left = cross(self.up, facing)
+        lateral = abs(float(dot(bone, left))) > LATERAL
+        return normalise(cross(bone, facing)) if lateral else normalise(perpendicular(left, bone))
 
 
 def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: ArrayLike | None) -> list[Body]:
@@ -94,7 +99,9 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
             hinges = dict(_hinges(character, at, (hips, chest), up, mirrored=mirrored))
             toed = [k.joints for k in character.chains if k.kind == "foot" and len(k.joints) > 1]
             feet = {ankle: normalise(at[toes] - at[ankle]) for ankle, toes, *_ in toed}
-            found.append(Body(ahead, hips, chest, up, left, nodes, limbs, unsure, hinges, feet))
+            top = next((k.joints[-1] for k in character.sure_chains if k.kind == "spine"), -1)
+            upper = frozenset(k for k in nodes if top >= 0 and rig.is_below(k, top))
+            found.append(Body(ahead, hips, chest, up, left, nodes, upper, limbs, unsure, hinges, feet))
     return found
 
 
@@ -104,7 +111,29 @@ def _hands_alone(character: Character, at: Floats) -> Body:
     sides: dict[Side, bool | None] = {side: side == "left" if side else None for side in hands}
     hinges = hand_hinges(character.chains, sides, at, None)
     nodes = frozenset(part.joint for part in character.parts)
-    return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, dict(hinges), {})
+    return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, none, dict(hinges), {})
+
+
+def turned_facings(rig: Rig, character: Character) -> tuple[Direction, Direction] | None:
+    """Where hips and chest of a character face that are turned against each other by more than `TURNED`."""
+    for body in bodies(rig, [character], rig.world, None):
+        if dot(body.hips, body.chest) < TURNED:  # of a hand alone both are unknown
+            return triple(body.hips + 0.0), triple(body.chest + 0.0)
+    return None
+
+
+def warn_both(rig: Rig, characters: Sequence[Character], report: Report) -> None:
+    """Warn that one facing direction, which the user has given, counts for hips and chest that face apart."""
+    for character in characters:
+        turned = turned_facings(rig, character) if character.gives_axes else None
+        if turned is not None:
+            hips, chest = map(np.array, turned)
+            report.warn(
+                "facing-of-both",
+                f"Hips and chest are turned against each other by {np.degrees(angle(hips, chest)):.0f}°; "
+                "--facing counts for both alike. Without it each faces where its limbs begin",
+                geometry=True,
+            )
 
 
 def lone_feet(characters: Sequence[Character], bodies: Sequence[Body], at: Floats) -> dict[int, Floats]:

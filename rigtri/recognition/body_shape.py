@@ -17,12 +17,10 @@ from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import TRIED, Limbs
 from rigtri.recognition.naming_schemes import roles_in_name
-from rigtri.recognition.symmetry import Plane, between
+from rigtri.recognition.symmetry import SQUARE, Plane, between
 
 # Another file's up than the one it says counts so much less.
 _OTHER_UP = 0.8
-# The line between two limbs of a pair lies across the plane: the cosine, which allows for a turned chest.
-_SQUARE = 0.8
 # No pair without another scores so much.
 _ALONE = 0.76
 # What a body loses beside which another pair stands on the ground.
@@ -95,7 +93,7 @@ def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body
 def across(tree: Tree, limbs: Limbs, plane: Plane) -> bool:
     """Whether the plane lies between the two."""
     middle, line = between(tree, limbs.pair)
-    if not abs(line.dot(plane.normal)) > _SQUARE:
+    if not abs(line.dot(plane.normal)) > SQUARE:
         return False
     widest = max((tree.at[a] - tree.at[b]).length for a, b in zip(*limbs.pair.paths, strict=True))
     return widest > 3.0 * abs(plane.side_of(middle))

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from rigtri.model.rig import Rig
+from rigtri.recognition.body_hinges import turned_facings
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Direction, Layout
 from rigtri.text import columns, cut, plain_lines
 
@@ -41,6 +42,8 @@ def _head(rig: Rig, character: Character) -> list[str]:
     hips = f", hips {rig.title(character.hips)}" if apart else ""
     directions = (character.facing, character.up, character.normal)
     stands = "faces {}, up {}, left {}".format(*map(direction_text, directions))
+    if turned := turned_facings(rig, character):
+        stands += "; hips face {}, the chest faces {}".format(*map(direction_text, turned))
     return [
         f"{character.form}, {character.confidence:.2f} sure: {where}{hips}",
         f"{stands}; in the {character.pose} pose",
@@ -100,6 +103,12 @@ def as_json(rig: Rig, layout: Layout) -> dict[str, Any]:
     return {"confident": CONFIDENT, "characters": characters, "remarks": list(layout.remarks)}
 
 
+def _turned(rig: Rig, character: Character) -> dict[str, Any]:
+    """Where hips and chest face, of a body in which that differs."""
+    turned = turned_facings(rig, character)
+    return {} if turned is None else {"turned": {"hips": list(turned[0]), "chest": list(turned[1])}}
+
+
 def _character(rig: Rig, character: Character) -> dict[str, Any]:
     known = any(character.normal)
     return {
@@ -108,6 +117,7 @@ def _character(rig: Rig, character: Character) -> dict[str, Any]:
         "root": rig.address(character.root) if character.root >= 0 else None,
         "hips": rig.address(character.hips) if character.hips >= 0 else None,
         "facing": _direction(character.facing),
+        **_turned(rig, character),
         "up": _direction(character.up),
         "plane": {"point": list(character.point), "normal": list(character.normal)} if known else None,
         "pose": character.pose,

@@ -21,7 +21,7 @@ from rigtri.model.limb import Limb as Limb
 from rigtri.model.limb import LimbKind
 from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
-from rigtri.recognition.layout import CONFIDENT, MAP, NAMES, Chain
+from rigtri.recognition.layout import CONFIDENT, MAP, NAMES, Chain, Character
 from rigtri.recognition.naming_schemes import limb_kind_in_name
 from rigtri.recognition.recognise import recognise as layout_of
 from rigtri.recognition.recognise import sure_limbs
@@ -168,11 +168,17 @@ def _source(chain: Chain) -> Literal["vrm", "names", "shape"]:
     return "vrm" if first == MAP else "names" if first.startswith(NAMES) else "shape"
 
 
+def surest(rig: Rig) -> Character | None:
+    """The character of a rig of which it is surest where it looks; None where it is of none."""
+    known = [character for character in layout_of(rig).characters if any(character.facing)]
+    return ranked(known, lambda k: k.confidence, SAME_SCORE)[0] if known else None
+
+
 def facing(rig: Rig) -> Floats | None:
     """Where a character looks, unit, (3,): as the surest of a rig was recognised, else as its format says."""
-    known = [character for character in layout_of(rig).characters if any(character.facing)]
-    if known:
-        return np.array(ranked(known, lambda k: k.confidence, SAME_SCORE)[0].facing)
+    known = surest(rig)
+    if known is not None:
+        return np.array(known.facing)
     return None if rig.rules.facing is None else np.asarray(rig.rules.facing, dtype=np.float64)
 
 

@@ -12,7 +12,8 @@ from rigtri.errors import FileError
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.evaluation.sampling import worlds
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import compose, multiply, transform_directions, transform_points
+from rigtri.maths.matrices import compose, from_frame, multiply, transform_directions, transform_points
+from rigtri.maths.quaternions import to_axes
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
@@ -24,6 +25,7 @@ from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import PoseName
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.symmetry import Pair, Plane, pairs_of, plane_of
+from rigtri.recognition.untwisted import Twist
 
 # Moments that are looked at: so many clips, the longest first, at these parts of their keys.
 CLIPS = 4
@@ -179,22 +181,39 @@ class Poses:
         return found
 
     @cached_property
-    def _corners(self) -> dict[tuple[bool, tuple[int, ...]], list[Vector]]:
+    def _corners(self) -> dict[tuple[int, tuple[int, ...]], list[Vector]]:
         return {}
 
-    def box_of(self, nodes: Sequence[int], places: Floats) -> list[Vector]:
-        """The corners of boxes of what joints move, where all nodes stand at ``places``: `rest` or `bind`.
+    @cached_property
+    def _turned(self) -> list[tuple[Floats, Floats]]:
+        """Places, (n, 3), of poses with a chest turned back, and world matrices, (n, 4, 4)."""
+        return []
 
-        It reads all meshes when first called.
+    def turn(self, twist: Twist, pose: PoseName) -> None:
+        """Take note of a pose with a chest turned back, for `box_of`."""
+        world = self._world(bound=pose == "bind").copy()
+        there, back = from_frame(np.eye(3), twist.centre), from_frame(np.eye(3), -twist.centre)
+        turn = multiply(multiply(back, from_frame(to_axes(twist.turn), np.zeros(3))), there)
+        world[twist.turned] = multiply(world[twist.turned], turn)
+        self._turned.append((twist.tree.places, world))
+
+    def _world(self, *, bound: bool) -> Floats:
+        bind = bind_pose(self.rig) if bound else None
+        return self.rig.world if bind is None else bind
+
+    def box_of(self, nodes: Sequence[int], places: Floats) -> list[Vector]:
+        """The corners of boxes of what joints move, where all nodes stand at ``places``.
+
+        These are `rest` or `bind`, or those of a `turn`. It reads all meshes when first called.
         """
-        key = places is self.bind, tuple(nodes)
+        turned = next((k for k, (known, _) in enumerate(self._turned) if known is places), None)
+        key = (-1 if places is self.bind else -2) if turned is None else turned, tuple(nodes)
         if key not in self._corners:
-            self._corners[key] = self._box_of(nodes, bound=key[0])
+            world = self._world(bound=key[0] == -1) if turned is None else self._turned[turned][1]
+            self._corners[key] = self._box_of(nodes, world)
         return self._corners[key]
 
-    def _box_of(self, nodes: Sequence[int], bound: bool) -> list[Vector]:
-        bind = bind_pose(self.rig) if bound else None
-        world = self.rig.world if bind is None else bind
+    def _box_of(self, nodes: Sequence[int], world: Floats) -> list[Vector]:
         boxes_of = [(k, box) for k in nodes for box in self._boxes.get(k, ())]
         if not boxes_of:
             return []

@@ -7,6 +7,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from weakref import WeakKeyDictionary
 
+import numpy as np
+
+from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.joint_names import Side
 from rigtri.model.rig import Rig
@@ -178,12 +181,22 @@ def _character(draft: Draft) -> Character:
         parts=parts_of(draft),
         chains=tuple(draft.chains),
         point=_numbers(plane.point if plane else Vector()),
-        normal=_numbers(draft.left),
-        facing=_numbers(draft.facing),
+        normal=_numbers(_of_both(draft, draft.left)),
+        facing=_numbers(_of_both(draft, draft.facing)),
         up=_numbers(draft.up),
         pose=draft.shape.pose,
         confidence=round(sure, 2),
     )
+
+
+def _of_both(draft: Draft, way: Vector) -> Vector:
+    """A direction half-way between those of hips and chest, where these are turned against each other."""
+    twist = draft.shape.twist
+    if twist is None or not any(way):
+        return way
+    turn = between(np.array([*twist.hips]), np.array([*twist.between]))
+    turned = Vector(*rotate(turn, np.array([*way])).tolist())
+    return (turned - draft.up * turned.dot(draft.up)).unit
 
 
 def _form(draft: Draft) -> Form:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.maths.arrays import Integers
-from rigtri.maths.ranking import SAME_LENGTH, ranked
+from rigtri.maths.ranking import SAME_LENGTH, SAME_SCORE, ranked
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
 from rigtri.model.dataclass import dataclass
@@ -26,6 +26,7 @@ from rigtri.recognition.order_in_names import joined
 from rigtri.recognition.pose_samples import Measured, Poses
 from rigtri.recognition.symmetry import Pair, Plane, named_pairs, opposite, plane_of
 from rigtri.recognition.two_or_four import settled
+from rigtri.recognition.untwisted import Twist, twists
 
 # Where a body looks has to be so sure, 0 to 1, before knees and elbows are taken to point as they should.
 _LOOKS = 0.5
@@ -36,7 +37,8 @@ MOST = 3000
 @dataclass(frozen=True, eq=False)
 class Shape:
     """tree: in the pose ``pose``. bodies: the likeliest first, () where it is none. legs: of a body with more
-    than two pairs of them. is_rough: its pairs are alike only if noise is allowed for."""
+    than two pairs of them. is_rough: its pairs are alike only if noise is allowed for. twist: of a chest that
+    is turned against the hips; ``tree`` is without it."""
 
     tree: Tree
     pose: PoseName
@@ -46,6 +48,7 @@ class Shape:
     bodies: tuple[Body, ...]
     legs: tuple[Limbs, ...] = ()
     is_rough: bool = False
+    twist: Twist | None = None
 
     @property
     def body(self) -> Body | None:
@@ -90,12 +93,17 @@ def _worth(shape: Shape) -> float:
 def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int, LimbWords]) -> Shape:
     if len(nodes) > MOST:
         return Shape(tree_of(nodes, poses, pose), pose, (), None, (), ())
-    measured = _measured(nodes, poses, pose)
-    exact = _with_pairs(measured.pairs, measured.plane, nodes, poses, pose, names)
-    if _is_whole(exact) or len(measured.rough_pairs) == len(measured.pairs):
+    measured, tree = _measured(nodes, poses, pose), tree_of(nodes, poses, pose)
+    exact = _with_pairs(measured.pairs, measured.plane, tree, poses, pose, names)
+    if _is_whole(exact):
         return exact
-    rough = _with_pairs(measured.rough_pairs, measured.rough_plane, nodes, poses, pose, names)
-    return replace(rough, is_rough=True) if _is_whole(rough) else exact
+    if (untwisted := _untwisted(exact, measured.pairs, poses, names)) is not None:
+        return untwisted
+    if len(measured.rough_pairs) == len(measured.pairs):
+        return exact
+    rough = _with_pairs(measured.rough_pairs, measured.rough_plane, tree, poses, pose, names)
+    found = rough if _is_whole(rough) else _untwisted(rough, measured.rough_pairs, poses, names)
+    return exact if found is None else replace(found, is_rough=True)
 
 
 def _is_whole(shape: Shape) -> bool:
@@ -103,15 +111,39 @@ def _is_whole(shape: Shape) -> bool:
     return bool(shape.legs) or (shape.body is not None and bool(shape.body.legs and shape.body.arms))
 
 
+def _untwisted(
+    shape: Shape, known: Sequence[Pair], poses: Poses, names: Mapping[int, LimbWords]
+) -> Shape | None:
+    """The same, with the chest turned back to the hips, where that makes a body on two legs with arms of it.
+
+    known: pairs that turning changes nothing of. Of both ways to turn it back the one after which more tells
+    where the body looks: knees, elbows, feet and thumbs agree then.
+    """
+    best, found = 0.0, None
+    for twist in twists(shape.tree, shape.pairs):
+        poses.turn(twist, shape.pose)
+        plane = plane_of(twist.tree, known)
+        other = _with_pairs(known, plane, twist.tree, poses, shape.pose, names)
+        body = other.body
+        if other.plane is None or body is None or not (body.legs and body.arms) or body.form != "biped":
+            continue
+        if (body.legs.pair.nodes, body.arms.pair.nodes) != tuple(pair.nodes for pair in twist.pairs):
+            continue
+        _, sure, _ = facing_of(twist.tree, body, other.plane, poses)
+        if body.score + sure > best + SAME_SCORE:
+            best, found = body.score + sure, replace(other, twist=twist)
+    return found
+
+
 def _with_pairs(
     known: Sequence[Pair],
     plane: Plane | None,
-    nodes: Sequence[int],
+    tree: Tree,
     poses: Poses,
     pose: PoseName,
     names: Mapping[int, LimbWords],
 ) -> Shape:
-    tree = tree_of(nodes, poses, pose)
+    """The shape of a tree in a pose by the pairs of its branches that are known, and their plane."""
     pairs = [pair for pair in known if not _of_one_side(tree, pair)]
     plane = plane if len(pairs) == len(known) else plane_of(tree, pairs)
     if more := named_pairs(tree, pairs):

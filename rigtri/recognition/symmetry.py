@@ -35,6 +35,8 @@ _ROUGH_LENGTH, _ROUGH_SLACK = 0.25, 0.1
 _NAMED = 0.4
 # Pairs shorter than this part of the longest have no say in where the plane is.
 _VOTING = 0.35
+# The line between two limbs of a pair lies across the plane: the cosine, which allows for a turned chest.
+SQUARE = 0.8
 # By so much a plane through two pairs has to be better than that of one.
 _BETTER = 0.02
 # A pair agrees with a plane that is no further from its middle than this part of the whole, and along which

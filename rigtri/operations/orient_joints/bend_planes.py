@@ -167,7 +167,7 @@ def _agree_with_body(planes: BendPlanes, targets: Targets, chain: Sequence[int],
     bones = bones[np.isfinite(bones).all(axis=1)]
     if not len(bones):
         return
-    hinge = body.default(normalise(bones.cumsum(axis=0)[-1]))
+    hinge = body.default(normalise(bones.cumsum(axis=0)[-1]), chain[0])
     if not np.isfinite(hinge).all():
         return
     normals = planes.normals

@@ -34,7 +34,7 @@ from rigtri.operations.orient_joints.messages import RequestedFrames
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy, nearest_cardinal
 from rigtri.operations.orient_joints.standard_frames import StandardFrames, standard_frames, warn_facing
 from rigtri.operations.orient_joints.up_direction import UpLadder
-from rigtri.recognition.body_hinges import bodies
+from rigtri.recognition.body_hinges import bodies, warn_both
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
@@ -268,6 +268,8 @@ def requested_frames(
             warn_facing(standard, report)
         known = targets.bodies if characters else ()
         known = bodies(rig, characters, targets.ref.world, facing) if known is None else known
+        if facing is not None:
+            warn_both(rig, characters, report)
         messages.warn_unsure(targets, report, per_joint=options.per_joint_plane)
         planes = bend_planes(targets, known, facing, per_joint=options.per_joint_plane, report=report)
         # After an offset or a snap the present axis is not the one that a run before has found.
