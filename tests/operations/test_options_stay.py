@@ -66,6 +66,9 @@ RIGS: dict[str, Callable[[], Rig]] = {
     "other": cache(lambda: rigtri.set_rest(_read("biped.glb"), pose="walk@0.5")),
     "scaled": cache(_scaled),
     "unmoved": cache(lambda: replace(_read("biped.glb"), clips=())),
+    "long": cache(
+        lambda: rigtri.add_controls(_read("biped.glb"), ik=[("clavicle_L", "forearm_L", "hand_L")])
+    ),
     "less": cache(lambda: rigtri.merge_joints(_read("biped.glb"), joints=["hand_L", "foot_R"])),
 }
 # Operation → options, each with the characters that have them: one run for each.
@@ -222,6 +225,7 @@ RUNS: dict[str, list[tuple[str, dict[str, Any]]]] = {
         ("small", {"to": "controls", "clip": ["step"], "discard_motion": True}),
         ("small", {"to": "controls", "clip": ["stop"]}),
         ("rooted", {"to": "joints"}),
+        ("long", {"to": "controls"}),
     ],
     "constrain": [
         ("biped", {"type": kind, "child": "hand_L", "driver": ["head=2", "hand_R"], **more})
@@ -329,7 +333,11 @@ RUNS: dict[str, list[tuple[str, dict[str, Any]]]] = {
         ("biped", {"plane": "xz"}),
         ("rigged", {"what": ["joints"], "pose": "nodes"}),
     ],
-    "take_pose": [("biped usd", {"at": "walk@0.5"}), ("moved", {"at": "step@0.3", "evaluate": True})],
+    "take_pose": [
+        ("biped usd", {"at": "walk@0.5"}),
+        ("moved", {"at": "step@0.3", "evaluate": True}),
+        ("long", {"at": "walk@0.4"}),
+    ],
     "rename_joints": [
         ("biped", {"to": "unreal"}),
         ("biped body", {"to": "mixamo", "prefix": "x_"}),

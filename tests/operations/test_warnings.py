@@ -51,6 +51,12 @@ def _three_drivers(report: Report) -> None:
     blender_setup(rig, gltf=True, report=report)
 
 
+def _constrained_in_a_limb(report: Report) -> None:
+    rig = rigtri.add_controls(_biped(), whole_character=True)
+    rig = rigtri.constrain(rig, type="orient", child="forearm_L", driver=["head"])
+    blender_setup(rig, gltf=True, report=report)
+
+
 def _stretched(report: Report) -> None:
     """IK cannot shear an arm as an FK control with three scales does."""
     rig = rigged()
@@ -161,6 +167,27 @@ CASES: dict[str, tuple[Callable[[Report], object], str]] = {
         lambda report: rigtri.draw(ARM, joints="a", exclude="a", report=report),
         "The file: the selection leaves no joint to be drawn",
     ),
+    "nearly-straight": (
+        lambda report: rigtri.make_limb(
+            ARM, points=[(0, 0, 0), (0, -1, 0.002), (0, -2, 0)], name="leg", report=report
+        ),
+        "leg is nearly straight (0.229°): the bend direction is not reliable.\n"
+        "leg_1 - leg_2 - leg_3 is nearly straight (0.229°): the bend direction is not reliable.",
+    ),
+    "blender-left-out": (
+        _constrained_in_a_limb,
+        "'forearm_L' is moved by its limb's IK, and does not follow its constraint",
+    ),
+    "no-foot-roll": (
+        lambda report: rigtri.add_controls(
+            rigtri.merge_joints(replace(_biped(), clips=()), joints=["toe_*"]),
+            limbs="auto",
+            foot_roll=True,
+            report=report,
+        ),
+        "No pivots for 'foot_L' to roll about: no toe joint is recognised below it\n"
+        "No pivots for 'foot_R' to roll about: no toe joint is recognised below it",
+    ),
     "map-unknown": (
         lambda report: rigtri.rename_joints(ARM, map={"names": {"old": "a", "older": "gone"}}, report=report),
         "Of the joints that map= renames, 1 of 2 have their new names already, and the others are not here: "
@@ -174,4 +201,4 @@ def test_a_warning_is_told_in_these_words(code: str) -> None:
     make, text = CASES[code]
     report = Report()
     make(report)
-    assert [notice.text for notice in report.warnings if notice.code == code] == [text]
+    assert "\n".join(notice.text for notice in report.warnings if notice.code == code) == text

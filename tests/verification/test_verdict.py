@@ -217,3 +217,12 @@ def test_machines_read_null_where_there_is_no_number() -> None:
     moved = compared(motion=Motion(0.0, WORST, {"walk": INF}, {"face": 0.1})).as_json()["motion"]
     assert moved == {"deviation": 0.0, "worst": None, "clips": {"walk": None}, "morphs": {"face": 0.1}}
     assert Motion(0.5, WORST, {}).as_json()["worst"] == WORST.as_json()
+
+
+def test_of_what_is_unseen_people_read_five_and_how_many_more() -> None:
+    variants = tuple(f"variant {k}" for k in range(7))
+    few, many = compared(unseen=variants[:5]), compared(unseen=variants)
+    lines = [f"unseen      not compared: {each}" for each in variants]
+    assert few.describe().splitlines()[-5:] == lines[:5]
+    assert many.describe().splitlines()[-6:] == [*lines[:5], "unseen      and 2 more (all with -v)"]
+    assert many.describe(verbose=True).splitlines()[-7:] == lines
