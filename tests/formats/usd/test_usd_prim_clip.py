@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from pxr import Usd, UsdGeom
@@ -109,3 +110,18 @@ def test_hidden_flat_and_broken_samples_are_read(tmp_path: Path) -> None:
     assert codes == ["no-place", "xform-sheared"]
     assert all("</Flat>" in notice.text for notice in document.warnings)
     assert verify(document, document).passes()
+
+
+def test_a_prim_without_a_place_and_rigs_without_rest_are_told(tmp_path: Path) -> None:
+    order = 'uniform token[] xformOpOrder = ["xformOp:translate"]'
+    poles = "".join(
+        f'def Xform "{name}" {{ int rigtri:v = 1; token rigtri:type = "rivet"\n'
+        f"double3 xformOp:translate.timeSamples = {{ 1: (1, 0, 0), 2: (2, 0, 0) }}\n{order}\n }}\n"
+        for name in ("one", "two", "three")
+    )
+    odd = f'def Xform "Odd" {{ double3 xformOp:translate = (nan, 0, 0)\n{order}\n }}\n'
+    document = read(save(tmp_path, scene(skeleton(), animation(), MESH) + odd + poles))
+    told = {notice.code: notice.text for notice in document.warnings}
+    assert told["no-place"] == "The ops of </Odd> give no finite matrix; it is measured as if it had none."
+    assert told["rest-lost"].startswith("The file has no rest position of 'one' and 2 more (time samples")
+    assert_allclose(document.rig.world[document.rig.find("Odd")], np.eye(4))

@@ -334,3 +334,20 @@ def test_metadata_that_goes_takes_its_brackets_along(path: str) -> None:
     assert out.count("(") == 1
     assert "float a = 1.50" in out
     assert "float b = 2.50 # plain" in out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "change"),
+    [
+        ("int x  (hidden = 1) # r", "int x = 5  (hidden = 1) # r", put("/P.x", 5)),
+        ("int x = 5 # r", "int x # r", lambda layer: layer.GetAttributeAtPath("/P.x").ClearDefaultValue()),
+        (
+            'int x = 5 (doc = "d") # r',
+            "int x = 5 # r",
+            lambda layer: layer.GetAttributeAtPath("/P.x").ClearInfo("documentation"),
+        ),
+    ],
+)
+def test_a_value_or_metadata_comes_and_goes_alone(old: str, new: str, change: Callable[[Any], None]) -> None:
+    around = '#usda 1.0\ndef "P"\n{{\n    int w = 1\n    {}\n    int y = 2\n}}\n'
+    assert changed(around.format(old), change).decode() == around.format(new)
