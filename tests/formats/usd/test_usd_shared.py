@@ -133,3 +133,20 @@ def test_a_skeleton_that_variants_bind_to_a_shared_animation_gets_no_copy(tmp_pa
     printed = cli(*words, code=3).stderr
     assert "</Root/Twin> needs a copy of </Root/Anim>" in printed
     assert "'take'" in printed
+
+
+def test_an_animation_that_nothing_plays_loses_the_columns_of_joints_of_its_own_skeleton(
+    tmp_path: Path,
+) -> None:
+    """Of two characters with the same names: with a joint more than the nearest it would be the other's."""
+    mesh = MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, 1, 1, 0, 1, 1]")
+    near = scene(skeleton(), animation(), animation("Idle"), mesh)
+    far = near.partition("def SkelRoot")[2].replace("Root", "Far")
+    source, out = save(tmp_path, f"{near}\ndef SkelRoot{far}"), tmp_path / "out.usda"
+    cli("prune-joints", source, "-o", out, "--joints", "/Root/Skel:a/b/c", code=0)
+    stage = Usd.Stage.Open(str(out))
+    listed = {
+        path: len(stage.GetPrimAtPath(path).GetAttribute("joints").Get())
+        for path in ("/Root/Idle", "/Far/Idle")
+    }
+    assert listed == {"/Root/Idle": 2, "/Far/Idle": 3}

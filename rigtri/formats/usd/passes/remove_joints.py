@@ -41,7 +41,8 @@ _STILL = 1e-4
 def remove_joints(edit: UsdEdit) -> None:
     """Give the rig all rows of its skins and all tracks again; `drop_joints` takes rows and columns out.
 
-    A skeleton that loses all its joints is removed; columns of joints that stay, of any skeleton, stay.
+    A skeleton that loses all its joints is removed; columns of joints that stay in any skeleton of an
+    animation stay.
     FileError where a skeleton or an animation cannot be edited.
     """
     _remove_rows(edit)
@@ -109,20 +110,16 @@ def _check_still(source: Source, skeleton: Skeleton, gone: Collection[str]) -> N
 
 def _drop_columns(edit: UsdEdit) -> None:
     source, rig = edit.source, edit.rig
-    stay: set[str] = set()
-    gone: set[str] = set()
-    lost: dict[str, set[str]] = {path: set() for path in source.animations}  # of clip libraries
+    stay: dict[str, set[str]] = {path: set() for path in source.skeletons}  # a clip library stands for one
+    gone: dict[str, set[str]] = {path: set() for path in source.skeletons}
     for node, (skeleton, token) in source.joints.items():
-        removed = node in rig.pending.removed
-        if skeleton not in source.animations:
-            (gone if removed else stay).add(token)
-        elif removed:
-            lost[skeleton].add(token)
+        (gone if node in rig.pending.removed else stay)[skeleton].add(token)
     for animation in source.animations.values():
         users = [path for path, s in source.skeletons.items() if animation.path in s.every_animation]
         if animation.path not in source.skeletons and is_decided(source.stage, users, animation.path):
             continue  # each variant has its own, and what no joint is called does nothing
-        away = lost[animation.path] | (gone - stay)
+        users += [animation.path] if animation.path in source.skeletons else []
+        away = set[str]().union(*map(gone.__getitem__, users)) - set().union(*map(stay.__getitem__, users))
         keep = np.array([token not in away for token in animation.tokens], dtype=bool)
         if not keep.all():
             edit.staying[animation.path] = keep
