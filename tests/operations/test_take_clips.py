@@ -591,6 +591,18 @@ def test_nodes_without_names_are_known_by_their_place_where_both_files_are_built
     assert apart(replace(home, names=rig.names), edited, "walk") < CLOSE
 
 
+def test_nodes_without_names_are_known_by_those_that_blender_gives_them() -> None:
+    """Before, a character without names did not come home from Blender, which adds nodes of its own."""
+    rig = rig_of()
+    ours = replace(rig, names=("",) * len(rig))
+    imported = tuple(f"Node_{label.removeprefix('#')}" for label in rig.labels)
+    moved = turned_key(rig, "shin_L")
+    edited = replace(moved, names=imported).with_nodes(["Empty"], [-1], np.zeros((1, 3)), np.eye(4)[3:])
+    home = take_clips(ours, from_=edited)
+    assert apart(replace(home, names=rig.names), moved, "walk") < CLOSE
+    assert apart(replace(home, names=rig.names), rig, "walk") > 0.01
+
+
 def test_nodes_without_names_are_refused_where_a_path_does_not_identify_them() -> None:
     rig = rig_of()
     ours = replace(rig, names=("",) * len(rig))

@@ -54,6 +54,7 @@ def pairs(rig: Rig, other: Rig) -> Pairs:
         found |= _by_branch(rig, other, found)
         still = {rig.names[node] for node in range(len(rig)) if node not in found}
         unclear = {name: None for name in unclear if name in still}
+    found |= _by_import(rig, other, found)
     placed = _by_place(rig, other, found)
     return Pairs(found | placed, tuple(unclear), tuple(placed))
 
@@ -173,6 +174,18 @@ def _bones(rig: Rig) -> Floats:
     stored = [skin for skin in rig.skins if skin.stored]
     rows = [skin.bind[:, 3, :3] for skin in stored]
     return np.concatenate([*rows, np.zeros((0, 3))])
+
+
+def _by_import(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]:
+    """The nodes without a name in a glTF file that have those which Blender's import gives them."""
+    theirs, taken = _spelled(other, str), set(found.values())
+    made = {}
+    for node, label in enumerate(rig.labels):
+        if node not in found and not rig.names[node] and re.fullmatch(r"#\d+", label):
+            free = [k for k in theirs.get(f"Node_{label[1:]}", ()) if k not in taken]
+            if len(free) == 1:
+                made[node] = free[0]
+    return made
 
 
 def _by_place(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]:
