@@ -217,8 +217,8 @@ def stored_style(record: OffsetRecord) -> AxisStyle | None:
     """What a control was aimed by; None where it has the axes of its joint."""
     if record.up_from in (_WORLD, _MIRRORED):
         return AxisStyle(world=True) if record.up_from == _WORLD else MIRRORED
-    if not {record.aim, record.up} <= _AXES:
-        return None  # or nobody can read what
+    if not {record.aim, record.up} <= _AXES or record.aim[-1:] == record.up[-1:]:
+        return None  # or nobody can read what; damaged ones may name one axis twice
     return AxisStyle(record.aim, record.up, record.up_from, held=record.held)
 
 

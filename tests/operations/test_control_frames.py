@@ -18,6 +18,7 @@ from rigtri.frames import Mirror
 from rigtri.frames.mirroring import Across, mirrored_axes
 from rigtri.model.metadata import ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.control_frames import stored_style
 from rigtri.operations.mirror.symmetry_check import asymmetry
 from rigtri.report import Report
 
@@ -210,3 +211,9 @@ def test_controls_below_a_mirrored_root_close_as_all_others_do(preset: str) -> N
     assert len(names) > 10
     for name in names:
         np.testing.assert_allclose(here.world[here.find(name)], there.world[there.find(name)], atol=1e-6)
+
+
+@pytest.mark.parametrize(("aim", "up", "told"), [("x", "-y", True), ("x", "-x", False), ("x", "w", False)])
+def test_stored_axes_that_are_no_two_are_those_of_the_joint(aim: str, up: str, told: bool) -> None:
+    record = OffsetRecord(kind="fk", joint="a", aim=aim, up=up, up_from="plane")
+    assert (stored_style(record) is not None) == told
