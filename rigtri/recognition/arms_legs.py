@@ -45,8 +45,9 @@ _SEEN = 0.5
 _CLOSE = 0.04
 # A pair of legs or of arms alone is never surer than this by its shape.
 _HALF = 0.62
-# Nor is a body whose two sides are alike only if noise is allowed for.
-_ROUGH = 0.72
+# Nor is a body whose two sides are alike only if noise is allowed for, nor a limb whose joints noise may take
+# for each other, unless names say all three.
+_ROUGH, _ALL_NAMED = 0.72, 0.99
 # Scores of a body between which it goes from a mere guess to as sure as a shape can be.
 _GUESS, _CLEAR, _LEAST, _SUREST = 0.6, 0.9, 0.5, 0.94
 # What is left of a limb without names where others have some.
@@ -137,6 +138,8 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         # Joints that are only counted are a limb's; which of them bend they do not say.
         if limbs.named < _NAMED and limbs.lead < 3.0 * TIE and len(limbs.pair.paths[0]) > 3:
             by_name = min(by_name, _HALF)
+        if limbs.is_noisy and limbs.named < _ALL_NAMED:
+            by_name = min(by_name, _ROUGH)
         # The front legs of an animal are often called arms, and are legs.
         four = body is not None and body.form == "quadruped" and limbs is body.arms and not body.doubt
         agree = kind in ("", limbs.kind) and not (limbs.kind == "arm" and may_be_front_legs(body, limbs))
@@ -166,7 +169,7 @@ def _shape_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
         sure -= 0.2 * (1.0 - within(limbs.lead, TIE, 3.0 * TIE))
     if limbs is body.arms and lacks_hand(draft.tree, limbs):
         sure = min(sure, _HALF)
-    sure = min(sure, _ROUGH) if draft.shape.is_rough else sure
+    sure = min(sure, _ROUGH) if draft.shape.is_rough or limbs.is_noisy else sure
     return min(sure, _HALF) if draft.shape.legs or len(limbs.at) < 3 else sure
 
 

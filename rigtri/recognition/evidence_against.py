@@ -19,6 +19,7 @@ from rigtri.recognition.shape_doubts import (
     arm_as_front_leg,
     arm_as_leg,
     arm_on_the_ground,
+    folded,
     goes_on,
     later_start,
     middle_bone,
@@ -359,7 +360,7 @@ _OF_JOINTS = (other_bend, ankle_as_knee, later_start, goes_on, middle_bone, reac
 # What is asked of every limb, of those whose three joints a naming scheme knows, and of those that shape or
 # single words tell: each gives what speaks against a limb, in words, or "". What is plainer comes first.
 _OF_ANY = (
-    *_alone(_other_limb, _trunk_aside, _other_side, _against_the_tree),
+    *_alone(_other_limb, _trunk_aside, _other_side, _against_the_tree, folded),
     _no_trunk,
     _no_body,
 )

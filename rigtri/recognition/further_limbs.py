@@ -41,7 +41,7 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
             bend = joints if len(joints) == 3 else ()
             kind: Kind = "wing" if wing else _kind(draft, body, limbs, size)
             words = (NAMES,) if wing else ("one more pair that bends in the middle",)
-            sure = 0.9 if wing else 0.6
+            sure = 0.6 if not wing else 0.7 if limbs.is_noisy else 0.9
             draft.add_chain(kind, kind, side, path, sure, words, bend)
 
 

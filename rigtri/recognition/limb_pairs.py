@@ -36,7 +36,8 @@ class Limbs:
     there is no end. starts, ends: where they are, in the middle between both. size: of both bones,
     file units. fingers: how many chains there are at the end. thumb: whether one of three or more stands
     apart. quality: how limb-like, 0 to 1. lead: over other places to bend. named: how far names say the
-    same three joints, −1 to 1. kind, place: what names say that it is, ``other`` for no limb at all."""
+    same three joints, −1 to 1. kind, place: what names say that it is, ``other`` for no limb at all.
+    is_noisy: noise may take another middle for this one."""
 
     pair: Pair
     at: tuple[int, ...]
@@ -50,6 +51,7 @@ class Limbs:
     named: float = 0.0
     kind: LimbKind | Literal["other", ""] = ""
     place: Place = ""
+    is_noisy: bool = False
 
     def joints(self, which: int) -> tuple[int, ...]:
         """Start, middle and end of one of the two, or start and end."""
@@ -112,7 +114,8 @@ def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:
     size = bend.size if bend else pair.reach
     quality, lead, named = (bend.quality, bend.lead, bend.named) if bend else (0.2, 0.0, 0.0)
     thumb = count > 2 and all(has_thumb(tree, path) for path in pair.paths)
-    return Limbs(pair, at, starts, ends, size, count, thumb, quality, lead, named)
+    noisy = bend is not None and bend.is_noisy
+    return Limbs(pair, at, starts, ends, size, count, thumb, quality, lead, named, is_noisy=noisy)
 
 
 def _kind_of(

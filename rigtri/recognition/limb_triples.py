@@ -66,6 +66,8 @@ _LITTLE = 0.01
 _DISPUTED = 0.25
 # Longer chains are looked at as far as this: no limb has so many joints.
 _MOST = 11
+# Noise that explains bends of more than 10° (a cosine), where another middle is as limb-like but for so much.
+_NOISY, _DOUBTED = 0.985, 0.4
 # Where a chain could bend at two places almost as well, it is not clear which.
 TIE = 0.05
 # The lower bone is as long as this, of the upper one, at least and at most.
@@ -77,13 +79,15 @@ _ONWARD = 0.5
 @dataclass(frozen=True)
 class Triple:
     """Three places within a path: start, middle, end. quality: how limb-like, 0 to 1; lead: over the
-    next best; size: the length of both bones, file units; named: how far names say the same, −1 to 1."""
+    next best; size: the length of both bones, file units; named: how far names say the same, −1 to 1.
+    is_noisy: noise may take another middle for this one."""
 
     at: tuple[int, int, int]
     quality: float
     lead: float
     size: float
     named: float = 0.0
+    is_noisy: bool = False
 
 
 def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: float = _APART) -> int:
@@ -240,7 +244,9 @@ def triple_of(
         named -= 1.0  # shape says otherwise: names alone make nothing sure
     size = fsum(bones[at[0] + 1 : at[2] + 1])
     second = next((one[0] for one in others if not _are_in_one_place(bones, at, one[1], size)), 0.0)
-    return Triple(at, quality, best - second, size, named)
+    rival = max((one[2] for one in others if one[1][1] != at[1]), default=0.0)
+    noisy = quality - rival < _DOUBTED and min(straight[1 : at[2] + 1]) < _NOISY
+    return Triple(at, quality, best - second, size, named, noisy)
 
 
 def _are_in_one_place(bones: list[float], at: Sequence[int], other: Sequence[int], size: float) -> bool:

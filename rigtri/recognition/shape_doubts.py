@@ -27,6 +27,8 @@ _NEXT = 0.6
 _TIP = 0.36
 # A first bone that is so long a part of the next one is a clavicle of none but very broad shoulders.
 _BROAD = 0.8
+# A shin that goes down by less than this (a cosine) is level.
+_LEVEL = 0.3
 # A trunk that rises by less than this (a cosine) lies.
 _LYING = 0.6
 # Five fingers of three joints each are a hand: birds have fewer toes, and others shorter ones.
@@ -126,6 +128,18 @@ def arm_on_the_ground(draft: Draft, each: Found) -> str:
         return ""
     high = lowest(draft.tree, mine, body.up) - lowest(draft.tree, body.legs, body.up)
     return "it ends as low as the legs, as front legs do" if high < _LOW * mine.size else ""
+
+
+def folded(draft: Draft, each: Found) -> str:
+    """Four legs of which the hind ones are folded: so sits a person, in a file with another up."""
+    body = draft.shape.body
+    if body is None or body.form != "quadruped" or body.legs is None or len(body.legs.at) < 3:
+        return ""
+    at = draft.tree.at
+    shins = [at[middle] - at[end] for _, middle, end in map(body.legs.joints, (0, 1))]
+    if each.kind != "leg" or body.legs.place or any(shin.unit.dot(body.up) > _LEVEL for shin in shins):
+        return ""
+    return "its hind legs are folded, so it may be a body that sits"
 
 
 def other_bend(draft: Draft, each: Found) -> str:
