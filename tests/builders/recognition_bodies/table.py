@@ -21,7 +21,7 @@ SOURCES = {
     "schemes": "Names of one body",
     "varied": "Bodies by the numbers of a seed",
 }
-# Milliseconds of processor time that a character may take. Times themselves depend on what else a machine does.
+# Milliseconds of processor time that a character may take: what else a machine does changes times by less.
 _GOAL = 50
 _GROUPS = {"limbs": "limbs", "trunk": "trunk", "ends": "fingers, feet"}
 
