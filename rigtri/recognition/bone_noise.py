@@ -9,6 +9,8 @@ from math import acos, cos, fsum, sqrt
 from rigtri.maths.angle_limits import radians_below
 from rigtri.recognition.joint_tree import Tree
 
+# The cosine above which a joint does not bend: a twist joint within a bone, 6°.
+STRAIGHT = 0.9945
 # Noise of less than this part of a chain is none; it explains bends of so many deviations, and up to 25°.
 _NOISE, _DEVIATIONS, _AT_MOST = 2e-3, 2.0, radians_below(25)
 

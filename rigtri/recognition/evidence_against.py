@@ -11,7 +11,7 @@ from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.hands_feet import finger_in_name
-from rigtri.recognition.limb_triples import HAND
+from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
 from rigtri.recognition.shape_doubts import (

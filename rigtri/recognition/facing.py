@@ -15,8 +15,9 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_ends import thumb_of
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_triples import IN_LINE, SET_OFF, offset, thumb_of
+from rigtri.recognition.limb_triples import IN_LINE, SET_OFF, offset
 from rigtri.recognition.many_legs import ends_of_trunk
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses, finite

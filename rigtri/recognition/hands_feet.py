@@ -13,7 +13,7 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES
-from rigtri.recognition.limb_triples import thumb_of
+from rigtri.recognition.limb_ends import thumb_of
 from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
 
 BY_PLACE = "by its place in the hand"

@@ -10,15 +10,8 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
-from rigtri.recognition.limb_triples import (
-    CLAVICLES,
-    Triple,
-    branches,
-    has_thumb,
-    loose_ends,
-    sharpest_of,
-    triple_of,
-)
+from rigtri.recognition.limb_ends import branches, has_thumb, loose_ends
+from rigtri.recognition.limb_triples import CLAVICLES, Triple, sharpest_of, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords, Place
 from rigtri.recognition.naming_schemes import NO_LIMB
 from rigtri.recognition.pose_samples import Poses

@@ -1,32 +1,26 @@
-"""The three joints of a limb: shoulder, elbow and wrist in a chain of clavicles, twist joints and fingers.
-
-Feet and hands of flat IK rigs are children of the root: `loose_ends` finds these.
-"""
+"""The three joints of a limb: shoulder, elbow and wrist in a chain of clavicles, twist joints and fingers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations, pairwise
 from math import fsum, sqrt
 from typing import Literal
 
 import numpy as np
 
-from rigtri.maths.angle_limits import cosine_below, sine_below
+from rigtri.maths.angle_limits import sine_below
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, normalise
 from rigtri.model.dataclass import dataclass
-from rigtri.recognition.bone_noise import straight_within
+from rigtri.recognition.bone_noise import STRAIGHT, straight_within
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
+from rigtri.recognition.limb_ends import HAND, branches
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords, agreement, in_order
 from rigtri.recognition.pose_samples import Poses, finite
-from rigtri.recognition.symmetry import Pair
 
-# The cosine above which a joint does not bend: a twist joint within a bone, 6°.
-STRAIGHT = 0.9945
 # What joints within a bone cost, and what it costs where they do not part it evenly.
 _WITHIN, _UNEVEN = 0.08, 0.25
 # Joints nearer than this part of a limb to each other are in one place.
@@ -48,12 +42,8 @@ _FOLD, _FOLDED = 0.1, 0.34
 IN_LINE, SET_OFF = 0.966, 0.906
 # What a joint that clips bend gains as the middle, and how sharp that has to be, as a cosine (15°).
 _MOVES, _SHARP = 0.1, 0.966
-# What it costs to end elsewhere than where fingers begin, and so many of them.
-_HANDLESS, HAND = 0.25, 4
-# A thumb begins this much nearer to the wrist than fingers do, or points this far aside (a cosine).
-_NEAR, _APART = 0.7, cosine_below(20)
-# The outer toes of a paw spread less far than this (a cosine).
-_SPREAD = cosine_below(30)
+# What it costs to end elsewhere than where the fingers of a hand begin.
+_HANDLESS = 0.25
 # What names of all three joints weigh against the shape of a limb.
 _NAMED = 0.6
 # What a middle costs that points where no knee, or elbow, does, and how far off the line that is in full.
@@ -70,10 +60,6 @@ _MOST = 11
 _NOISY, _DOUBTED = 0.985, 0.4
 # Where a chain could bend at two places almost as well, it is not clear which.
 TIE = 0.05
-# The lower bone is as long as this, of the upper one, at least and at most.
-_SHORTEST, _LONGEST = 0.5, 1.7
-# It goes on, as a cosine: a limb at rest is not folded.
-_ONWARD = 0.5
 
 
 @dataclass(frozen=True)
@@ -88,86 +74,6 @@ class Triple:
     size: float
     named: float = 0.0
     is_noisy: bool = False
-
-
-def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: float = _APART) -> int:
-    """Which chain begins clearly nearer to the wrist than the others; −1 for none.
-
-    Fingers with metacarpals all begin there: of these the one whose first bone goes another way than any
-    other, and that of fewer joints where one has.
-
-    apart: the cosine of how far another way that is.
-    """
-    at = tree.at
-    far = [(at[chain[0]] - at[hand]).length for chain in chains]
-    usual = sorted(far)[len(far) // 2]
-    near = [k for k, size in enumerate(far) if size < _NEAR * usual]
-    if len(near) == 1 and not _is_within_row(tree, chains, near[0]):
-        return near[0]
-    least = min(len(chain) for chain in chains)
-    short = [k for k, chain in enumerate(chains) if len(chain) == least]
-    if len(chains) < 2 or (len(chains) == 2 and len(short) == 2):
-        return -1  # of two, each goes another way than the other
-    first = [(at[(*chain, chain[0])[1]] - at[chain[0]]).unit for chain in chains]
-    alike = [max(bone.dot(k) for k in first if k is not bone) for bone in first]
-    other = min(short if len(short) == 1 else range(len(chains)), key=lambda k: alike[k])
-    return other if alike[other] < apart else -1
-
-
-def _is_within_row(tree: Tree, chains: Sequence[Sequence[int]], which: int) -> bool:
-    """Whether a chain begins between the others, as the metacarpal of a middle finger does."""
-    at, row = tree.at, [chain[0] for k, chain in enumerate(chains) if k != which]
-    if len(row) < 2:
-        return False
-    one, other = max(combinations(row, 2), key=lambda two: (at[two[0]] - at[two[1]]).length)
-    along = (at[chains[which][0]] - at[one]).dot((at[other] - at[one]).unit)
-    return 0.0 < along < (at[other] - at[one]).length
-
-
-def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
-    """Where a limb ends in fingers or toes: place in the path and how many; (last, 0) for none."""
-    gone = 0.0
-    for at, node in enumerate(path[1:], 1):
-        gone += tree.bone[node]
-        if not gone > 0.0 or len(tree.below[node]) < 2:
-            continue
-        below = [tree.bone[k] + tree.reach[k] for k in _ways_on(tree, node)]
-        longest = max(below, default=0.0)
-        alike = len([k for k in below if k > 0.35 * longest])
-        if alike >= 2 and longest < 0.75 * gone:
-            jointed = len([k for k in tree.below[node] if tree.below[k] and tree.bone[k] + tree.reach[k] > 0])
-            return at, max(alike, jointed)
-    return len(path) - 1, 0
-
-
-def has_thumb(tree: Tree, path: Sequence[int]) -> bool:
-    """Whether one of the chains that a limb ends in stands apart, beside the row of the others.
-
-    The toes of a paw are a row, of which the middle ones may begin nearer to the wrist.
-    """
-    hand, at = path[branches(tree, path)[0]], tree.at
-    chains = [tree.paths[k] for k in tree.below[hand] if len(tree.paths[k]) > 1]
-    thumb = thumb_of(tree, hand, chains, _SPREAD) if len(chains) > 2 else -1
-    if thumb < 0:
-        return False
-    row = [at[chain[1]] for k, chain in enumerate(chains) if k != thumb]
-    one, other = max(combinations(row, 2), key=lambda two: (two[0] - two[1]).length)
-    along = (at[chains[thumb][1]] - one).dot((other - one).unit)
-    return not 0.0 < along < (other - one).length
-
-
-def _ways_on(tree: Tree, node: int) -> list[int]:
-    """The joints below one, without those that only stand along a bone to another: twist joints."""
-    below = tree.below[node]
-    along = {k: (tree.at[k] - tree.at[node]).unit for k in below}
-    return [
-        one
-        for one in below
-        if tree.below[one]
-        or not any(
-            tree.bone[one] < tree.bone[other] and along[one].dot(along[other]) > STRAIGHT for other in below
-        )
-    ]
 
 
 def sharpest_of(tree: Tree, poses: Poses) -> list[float]:
@@ -359,43 +265,3 @@ def offset(start: Floats, middle: Floats, end: Floats) -> Floats:
     """From the line of start and end to the middle, (..., 3), in file units: where a limb bends to."""
     line, arm = finite(normalise(end - start)), middle - start
     return arm - dot(arm, line)[..., np.newaxis] * line
-
-
-def loose_ends(tree: Tree, pair: Pair, poses: Poses, names: Mapping[int, LimbWords]) -> Pair:
-    """A pair of two joints each, with the joints elsewhere that end it; as it is where none do.
-
-    Only joints that move points, or have such below, are taken: a control stands in the same place. And no
-    joint that more hangs from than from a hand or a foot, or that has a name of the other kind of limb:
-    another limb begins there.
-    """
-    ends = [_loose_end(tree, path[:2], poses, names) if len(path) >= 2 else -1 for path in pair.paths]
-    if min(ends) < 0 or ends[0] == ends[1] or pair.nodes.intersection(ends):
-        return pair
-    (a, b) = (path[:2] for path in pair.paths)
-    reach = min(
-        (tree.at[path[1]] - tree.at[path[0]]).length + (tree.at[end] - tree.at[path[1]]).length
-        for path, end in zip((a, b), ends, strict=True)
-    )
-    return replace(pair, paths=((*a, ends[0]), (*b, ends[1])), reach=reach)
-
-
-def _loose_end(tree: Tree, path: tuple[int, ...], poses: Poses, names: Mapping[int, LimbWords]) -> int:
-    kinds = {names.get(k, NO_WORDS).kind for k in path} - {""}
-    middle = tree.at[path[1]]
-    bone = middle - tree.at[path[0]]
-    top = tree.way(-1, path[0])[0]
-    nodes = [k for k in tree.nodes if tree.depth[k] <= 2 and k != top and not tree.is_below(k, path[0])]
-    nodes = [k for k in nodes if not tree.is_below(path[0], k) and tree.reach[k] < bone.length]
-    far = {k: tree.at[k] - middle for k in nodes}
-    size, on = bone.length, bone.unit
-    found = [
-        (way.length, k)
-        for k, way in far.items()
-        if _SHORTEST * size < way.length < _LONGEST * size and way.unit.dot(on) > _ONWARD
-    ]
-    for _, node in sorted(found):
-        if kinds and names.get(node, NO_WORDS).kind not in ("", *kinds):
-            continue
-        if any(poses.moves_points(k) for k in tree.branch(node)):
-            return node
-    return -1

@@ -17,8 +17,9 @@ from rigtri.recognition.facing import facing_of
 from rigtri.recognition.front_or_hind import turned
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind, PoseName
+from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_pairs import Limbs, limbs_of
-from rigtri.recognition.limb_triples import HAND, first_bend
+from rigtri.recognition.limb_triples import first_bend
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.many_legs import many_legs
 from rigtri.recognition.naming_schemes import parse_name

@@ -8,12 +8,14 @@ from math import inf
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import SIMILAR, Body, height, lowest
+from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import long_feet
 from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_ends import HAND, branches
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_triples import HAND, STRAIGHT, begin_as_one, beside, branches
+from rigtri.recognition.limb_triples import begin_as_one, beside
 from rigtri.recognition.limb_words import NO_WORDS, Level
 from rigtri.recognition.naming_schemes import roles_in_name
 

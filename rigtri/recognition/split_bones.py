@@ -6,8 +6,9 @@ import re
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
+from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.limb_triples import CLAVICLES, STRAIGHT, TIE
+from rigtri.recognition.limb_triples import CLAVICLES, TIE
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import PARTS, is_segment, parse_name, roles_in_name
 

@@ -15,7 +15,8 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.hand_hinges import SIMILAR_BEND, _Curl, _mean, _PosedHand
 from rigtri.recognition.hands_feet import _like_fingers
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_triples import _cosines, thumb_of
+from rigtri.recognition.limb_ends import thumb_of
+from rigtri.recognition.limb_triples import _cosines
 from rigtri.recognition.recognise import recognise
 
 

@@ -5,7 +5,7 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018 (controls, pole vector); doc
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -47,13 +47,13 @@ from rigtri.model.animation import PATHS, Path, Track, key_values
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.add_twist.key_baking import keyed
 from rigtri.operations.bake.dependents import (
     rebake_followers,
     refuse_cycles,
     rivets_and_readers,
     rivets_of_constraints,
+    without_followers,
 )
 from rigtri.operations.bake.reduced_tracks import (
     is_still_valid,
@@ -77,8 +77,6 @@ from rigtri.progress import as_share, count_done, counted
 from rigtri.recognition.one_character import of_character
 from rigtri.report import Report
 
-# Types of nodes whose keys follow joints, and are made anew after them.
-_FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
 # Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
 _ROUNDS = 8
 # What follows rivets has come to rest after so many passes for each of them, or forms a cycle.
@@ -220,23 +218,6 @@ class _Baker:
         """The nodes whose keys make a control active: controls and pole vectors."""
         return controls_and_poles(self.rig)
 
-    def _times_from(self, timeline: Timeline, replaced: Collection[tuple[int, Path]]) -> Timeline:
-        """The timeline without channels that are ``replaced`` and what follows them: the rest gives times.
-
-        So a second run, which reads keys that were thinned, looks at the same times.
-        """
-        held = rivets_of_constraints(self.rig)
-        follow = set(self.rig.nodes_of(*_FOLLOW)) - held
-        driven = driven_joints(self.rig)
-        kept = tuple(
-            t
-            for t in timeline.clip.tracks
-            if t.path != "weights" and t.node not in follow
-            # Corrective joints may have keys of their own beside those of a pose reader.
-            if t.path not in driven.get(t.node, ()) and (t.node, t.path) not in replaced
-        )
-        return replace(timeline, clip=replace(timeline.clip, tracks=kept))
-
     def _samples(self, curve: JointCurve | ControlCurve, timing: Timeline) -> RefinedSamples:
         """Where they get keys: also where what lies between these would else be off."""
         times = times_and_jumps(timing, self.options.fps, self.rig.rules.per_second)
@@ -256,7 +237,7 @@ class _Baker:
             (node, path) for node, paths in solver.writes.items() for path, all_of_it in paths if all_of_it
         }
         replaced |= {(node, path) for node in solver.offsets for path in PATHS}
-        timing = self._times_from(timeline, replaced)
+        timing = without_followers(self.rig, timeline, replaced)
         with as_share(0, _SAMPLED):
             samples = self._samples(JointCurve(solver, timeline.clip, self.size), timing)
         times, scales = samples.times, self.rig.scale
@@ -327,7 +308,7 @@ class _Baker:
         flat = {t.node for t in timeline.clip.tracks if t.path == "scale" and not key_values(t).all()}
         kept = {own.control for own in self.reference.roots} - flat
         made = (self.movers | solver.offsets).difference(kept, pivots)
-        timing = self._times_from(timeline, {(node, path) for node in made for path in PATHS})
+        timing = without_followers(self.rig, timeline, {(node, path) for node in made for path in PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
         clip = replace(timeline.clip, tracks=joints)
         with as_share(0, _SAMPLED):
@@ -356,7 +337,7 @@ class _Baker:
         if not self.options.discard_motion:
             bound = max(self.options.between, UNBAKED)
             # What only follows, such as a rivet, has keys where no joint or control has any.
-            compared = key_times(self._times_from(timeline, ()).clip)
+            compared = key_times(without_followers(self.rig, timeline, ()).clip)
             refuse_replaced(before, self.rig, timeline, compared, self.size, bound)
         controls = sorted({node for block in found for node in block.found.controls})
         fidelity_record, notices = fidelity(

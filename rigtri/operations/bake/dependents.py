@@ -1,19 +1,28 @@
-"""Rivets and pose readers, whose keys depend on joints: baked again from their metadata."""
+"""What has keys that depend on joints: rivets and pose readers, which are baked again, and twist joints."""
 
 from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
 
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.dependency_graph import dependencies, find_cycle
 from rigtri.evaluation.skinning import SkinnedPoints
+from rigtri.evaluation.timelines import Timeline
+from rigtri.model.animation import Path
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import PoseReaderRecord, RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
+from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.add_rivet import rivet
 from rigtri.progress import counted
 from rigtri.report import Report
+
+# Types of nodes whose keys follow joints, and are made anew after them.
+_FOLLOWERS = ("poseReader", "poseWeight", "rivet", "twist")
 
 
 def rivets_and_readers(rig: Rig) -> list[int]:
@@ -25,6 +34,24 @@ def rivets_of_constraints(rig: Rig) -> frozenset[int]:
     """The rivets that a constraint looks at, or that hold what it looks at."""
     sources = rig.with_ancestors(node for rule in constraints_of(rig).values() for node in rule.sources)
     return frozenset(node for node in sources if node in rig.records(RivetRecord))
+
+
+def without_followers(rig: Rig, timeline: Timeline, replaced: Collection[tuple[int, Path]]) -> Timeline:
+    """The timeline without the tracks that a bake makes anew: those ``replaced``, and those of followers.
+
+    So a second run, which reads keys that were thinned, looks at the same times. Followers that constraints
+    look at stay, as their times are those of what is constrained.
+    """
+    followers = set(rig.nodes_of(*_FOLLOWERS)) - rivets_of_constraints(rig)
+    driven = driven_joints(rig)
+    kept = tuple(
+        track
+        for track in timeline.clip.tracks
+        if track.path != "weights" and track.node not in followers
+        # Corrective joints may have keys of their own beside those of a pose reader.
+        if track.path not in driven.get(track.node, ()) and (track.node, track.path) not in replaced
+    )
+    return replace(timeline, clip=replace(timeline.clip, tracks=kept))
 
 
 def refuse_cycles(rig: Rig) -> None:
