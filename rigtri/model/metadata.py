@@ -324,6 +324,11 @@ class PoseReaderRecord(Record):
     fps: float | None = None
     before: tuple[ReplacedKeysRecord, ...] = ()
 
+    @classmethod
+    def from_dict(cls, stored: Mapping[str, Any]) -> Self:
+        found = super().from_dict(stored)
+        return replace(found, problems=(*found.problems, *_target_problems(found)))
+
 
 @dataclass(frozen=True, kw_only=True)
 class PoseWeightRecord(Record):
@@ -447,6 +452,18 @@ def illegible(stored: Mapping[str, Any]) -> str:
 def damage(stored: Mapping[str, Any]) -> str:
     """What of a record of this version cannot be used, in words; "" where all can."""
     return ", ".join(RECORDS[stored["type"]].from_dict(stored).problems)
+
+
+def _target_problems(reader: PoseReaderRecord) -> tuple[str, ...]:
+    """What is wrong with the targets of a pose reader, each of which is where it says that a joint goes."""
+    if not reader.targets:
+        return ("it has no targets",)
+    if reader.reader == "rbf":
+        lost = [one.name for one in reader.targets if one.rotation is None]
+    else:
+        lost = [one.name for one in reader.targets if one.direction is None and not one.node]
+    what = "rotation" if reader.reader == "rbf" else "direction"
+    return tuple(f"its target {name!r:.60} has no {what}" for name in lost)
 
 
 def _limb_problems(chain: Names) -> tuple[str, ...]:

@@ -66,11 +66,11 @@ def main() -> int:
     )
     with tempfile.TemporaryDirectory(prefix="fuzz-corpus-") as place:
         names = corpus.build(Path(place), with_rigged=options.rigged)
-        print(
-            f"harness {VERSION}, corpus {corpus.fingerprint(Path(place), names)} of {len(names)} files, "
-            f"seed {options.seed}",
-            flush=True,
-        )
+        found = corpus.fingerprint(Path(place), names)
+        print(f"harness {VERSION}, corpus {found} of {len(names)} files, seed {options.seed}", flush=True)
+        if problem := other_corpus(options.corpus, found):
+            print(problem)
+            return 2
         tally, lock, cursor = Tally(only=options.only is not None), threading.Lock(), iter(numbers)
         end = time.monotonic() + options.seconds
         work = _Work(options, Path(place), names, tally, lock, cursor, end)
@@ -103,6 +103,16 @@ def verdict(tally: Tally, seed: int) -> int:
     return 1 if tally.findings or tally.share < SHARE else 0
 
 
+def other_corpus(expected: str, found: str) -> str:
+    """Why a number of a case means another case here than where it was found; "" where it is the same."""
+    if expected in ("", found):
+        return ""
+    return (
+        f"failed: the corpus is {found}, not {expected}, and the numbers of its cases mean others. Give "
+        "--rigged or not, and RIGTRI_ASSETS, as then, and check out the commit of that run"
+    )
+
+
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m fuzz", description=__doc__)
     parser.add_argument("--seed", type=int, default=1)
@@ -118,6 +128,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--case-seconds", type=float, default=SECONDS, help="more on a busy machine")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--format", choices=["gltf", "usd", "both"], default="both")
+    parser.add_argument("--corpus", metavar="HASH", default="", help="end with 2 if the corpus is another")
     parser.add_argument("--rigged", action="store_true", help="mutate rigged files, too")
     parser.add_argument("--reasons", action="store_true", help="list why files were refused")
     parser.add_argument("--log", metavar="FILE", help="append findings and crashes as JSON lines")

@@ -10,6 +10,9 @@ the old ones. Three things in a source explain one:
   on such a joint, that noise is seen.
 * A scale that is next to nothing beside the others of its joint: what is turned out of that direction
   is lost in the last bits of the others.
+
+And strip gives the weight of twist joints back to their bones, which moves points elsewhere where a skin
+binds the two otherwise than they stand: no weights look the same there.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ from rigtri.limits import TOLERANCE
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
+from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.verification.compare.compare import self_check
@@ -35,6 +39,8 @@ STEP = 2.0**-24
 # Rounding goes on along a chain, and one draw of it is not the worst. Sound files stay below 1.2e-6.
 ENOUGH = TOLERANCE / 4
 DRAWS = 3
+# Bind poses are products of chains of float32, so a share of the way along the bone may be noise.
+BOUND_NEAR = 1e-3
 
 
 def explains(document: Document) -> bool:
@@ -45,6 +51,20 @@ def explains(document: Document) -> bool:
         found = self_check(document, _Shaken(document, np.random.default_rng(draw)))
         if not found.largest_deviation <= ENOUGH:
             return True
+    return False
+
+
+def binds_twist_joints_elsewhere(rig: Rig) -> bool:
+    """Whether a skin binds a twist joint at another place on its bone than where it stands."""
+    for node, twist in rig.records(TwistRecord).items():
+        bone = rig.known(twist.joint)
+        for skin in rig.skins:
+            rows = {int(joint): row for row, joint in enumerate(skin.joints)}
+            if bone is not None and rig.parents[node] == bone and {node, bone} <= rows.keys():
+                bound = skin.bind[rows[node]] @ skin.inverse_bind[rows[bone]]
+                off = np.abs(bound[3, :3] - rig.translation[node]).max()
+                if not off <= BOUND_NEAR * np.abs(rig.translation[node]).max():
+                    return True
     return False
 
 

@@ -20,6 +20,7 @@ from rigtri.model.metadata import (
     ControlRecord,
     OffsetRecord,
     PoleVectorRecord,
+    PoseReaderRecord,
     RivetRecord,
     Stored,
     TargetRecord,
@@ -104,6 +105,16 @@ def test_a_limb_has_three_joints(kind: str, chain: tuple[str, ...]) -> None:
     wrong = (f"its chain does not name the three joints of its limb: {list(chain)}",)
     assert ControlRecord.from_dict({"kind": kind, "joint": "hand", "chain": chain}).problems == wrong
     assert PoleVectorRecord.from_dict({"chain": chain}).problems == wrong
+
+
+@pytest.mark.parametrize("kind", ["dot", "cone", "rbf"])
+def test_a_target_of_a_pose_reader_is_somewhere(kind: str) -> None:
+    here, turned = {"name": "a", "direction": [0, 1, 0]}, {"name": "b", "rotation": [0, 0, 0, 1]}
+    stored = {"name": "r", "driver": "x", "frame": "", "axis": [1, 0, 0], "reader": kind, "within": 0.1}
+    stored |= {"outputs": [], "targets": [here, turned]}
+    wrong = "its target 'a' has no rotation" if kind == "rbf" else "its target 'b' has no direction"
+    assert PoseReaderRecord.from_dict(stored).problems == (wrong,)
+    assert PoseReaderRecord.from_dict({**stored, "targets": []}).problems == ("it has no targets",)
 
 
 @given(st.sampled_from(sorted(RECORDS)).map(RECORDS.__getitem__).flatmap(

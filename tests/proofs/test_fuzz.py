@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
+import numpy as np
 import pytest
 from fuzz import __main__ as program
 from fuzz import cases, commands, floor, gltf
 from gltf_files import character
 from places import SAMPLES
 
+import rigtri
 from rigtri.formats import read
 from rigtri.operations.registry import OPERATIONS
 
@@ -74,6 +77,21 @@ def test_numbers_that_float32_cannot_distinguish_explain_one(
     joint = biped.gltf["skins"][0]["joints"][0]
     biped.gltf["nodes"][joint][what] = values
     assert floor.explains(read(gltf.pack(biped, tmp_path, Random(1))))
+
+
+def test_twist_joints_that_a_skin_binds_elsewhere_explain_what_strip_refuses(tmp_path: Path) -> None:
+    options = {"joint": "forearm_L", "to": "hand_L", "split_weights": True}
+    rigtri.write(rigtri.add_twist(read(SAMPLES / "biped.glb").rig, **options), tmp_path / "a.glb")
+    rig = read(tmp_path / "a.glb").rig
+    assert not floor.binds_twist_joints_elsewhere(rig)
+    lost = np.tile(np.eye(4), (len(rig.skins[0].joints), 1, 1))
+    (skin,) = rig.skins
+    assert floor.binds_twist_joints_elsewhere(replace(rig, skins=(replace(skin, inverse_bind=lost),)))
+
+
+@pytest.mark.parametrize(("expected", "same"), [("", True), ("9412ba1e4c7f", True), ("0123456789ab", False)])
+def test_a_number_of_a_case_is_of_one_corpus(expected: str, same: bool) -> None:
+    assert (program.other_corpus(expected, "9412ba1e4c7f") == "") is same
 
 
 def test_a_plan_is_what_a_run_does(tmp_path: Path) -> None:
