@@ -362,6 +362,11 @@ def _weights(rig: Rig, clip: Clip) -> dict[Hashable, Track]:
     return {rig.keys[t.node]: t for t in clip.tracks if t.path == "weights"}
 
 
+def _holder(key: Hashable) -> Hashable:
+    """What a key says of a node besides its own path: the Skeleton of a joint; None where keys are numbers."""
+    return key[:-1] if isinstance(key, tuple) else None
+
+
 def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:
     """The rig that was read, with the names that its nodes get, and the keys where these are paths."""
     new = {key: node for node, key in enumerate(rig.keys) if key is not None}
@@ -370,11 +375,16 @@ def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:
     named = all(rig.names[new[before.keys[node]]] == before.names[node] for node in there)
     if named and all(before.keys[node] in kept for node in there):
         return before
-    places = {after.path(node): key for node, key in enumerate(after.keys)}
+    # Nodes of several characters may have one path: a key that is a path itself begins with that of its character.
+    places: dict[tuple[Hashable, str], list[Hashable]] = {}
+    for node, key in enumerate(after.keys):
+        places.setdefault((_holder(key), after.path(node)), []).append(key)
     keys = list(before.keys)
     for node in there:  # also those below a node that was renamed, or is new
-        if keys[node] not in kept:
-            keys[node] = places.get(rig.path(new[before.keys[node]]), keys[node])
+        path = rig.path(new[before.keys[node]])
+        if keys[node] not in kept or path != before.path(node):
+            found = places.get((_holder(keys[node]), path), ())
+            keys[node] = found[0] if len(found) == 1 else keys[node]
     now = {key: rig.names[node] for key, node in new.items()}
     names = [now.get(key, name) for key, name in zip(before.keys, before.names, strict=True)]
     return replace(before, keys=tuple(keys), names=tuple(names))

@@ -84,6 +84,24 @@ def referenced(name: str, file: str = "hero.usda", more: str = "", body: str = "
     return f'def "{name}" (references = @./{file}@ {more}) {{\n{body}\n}}\n'
 
 
+def test_joints_get_other_names_in_an_asset_referenced_twice_by_prims_without_a_place(tmp_path: Path) -> None:
+    """By the names of the nodes above them both characters have the same paths."""
+    hero = scene(skeleton(), animation(), MESH).replace("def SkelRoot", 'def "World"\n{\ndef SkelRoot') + "}\n"
+    save(tmp_path, hero.replace("</Root", "</World/Root"), "hero.usda")
+    arcs = [f'def "{name}" (references = @./hero.usda@</World>)\n{{\n}}\n' for name in "AB"]
+    source, out = save(tmp_path, "#usda 1.0\n" + "".join(arcs)), tmp_path / "out.usda"
+    names = [f"--name=/{name}/Root/Skel:a/b=knee" for name in "AB"]
+    cli("rename-joints", *names, source, "-o", out, code=0)
+    assert deviation(source, out) < 1e-6
+
+
+def test_two_joints_below_one_exchange_their_names(tmp_path: Path) -> None:
+    kinds = [kind(joints='uniform token[] joints = ["a", "a/b", "a/c"]') for kind in (skeleton, animation)]
+    source, out = save(tmp_path, scene(*kinds, MESH)), tmp_path / "out.usda"
+    cli("rename-joints", "--name=b=c", "--name=c=b", source, "-o", out, code=0)
+    assert deviation(source, out) < 1e-6
+
+
 def test_rigs_find_renamed_joints_of_two_characters_with_the_same_names(tmp_path: Path) -> None:
     hero, rig, shot = (tmp_path / f"{name}.usda" for name in ("hero", "rig", "shot"))
     hero.write_text(scene(skeleton(), animation(), MESH))
