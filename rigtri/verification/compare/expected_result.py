@@ -363,7 +363,7 @@ def _weights(rig: Rig, clip: Clip) -> dict[Hashable, Track]:
 
 
 def _holder(key: Hashable) -> Hashable:
-    """What a key says of a node besides its own path: the Skeleton of a joint; None where keys are numbers."""
+    """What a key says of a node besides its own path: the Skeleton of a joint; None for numbers."""
     return key[:-1] if isinstance(key, tuple) else None
 
 
@@ -375,7 +375,7 @@ def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:
     named = all(rig.names[new[before.keys[node]]] == before.names[node] for node in there)
     if named and all(before.keys[node] in kept for node in there):
         return before
-    # Nodes of several characters may have one path: a key that is a path itself begins with that of its character.
+    # Nodes of several characters may have one path of names; the key of a joint has its Skeleton, too.
     places: dict[tuple[Hashable, str], list[Hashable]] = {}
     for node, key in enumerate(after.keys):
         places.setdefault((_holder(key), after.path(node)), []).append(key)

@@ -86,7 +86,8 @@ def referenced(name: str, file: str = "hero.usda", more: str = "", body: str = "
 
 def test_joints_get_other_names_in_an_asset_referenced_twice_by_prims_without_a_place(tmp_path: Path) -> None:
     """By the names of the nodes above them both characters have the same paths."""
-    hero = scene(skeleton(), animation(), MESH).replace("def SkelRoot", 'def "World"\n{\ndef SkelRoot') + "}\n"
+    hero = scene(skeleton(), animation(), MESH)
+    hero = hero.replace("def SkelRoot", 'def "World"\n{\ndef SkelRoot') + "}\n"
     save(tmp_path, hero.replace("</Root", "</World/Root"), "hero.usda")
     arcs = [f'def "{name}" (references = @./hero.usda@</World>)\n{{\n}}\n' for name in "AB"]
     source, out = save(tmp_path, "#usda 1.0\n" + "".join(arcs)), tmp_path / "out.usda"

@@ -55,7 +55,7 @@ def drawn(path: Path, time: float) -> np.ndarray:
     for number, matrix in zip(army.GetProtoIndicesAttr().Get(), stands, strict=True):
         root = roots[number]
         outside = np.linalg.inv(np.array(places.GetLocalToWorldTransform(root)))
-        for prim in Usd.PrimRange(root):
+        for prim in Usd.PrimRange(root, Usd.PrimAllPrimsPredicate):
             if prim.IsA(UsdGeom.Mesh):
                 whole = np.array(places.GetLocalToWorldTransform(prim)) @ outside @ matrix @ within
                 points = np.array(UsdGeom.Mesh(prim).GetPointsAttr().Get(time))
@@ -131,3 +131,30 @@ def test_what_an_instancer_draws_is_not_turned(tmp_path: Path) -> None:
     printed = cli("freeze", source, "-o", tmp_path / "out.usda", code=3).output
     assert "What </World/Army> draws would be turned" in printed
     assert not (tmp_path / "out.usda").exists()
+
+
+@pytest.mark.parametrize("specifier", ["over", "class"])
+@pytest.mark.parametrize(
+    ("options", "size"), [(["--unit", "0.01"], 100.0), (["--scale"], 1.0)], ids=["unit", "scale"]
+)
+def test_prototypes_that_are_no_prims_of_the_scene_keep_their_points_and_look(
+    options: list[str], size: float, specifier: str, tmp_path: Path
+) -> None:
+    """Below an over or a class instancers alone draw them, and no edit reaches them."""
+    text = stage_of(below=False, scales=True, above=SCALED)
+    text = text.replace('def Xform "P"', f'{specifier} Xform "P"')
+    hero = scene(skeleton(), animation(), MESH).partition("def SkelRoot")[2]
+    above = f'def Xform "World"\n{{\n{SCALED}\ndef SkelRoot{hero.replace("/Root/", "/World/Root/")}'
+    source = save(tmp_path, text.replace('def Xform "World"\n{', above))
+    out = tmp_path / "out.usda"
+    cli("freeze", source, "-o", out, *options, code=0)
+    for time in (1.0, 3.0, 5.0):
+        before, after = drawn(source, time) * size, drawn(out, time)
+        assert np.abs(before - after).max() < 1e-6 * np.abs(before).max()
+
+
+def test_a_skeleton_below_a_class_alone_is_told_where_it_is(tmp_path: Path) -> None:
+    text = scene(skeleton(), animation(), MESH).replace("def SkelRoot", "class SkelRoot")
+    source = save(tmp_path, f'{text}\ndef Xform "World"\n{{\n}}\n')
+    printed = cli("orient-joints", source, "-o", tmp_path / "out.usda", code=3).stderr
+    assert "</Root/Skel> is no prim of the scene, because </Root> is a class" in printed

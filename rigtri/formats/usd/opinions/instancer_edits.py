@@ -23,7 +23,7 @@ from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.opinions.edits import Edit, set_value
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Integers
-from rigtri.maths.quaternions import conjugate, to_axes
+from rigtri.maths.quaternions import IDENTITY, conjugate, to_axes
 from rigtri.maths.trigonometry import Floats
 
 # Rotations this near to quarter turns are these.
@@ -44,7 +44,10 @@ def move_instancers(source: Source, frame_at: Callable[[Any], tuple[Floats, floa
             continue
         targets = UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets()
         turn, size = frame_at(prim.GetPath())
-        frames = [frame_at(target.GetParentPath()) for target in targets]
+        frames = [
+            frame_at(path.GetParentPath()) if _is_read(source.stage.GetPrimAtPath(path)) else (IDENTITY, 1.0)
+            for path in targets
+        ]
         sizes = [held for _, held in frames] or [size]
         axes = to_axes(conjugate(turn))
         quarters = np.rint(axes)
@@ -69,6 +72,11 @@ def move_instancers(source: Source, frame_at: Callable[[Any], tuple[Floats, floa
         if turned or resized:
             resize = partial(_picked, order=order, factor=factor)
             yield from _changed(prim, "scales", resize) or (_scales(prim, factor) if resized else ())
+
+
+def _is_read(prototype: Any) -> bool:
+    """Whether edits reach a prototype: below an ``over`` or ``class`` instancers alone draw it."""
+    return not prototype or (prototype.IsDefined() and not prototype.IsAbstract())
 
 
 def _of_each(prim: Any, factors: Floats) -> Floats:

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
@@ -30,7 +29,12 @@ from rigtri.formats.usd.reading.animation_reader import (
 from rigtri.formats.usd.reading.loose_animations import bound_elsewhere, decided, fitting, of_other_variants
 from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
-from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, read_skeleton
+from rigtri.formats.usd.reading.skeleton_reader import (
+    Skeleton,
+    joint_parents,
+    outside_of_scene,
+    read_skeleton,
+)
 from rigtri.formats.usd.reading.source import Source, animations_of_instances, blocked_times
 from rigtri.formats.usd.reading.xform_hierarchy import (
     XFORMS,
@@ -180,12 +184,8 @@ class _Reader:
 
     def _remedy(self) -> str:
         """What to do where there is no skeleton; nothing where there is nothing that could be one."""
-        if any(prim.specifier == Sdf.SpecifierOver for prim in self.stage.GetRootLayer().rootPrims):
-            name = Path(self.stage.GetRootLayer().realPath).name
-            return (
-                f". Its prims are overs of another layer's: give a stage that has both as sublayers, with "
-                f"--edit-target {name}"
-            )
+        if outside := outside_of_scene(self.stage):
+            return f". {outside}"
         if not self.nodes.labels:
             return ", nor any prim that has a place"
         if self.options.beside:

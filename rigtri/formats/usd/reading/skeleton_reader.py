@@ -7,6 +7,7 @@ restTransforms are joint-local, a joint's parent is its nearest *listed* ancesto
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -246,3 +247,24 @@ def _local(bind: Floats, parents: Integers, world: Floats) -> Floats:
     """Bind matrices (of the world) seen from the parents, (n, 4, 4)."""
     above = np.where((parents >= 0)[:, np.newaxis, np.newaxis], bind[parents], world)
     return multiply(bind, inverse(above))
+
+
+def outside_of_scene(stage: Any) -> str:
+    """Why USD counts no Skeleton of a stage as part of the scene, and what to do; "" without a reason."""
+    prims = (prim for prim in stage.TraverseAll() if prim.GetTypeName() == "Skeleton")
+    skeleton = next((prim for prim in prims if prim.IsAbstract() or not prim.IsDefined()), None)
+    if skeleton is None:
+        layer = stage.GetRootLayer()
+        if not any(prim.specifier == Sdf.SpecifierOver for prim in layer.rootPrims):
+            return ""
+        return (
+            "Its prims are overs of another layer's: give a stage that has both as sublayers, with "
+            f"--edit-target {Path(layer.realPath).name}"
+        )
+    above = [stage.GetPrimAtPath(path) for path in skeleton.GetPath().GetPrefixes()]
+    top = next(prim for prim in above if prim.IsAbstract() or not prim.IsDefined())
+    kind = "a class" if top.IsAbstract() else "an over that no layer defines"
+    return (
+        f"<{skeleton.GetPath()}> is no prim of the scene, because <{top.GetPath()}> is {kind}. Make it "
+        "a def, or edit the stage that defines it"
+    )
