@@ -92,9 +92,7 @@ def limbs_of(
         if bend is not None or len(pair.paths[0]) > 1:
             limbs = _limbs(tree, pair, bend)
             words = [names[k] for k in (*limbs.joints(0), *limbs.joints(1)) if k in names]
-            found.append(
-                replace(limbs, kind=_kind_of(tree, limbs, words, poses), place=_place_of(limbs, names))
-            )
+            found.append(replace(limbs, kind=_kind_of(limbs, words, poses), place=_place_of(limbs, names)))
     return found
 
 
@@ -111,9 +109,7 @@ def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:
     return Limbs(pair, at, starts, ends, size, count, thumb, quality, lead, named, is_noisy=noisy)
 
 
-def _kind_of(
-    tree: Tree, limbs: Limbs, words: Sequence[LimbWords], poses: Poses
-) -> LimbKind | Literal["other", ""]:
+def _kind_of(limbs: Limbs, words: Sequence[LimbWords], poses: Poses) -> LimbKind | Literal["other", ""]:
     """What names say that two limbs are; ``other`` where one says a trunk, a wing, or something worn.
 
     The arm of a machine may end in its gun. What is called a control and moves points is a bone, as in rigs

@@ -143,7 +143,7 @@ class ClipReader:
         groups = self._known_groups(number, animation.raw)
         if groups is None:
             noticed = len(self._notices)
-            groups = self._groups(number, animation, f"{self._gltf.where} animation '{name}' (#{number})")
+            groups = self._groups(animation, f"{self._gltf.where} animation '{name}' (#{number})")
             self._groups_of.append(groups if len(self._notices) == noticed else None)
         else:
             self._groups_of.append(groups)
@@ -164,7 +164,7 @@ class ClipReader:
         same = all(self._input(k, self._gltf.where) is like._times[k] for k in inputs)
         return groups if same else None
 
-    def _groups(self, number: int, animation: Value, where: str) -> _Groups:
+    def _groups(self, animation: Value, where: str) -> _Groups:
         """The channels of an animation by what they share."""
         samplers = Value(animation.object().get("samplers", []), f"{where} samplers").entries()
         channels = Value(animation.object().get("channels", []), f"{where} channels").entries()

@@ -189,7 +189,7 @@ def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report) -> No
 
 
 def warn_noise(noise: Frozen, report: Report) -> None:
-    """Tell whose scales became uniform, and what that moves."""
+    """Report whose scales became uniform, and what that moves."""
     names = [noise.rig.title(joint) for joint in noise.joints]
     many = "The scale of 1 joint is" if len(names) == 1 else f"The scales of {len(names)} joints are"
     report.warn(

@@ -22,7 +22,7 @@ _GROWN = 2.0
 
 
 def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> str:
-    """What to do about a deviation that is requested or near the tolerance, with a space before it; else "".
+    """What to do about a deviation above or near the tolerance, with a space before it; else "".
 
     Turning a joint whose scale is nearly uniform moves what is attached there; else only the rounding
     of stored numbers can be what differs, near the tolerance or as far as that rounding reaches.
