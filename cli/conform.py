@@ -2,7 +2,7 @@
 
 The steps are rename-joints, set-rest, freeze, add-root and orient-joints; --save-spec writes them as a
 rig spec that you can edit and build. Every clip looks as before. Characters that conform to one skeleton
-differ only in the lengths of their bones, so they can share clips.
+have the same names, axes and rest pose, so they can share clips.
 
 \b
 Examples:

@@ -1,7 +1,7 @@
 """rigtri convert
 
-Nodes become prims, joints those of Skeletons, clips SkelAnimations, morph targets BlendShapes, materials
-UsdPreviewSurface; images are written to a folder beside OUT, or into it (.usdz, .glb). Both files are
+Nodes become prims, skins Skeletons, clips SkelAnimations, morph targets BlendShapes, and materials
+UsdPreviewSurface. Images are written to a folder beside OUT, or into it (.usdz, .glb). Both files are
 skinned at every key and between, and compared before OUT is written. What the other format cannot store is
 listed.
 

@@ -1,8 +1,9 @@
 """rigtri freeze
 
 The scale of joints and of everything above them becomes 1, and the rotation above joints is removed.
-Positions, inverse bind matrices and keys change to match. Vertices, cameras and lights keep their numbers,
-but for what USD cameras see in the stage's unit. Without options both are frozen.
+Positions, inverse bind matrices and keys change to match. Vertices, cameras and lights keep their values;
+only with --unit are clipping ranges, focus distances and orthographic apertures of USD cameras converted.
+Without options both are frozen.
 
 \b
 Examples:

@@ -3,7 +3,8 @@
 The parent gets the weights of a merged joint; all joints below it are merged, too. Joints that never move
 (--still, or --joints with --keep-children) are merged without moving a vertex, and what is below them is
 parented to what is above. For others the movement of vertices is measured, and refused above --tolerance.
-Clips in other files need the same: merge the joints there by name, or rigtri take-clips them.
+Clips in other files need the same: merge the joints there by name, or transfer their motion with
+rigtri take-clips.
 
 \b
 Examples:

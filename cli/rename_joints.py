@@ -1,7 +1,7 @@
 """rigtri rename-joints
 
 Only recognised joints get new names. Everything that refers to joints by name follows: rigtri's metadata,
-maps of characters, and in USD the tokens of skeletons, animations and meshes. Twist joints, end joints
+KHR_character maps, and in USD the tokens of skeletons, animations and meshes. Twist joints, end joints
 and hair keep their names. A name for two joints, or a joint that is not recognised with confidence, is an
 error.
 

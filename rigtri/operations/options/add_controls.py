@@ -135,7 +135,7 @@ class AddControlsOptions(OneCharacter):
         (),
         help="An IK control at the end of this limb, its pole vector, and FK controls below IK. Repeatable.",
     )
-    limbs: Auto | None = option(None, help="The same for every limb that is recognised.", group="joints")
+    limbs: Auto | None = option(None, help="As --ik, for every limb that is recognised.", group="joints")
     shape: Annotated[Mapping[str, str], Kind("assignments", "[KIND=]SHAPE", read=_shapes)] = option(
         {},
         help=f"Shape of the controls, or of one kind (fk, ik, root, pole, roll): {', '.join(KINDS)}.",

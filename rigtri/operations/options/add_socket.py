@@ -13,9 +13,7 @@ class AddSocketOptions(OneCharacter):
 
     name: Name = option(help="Name of the socket.", group="what")
     on: Node = option(help="The joint that the socket follows.")
-    at: Point = option(
-        (0.0, 0.0, 0.0), help="Its position in the joint's own axes and units, which its scale applies to."
-    )
+    at: Point = option((0.0, 0.0, 0.0), help="Its position in the local space of the joint.")
     aim: Direction | None = option(
         None, help="Direction of its x axis, in the world. [it has the axes of the joint]"
     )
