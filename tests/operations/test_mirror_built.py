@@ -396,6 +396,12 @@ def test_a_mirrored_constraint_warns_of_keys_of_the_control_that_follows(samples
     rig = replace(rig, clips=(Clip("reach", (keys, pole)), *rig.clips[1:]))
     mirror(constrain(rig, options=rule), options=MirrorOptions(from_side="left"), report=keyed)
     assert "_pole have keys in reach, walk, wave and follow a" in keyed.warnings[-1].text
+    # A pole vector without keys bends the limb that its IK control moves.
+    rule = ConstrainOptions(child="forearm_L_pole", driver=(("head", 1.0),))
+    rig, alone = replace(rig, clips=(Clip("reach", (keys,)),)), Report()
+    mirror(constrain(rig, options=rule), options=MirrorOptions(from_side="left"), report=alone)
+    (text,) = [notice.text for notice in alone.warnings if notice.code == "mirror-moves"]
+    assert text.startswith("hand_R_ik_ctl has keys in reach")
 
 
 @pytest.mark.parametrize(

@@ -64,12 +64,14 @@ def _follows_parent(rig: Rig, rule: Constraint) -> bool:
 
 def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
     """Warn of clips whose keys a new rule overrules, or lets count from elsewhere: bakes then differ."""
-    found = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
-    found |= {node: record.chain for node, record in rig.records(ControlRecord).items()}
-    chain = tuple(map(rig.address, rule.chain))
-    moved = {node for node, limb in found.items() if chain and limb == chain} | {rule.child}
+    limbs = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
+    limbs |= {node: record.chain for node, record in rig.records(ControlRecord).items() if record.chain}
+    moved = {rule.child}
     if rule.child in rig.records(OffsetRecord):  # the space of the control below it
         moved.update(rig.children[rule.child])
+    # IK moves a limb where its control or its pole vector has keys, wherever the other one is.
+    solved = {tuple(map(rig.address, rule.chain)), *(limbs[node] for node in moved if node in limbs)}
+    moved.update(node for node, chain in limbs.items() if chain in solved)
     keyed = {clip.name: moved & {track.node for track in clip.tracks} for clip in rig.clips}
     if nodes := set[int]().union(*keyed.values()):
         names = and_more([rig.title(node) for node in sorted(nodes)], 6)
