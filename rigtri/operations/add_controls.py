@@ -112,7 +112,7 @@ class _Builder:
         self.rig, self.options, self.report = rig, options, report
         self.tree: Skeleton = skeleton(rig, options.root)
         self.ref: ReferencePose = reference(self.tree, "nodes")
-        self.world = rig.world
+        self.world = rig.normalised_world
         named = tuple(named_limbs(rig, options.ik))
         self.limbs = (*named, *self._recognised(named)) if self._all_limbs else named
         rules = Rules(limb_child=limb_children(self.tree, self.limbs))

@@ -59,7 +59,7 @@ class ControlAxes:
 
     def __init__(self, tree: Skeleton, options: AddControlsOptions, moved: frozenset[int]) -> None:
         self._tree, self._options, self._moved = tree, options, moved
-        self._world = tree.rig.world
+        self._world = tree.rig.normalised_world
         self.styles: dict[Control, AxisStyle] = {}
         self.frames: dict[Control, Floats] = {}
         offsets = tree.rig.records(OffsetRecord)

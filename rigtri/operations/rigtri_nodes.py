@@ -243,7 +243,7 @@ class NewNodes:
             node = int(self.rig.parents[node])
         world = self.zero[node]
         for node in reversed(path):
-            world = world if node in self._controls else multiply(self.rig.local[node], world)
+            world = world if node in self._controls else multiply(self.rig.normalised_local[node], world)
             self.zero[node] = world
         return world
 

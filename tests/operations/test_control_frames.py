@@ -14,8 +14,10 @@ from recognition_bodies.skeletons import MAN, rig_with
 
 import rigtri
 from rigtri.errors import RigtriError, UsageError
+from rigtri.evaluation.zero_pose import world_at_zero
 from rigtri.frames import Mirror
 from rigtri.frames.mirroring import Across, mirrored_axes
+from rigtri.maths.matrices import nearest_rotation
 from rigtri.model.metadata import ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.control_frames import stored_style
@@ -217,3 +219,19 @@ def test_controls_below_a_mirrored_root_close_as_all_others_do(preset: str) -> N
 def test_stored_axes_that_are_no_two_are_those_of_the_joint(aim: str, up: str, told: bool) -> None:
     record = OffsetRecord(kind="fk", joint="a", aim=aim, up=up, up_from="plane")
     assert (stored_style(record) is not None) == told
+
+
+def test_offsets_stand_on_joints_whose_quaternions_rounding_has_made_longer() -> None:
+    """Else bones count as longer once the joints rest otherwise, and limbs keyed nearly straight bend."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    longer = 1.0 + 1e-7 * np.random.default_rng(3).uniform(-1.0, 1.0, (len(rig), 1))
+    rig = rigtri.add_controls(replace(rig, rotation=rig.rotation * longer), whole_character=True)
+    controls, stored = set(rig.nodes_of("control")), rig.records(OffsetRecord)
+    for offset, record in stored.items():
+        if record.kind in ("fk", "ik"):
+            there, joint = world_at_zero(rig, offset, controls), rig.find(record.joint)
+            assert np.abs(there[3] - rig.normalised_world[joint, 3]).max() < 1e-14
+            if record.axes is None:
+                axes = nearest_rotation(rig.normalised_world[joint])
+                assert np.abs(nearest_rotation(there) - axes).max() < 1e-14
+    assert len(stored) > 20
