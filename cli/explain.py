@@ -29,8 +29,8 @@ from rigtri.operations.option_kinds import MOMENT
 from rigtri.report import Report
 
 from . import output_file
-from .file_names import complete_node
 from .help_format import Command, option
+from .name_completion import complete_node
 from .options import json_option, output_option, quiet_option, reading_options, shared
 from .parameters import read_options
 from .printing import print_json, print_warnings

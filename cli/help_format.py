@@ -74,7 +74,7 @@ class Option(click.Option):
         if not found and (self.type is click.STRING or isinstance(self.type, Parsed)):
             from click.shell_completion import CompletionItem
 
-            from .file_names import complete_from_file, known_words
+            from .name_completion import complete_from_file, known_words
 
             words = [word for word in known_words(self) if word.startswith(incomplete)]
             found = [CompletionItem(word) for word in words] + complete_from_file(self, ctx, incomplete)
