@@ -18,12 +18,12 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.moved_points import STILL, Moved, moved_by, moving_nodes, some_poses
+from rigtri.operations.node_removal import staying, warn_lost_clips, without_nodes
 from rigtri.operations.operation import operation
 from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJointsOptions
 from rigtri.operations.orient_joints.frame_sources import no_namesakes
 from rigtri.operations.prune_joints import named_nodes, sockets
 from rigtri.operations.reparented import reparented, uniform_parts
-from rigtri.operations.without_nodes import staying, warn_lost_clips, without_nodes
 from rigtri.report import Report
 from rigtri.text import and_more
 

@@ -9,9 +9,9 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge
 from rigtri.operations.ik_bones import IK_BONES
 from rigtri.operations.joint_records import joint_record
+from rigtri.operations.node_removal import staying, warn_lost_clips, without_nodes
 from rigtri.operations.operation import operation
 from rigtri.operations.options.prune_joints import PruneJointsOptions as PruneJointsOptions
-from rigtri.operations.without_nodes import staying, warn_lost_clips, without_nodes
 from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report

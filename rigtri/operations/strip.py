@@ -23,9 +23,9 @@ from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.add_posereader.corrective_joints import driven_paths, without_driven
 from rigtri.operations.add_posereader.replaced_keys import restore_replaced_keys
 from rigtri.operations.bake.unbaked import refuse_unbaked
+from rigtri.operations.node_removal import staying, without_nodes
 from rigtri.operations.operation import operation
 from rigtri.operations.options.strip import StripOptions as StripOptions
-from rigtri.operations.without_nodes import staying, without_nodes
 from rigtri.report import Report
 from rigtri.text import and_more
 

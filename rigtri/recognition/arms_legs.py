@@ -10,6 +10,7 @@ from rigtri.maths.ranking import SAME_SCORE, ranked
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
+from rigtri.recognition.biped_or_quadruped import may_be_front_legs
 from rigtri.recognition.body_shape import Body, lies, stands_too, within
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import facing_of
@@ -19,7 +20,6 @@ from rigtri.recognition.limb_pairs import Limbs, lacks_hand
 from rigtri.recognition.limb_triples import TIE, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement, in_order
 from rigtri.recognition.naming_schemes import parse_name
-from rigtri.recognition.two_or_four import may_be_front_legs
 from rigtri.text import a
 
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.

@@ -11,6 +11,13 @@ from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.hands_feet import finger_in_name
+from rigtri.recognition.inanimate import (
+    bends_to_and_fro,
+    may_be_a_thing,
+    may_be_wings,
+    only_things,
+    points_ahead,
+)
 from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
@@ -31,13 +38,6 @@ from rigtri.recognition.shape_doubts import (
     upside_down,
 )
 from rigtri.recognition.split_bones import further_part, no_hand, split_bone
-from rigtri.recognition.things import (
-    bends_to_and_fro,
-    may_be_a_thing,
-    may_be_wings,
-    only_things,
-    points_ahead,
-)
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
 _UNSURE = 0.6

@@ -12,6 +12,7 @@ from rigtri.maths.ranking import SAME_LENGTH, SAME_SCORE, ranked
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
 from rigtri.model.dataclass import dataclass
+from rigtri.recognition.biped_or_quadruped import settled
 from rigtri.recognition.body_shape import Body, bodies
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.front_or_hind import turned
@@ -26,7 +27,6 @@ from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.order_in_names import joined
 from rigtri.recognition.pose_samples import Measured, Poses
 from rigtri.recognition.symmetry import Pair, Plane, named_pairs, opposite, plane_of
-from rigtri.recognition.two_or_four import settled
 from rigtri.recognition.untwisted import Twist, twists
 
 # Where a body looks has to be so sure, 0 to 1, before knees and elbows are taken to point as they should.

@@ -19,9 +19,9 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.merge_joints import _warn_unmerged
+from rigtri.operations.node_removal import warn_lost_clips
 from rigtri.operations.rename_joints import _warn_unnamed_trunk
 from rigtri.operations.root_motion import _warn_still_moving
-from rigtri.operations.without_nodes import warn_lost_clips
 from rigtri.report import Report
 
 ARM = chain((0, 0, 0), (4, 0, 0), (8, 1, 0), (9, 1, 0))

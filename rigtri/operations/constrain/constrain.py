@@ -34,11 +34,11 @@ from rigtri.operations.constrain.maintain_offset import measured
 from rigtri.operations.constrain.switching import Switching, stored_switching, switching, warn_outdated
 from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
 from rigtri.operations.constrain.weight_keys import WeightKeys, requested_keys
+from rigtri.operations.node_removal import without_nodes
 from rigtri.operations.operation import operation
 from rigtri.operations.options.constrain import ConstrainOptions as ConstrainOptions
 from rigtri.operations.options.constrain import check_weight
 from rigtri.operations.rigtri_nodes import add, group, renamed, root_controls, with_record
-from rigtri.operations.without_nodes import without_nodes
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 

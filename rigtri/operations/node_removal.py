@@ -1,4 +1,4 @@
-"""Taking nodes out of a rig: their tracks, their rows in skins, and what points had of them."""
+"""Removing nodes from a rig: their tracks, their rows in skins, and what points had of them."""
 
 from __future__ import annotations
 

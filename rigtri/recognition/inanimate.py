@@ -1,4 +1,4 @@
-"""Things: skeletons named as parts of plants, buildings or machines, and limbs that may be of a thing."""
+"""What does not live: names of parts of plants, buildings or machines, and limbs that may be of such."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ _CLAVICLE = 0.6
 
 @cache
 def _things() -> frozenset[str]:
-    """The words of things.toml, and those of parts of machines that hang in pairs."""
-    table = our_table(Path(__file__).with_name("things.toml"))
+    """The words of inanimate.toml, and those of parts of machines that hang in pairs."""
+    table = our_table(Path(__file__).with_name("inanimate.toml"))
     return frozenset(word for line in table.values() for word in line.split()) | role_words()["machine"]
 
 
