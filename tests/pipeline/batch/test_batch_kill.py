@@ -151,7 +151,7 @@ def test_a_worker_that_is_killed_costs_its_file_alone(tmp_path: Path, start: Sta
     victims = workers(process.pid)
     assert victims
     os.kill(victims[-1], signal.SIGKILL)
-    rest, _ = process.communicate(timeout=60)
+    rest, _ = rest_of(process)
     lines = [json.loads(line) for line in (first + rest).splitlines()]
     assert len(lines) == COUNT
     failed = [line for line in lines if line["status"] != "ok"]
@@ -164,6 +164,14 @@ def test_a_worker_that_is_killed_costs_its_file_alone(tmp_path: Path, start: Sta
     assert again.wait(timeout=60) == 0
     assert len(outputs(tmp_path)) == COUNT
     assert left_behind(tmp_path) == []
+
+
+def rest_of(process: subprocess.Popen[str]) -> tuple[str, str]:
+    """What a process says until its end; `communicate` would lose what `readline` has read ahead."""
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.wait(timeout=60)  # it says less than a pipe holds
+    return process.stdout.read(), process.stderr.read()
 
 
 def workers(process: int) -> list[int]:
@@ -203,7 +211,7 @@ def test_an_interrupt_ends_what_is_begun_and_keeps_what_is_done(
     heard = iter(process.stderr.readline, "")
     assert any("started files are finished" in line for line in heard)
     (folder / WAITED_FOR).touch()
-    rest, told = process.communicate(timeout=60)
+    rest, told = rest_of(process)
     lines = [json.loads(line) for line in (first + rest).splitlines()]
     assert process.returncode == code
     assert {line["status"] for line in lines} == {"ok"}
@@ -228,7 +236,7 @@ def test_a_second_interrupt_gives_up_what_is_begun(tmp_path: Path, start: Start,
     while "started files are finished" not in process.stderr.readline():
         assert process.poll() is None
     process.send_signal(signal.SIGINT)
-    out, told = process.communicate(timeout=60)
+    out, told = rest_of(process)
     assert process.returncode == 130
     assert out == ""
     assert f"{COUNT + 2} not started" in told
