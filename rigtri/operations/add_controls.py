@@ -164,6 +164,7 @@ class _Builder:
         if options.root_control or (options.whole_character and self._root_carries(joints)):
             self._root()
         self.axes.find([*((joint, "fk") for joint in joints), *((limb.end, "ik") for limb in self.limbs)])
+        self._warn_unknown()
         for joint in counted(joints, "controls"):
             address = self.rig.address(joint)
             self.controls[joint] = self._control(joint, "fk", self.fk.get(address), {"joint": address})
@@ -179,6 +180,12 @@ class _Builder:
         for control, kind, joint in self.made:
             self._record(control, kind, joint)
         return self.rig
+
+    def _warn_unknown(self) -> None:
+        """Warn of what is not known of a body, where its controls are not chosen one by one."""
+        for note in self.axes.unknown if self.options.whole_character else ():
+            text = f"Controls are aimed as rigtri orient-joints aims joints, which says: {note.text}"
+            self.report.warn(note.code, text, geometry=True)
 
     def _give_names(self) -> None:
         """Names by the user's rule, and a record of those that new controls have."""

@@ -39,7 +39,7 @@ from rigtri.operations.options.add_controls import AddControlsOptions
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints.orient import FramePlan, plan_frames
 from rigtri.operations.orient_joints.up_direction import PRESENT, STATED
-from rigtri.report import Report
+from rigtri.report import Notice, Report
 
 # A joint and a kind of control over it.
 Control = tuple[int, ControlKind]
@@ -49,12 +49,15 @@ SAME_AXES = 2e-6
 _WORLD, _MIRRORED = "world", "mirrored"
 _AXES = {sign + axis for sign in ("", "+", "-") for axis in "xyz"}
 MIRRORED = AxisStyle("", "", _MIRRORED)
+# What orient-joints warns of where it does not know a body: its bones alone aim controls, too.
+_UNKNOWN = {"no-character", "no-hierarchy", "unsure-character", "unsure-limb"}
 
 
 class ControlAxes:
     """What the controls of one run are aimed by, and their axes. moved: see `moved_controls`.
 
     styles, frames: by joint and kind, (3, 3) rows in the world at rest; of others those of their joints.
+    unknown: what is not known of the body that they are aimed by.
     """
 
     def __init__(self, tree: Skeleton, options: AddControlsOptions, moved: frozenset[int]) -> None:
@@ -62,6 +65,7 @@ class ControlAxes:
         self._world = tree.rig.normalised_world
         self.styles: dict[Control, AxisStyle] = {}
         self.frames: dict[Control, Floats] = {}
+        self.unknown: list[Notice] = []
         offsets = tree.rig.records(OffsetRecord)
         self._offsets = {(record.joint, record.kind): node for node, record in offsets.items()}
 
@@ -183,6 +187,7 @@ class ControlAxes:
             **_request(style), joints=all_joints, limb=given.ik, pose="nodes", root=given.root
         )
         plan = plan_frames(free, options)
+        self.unknown += [note for note in plan.notes.warnings if note.code in _UNKNOWN]
         delta = plan.policy.allowed(plan.requested.delta, plan.targets.styles, Report())
         aim, up = (style.aim[-1], style.up[-1])
         world, found = plan.targets.ref.world, dict[int, Floats]()

@@ -96,7 +96,7 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
             at = world[:, 3, :3]
             ends = None if facing is not None else _turned(character, at, up, mirrored=mirrored)
             hips, chest = ends or (ahead, ahead)
-            hinges = dict(_hinges(character, at, (hips, chest), up, mirrored=mirrored))
+            hinges = dict(_hinges(rig, character, at, (hips, chest), up, mirrored=mirrored))
             toed = [k.joints for k in character.chains if k.kind == "foot" and len(k.joints) > 1]
             feet = {ankle: normalise(at[toes] - at[ankle]) for ankle, toes, *_ in toed}
             top = next((k.joints[-1] for k in character.sure_chains if k.kind == "spine"), -1)
@@ -275,7 +275,7 @@ def _turned(character: Character, at: Floats, up: Floats, *, mirrored: bool) -> 
 
 
 def _hinges(
-    character: Character, at: Floats, facing: tuple[Floats, Floats], up: Floats, *, mirrored: bool
+    rig: Rig, character: Character, at: Floats, facing: tuple[Floats, Floats], up: Floats, *, mirrored: bool
 ) -> Iterator[tuple[int, Hinge]]:
     """What a character says of its joints; later ones count. facing: of hips and chest, (3,) each."""
     hips, left = (cross(up, ahead) for ahead in facing)
@@ -290,11 +290,23 @@ def _hinges(
                 yield joint, Hinge("lateral axis of the body", _between(hips, left, up, float(share)))
     bones = character.bones
     chest = cross(left, _up_of_chest(chains, at, up))
-    for side in ("left", "right"):
-        if f"{side}Shoulder" in bones:
-            yield bones[f"{side}Shoulder"], Hinge("facing direction of the chest", chest, ahead=True)
+    shoulders = [bones[f"{side}Shoulder"] for side in ("left", "right") if f"{side}Shoulder" in bones]
+    for joint in (*shoulders, *_further_shoulders(rig, character)):
+        yield joint, Hinge("facing direction of the chest", chest, ahead=True)
     # Of a body whose names say left where it faces right, the place says which hand it is.
     yield from hand_hinges(chains, {"left": not mirrored, "right": mirrored}, at, (facing[1], up))
+
+
+def _further_shoulders(rig: Rig, character: Character) -> Iterator[int]:
+    """The joints between the spine and arms beyond the first two that lead to one of these alone."""
+    deforming = [part.joint for part in character.parts if part.role == "deform"]
+    spine = {joint for chain in character.sure_chains if chain.kind == "spine" for joint in chain.joints}
+    bones = {*character.bones.values()}
+    for chain in (chain for chain in character.sure_chains if chain.kind == "arm"):
+        over = int(rig.parents[chain.bend[0]])
+        below = [joint for joint in deforming if rig.parents[joint] == over]
+        if below == [chain.bend[0]] and over not in bones and int(rig.parents[over]) in spine:
+            yield over
 
 
 def _between(one: Floats, other: Floats, up: Floats, share: float) -> Floats:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, takewhile
 
 from rigtri.maths.ranking import largest
 from rigtri.maths.scalar_vector import Vector
@@ -95,7 +95,7 @@ def _hand(draft: Draft, arm: Found) -> None:
     tree, chains = draft.tree, finger_chains(draft, arm.joints[2], _lower(draft, arm))
     if len(chains) < 2:
         chains += _beside(draft, arm)
-    chains = [chain for chain in chains if not _is_guessed(draft, arm.joints[2], chain)]
+    chains = [told for chain in chains if (told := _told(draft, arm.joints[2], chain))]
     way = [arm.joints[2]]
     moves, names = draft.poses.moves_points, tree.rig.names
     called = {k[0] for k in chains if _names_finger(names[k[0]]) or _is_called_finger(draft, k[0])}
@@ -111,11 +111,17 @@ def _hand(draft: Draft, arm: Found) -> None:
     lay_fingers(draft, arm.joints[2], chains, arm.side, arm.confidence)
 
 
-def _is_guessed(draft: Draft, hand: int, chain: Sequence[int]) -> bool:
-    """Whether neither the hierarchy nor names tell what follows what: the nearest may be another finger."""
+def _told(draft: Draft, hand: int, chain: list[int]) -> list[int]:
+    """The chain as far as the hierarchy or names tell what follows what, from two joints on; else none of it.
+
+    Beyond that it goes on by place, and the nearest may be another finger, or the end of one.
+    """
     rig, after = draft.tree.rig, draft.poses.after
-    by_place = draft.tree.is_own and not rig.is_below(chain[0], hand) and chain[0] not in after
-    return by_place or any(not rig.is_below(b, a) and after.get(b) != a for a, b in pairwise(chain))
+    if draft.tree.is_own and not rig.is_below(chain[0], hand) and chain[0] not in after:
+        return []
+    follows = ((rig.is_below(b, a) or after.get(b) == a, b) for a, b in pairwise(chain))
+    told = [chain[0], *(joint for _, joint in takewhile(lambda each: each[0], follows))]
+    return told if len(told) > 1 or told == chain else []
 
 
 def _beside(draft: Draft, arm: Found) -> list[list[int]]:

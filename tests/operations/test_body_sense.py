@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from places import SAMPLES
 from posed_bodies import Pose, PosedBody, posed_body, poses
-from recognition_bodies.skeletons import ARM, FINGERS, LEG, TRUNK, both, rig_with
+from recognition_bodies.skeletons import ARM, FINGERS, LEG, TRUNK, both, line, rig_with
 
 from rigtri import add_controls, add_polevector, make_limb, orient_joints, read
 from rigtri.errors import GeometryError, UsageError
@@ -494,3 +494,19 @@ def test_each_hand_of_four_arms_that_are_equal_closes_with_its_own_fingers(drop:
             expected = alone.world[alone.find(name), :3, :3]
             for node in (out.find(name), out.find(second(name))):
                 np.testing.assert_allclose(out.world[node, :3, :3], expected, atol=1e-6, err_msg=name)
+
+
+def test_clavicles_of_further_arms_are_those_of_the_chest() -> None:
+    """Before, they took the plane of their limb: up to 70° off the clavicles of the first two."""
+
+    def shifted(name: str) -> str:
+        stem, dot, side = name.rpartition(".")
+        return f"{stem}_second{dot}{side}" if dot else name
+
+    places = (0.04, 1.45, 0.0), (0.16, 1.45, -0.02), (0.36, 1.25, -0.04), (0.5, 1.05, 0.06)
+    arms = both(line("clavicle.L upper_arm.L forearm.L hand.L", "chest", *places))
+    more = [(shifted(name), shifted(above), (x, y - 0.2, z)) for name, above, (x, y, z) in arms]
+    out = orient_joints(rig_with([*TRUNK, *both(LEG), *arms, *more]))
+    for name in (name for name, *_ in arms if name.startswith("clavicle")):
+        first, second = (out.world[out.find(each), :3, :3] for each in (name, shifted(name)))
+        np.testing.assert_allclose(second, first, atol=1e-6, err_msg=name)

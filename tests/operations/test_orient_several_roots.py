@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from recognition_bodies.skeletons import MAN, Joint, line, rig_with
 
+from rigtri.operations.add_controls import add_controls
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.report import Report
 
@@ -88,6 +89,34 @@ def test_fingers_and_limbs_side_by_side_aim_as_those_one_below_another(kind: str
     assert not {"no-hierarchy", "unsure-limb", "unsure-character"} & {note.code for note in notes.warnings}
 
 
+@pytest.mark.parametrize("end", ["4", "_tip"])
+def test_ends_of_flat_fingers_take_no_finger_its_joints(end: str) -> None:
+    """Before, the ends of the next fingers were counted to the first, and it kept its axes."""
+    joints = with_fingers()
+    places = {name: np.array(at) for name, _, at in joints}
+    for name in [name for name in places if _is_finger(name) and "3." in name]:
+        x, y, z = (2 * places[name] - places[name.replace("3.", "2.")]).tolist()
+        joints.append((name.replace("3.", f"{end}."), name, (x, y, z)))
+    flat, notes = [(name, "root" if above else "", at) for name, above, at in joints], Report()
+    here, there = orient_joints(rig_with(flat), report=notes), orient_joints(rig_with(joints))
+    for finger in [name for name, _, _ in joints if _is_finger(name) and end not in name]:
+        np.testing.assert_allclose(
+            here.world[here.find(finger)], there.world[there.find(finger)], atol=1e-9, err_msg=finger
+        )
+    assert "index3" not in "".join(note.text for note in notes.warnings if note.code == "no-hierarchy")
+
+
+def test_a_flat_skeleton_that_is_no_character_is_not_left_as_it_is_without_a_word() -> None:
+    """Before, all its joints kept their axes as lone ends beside siblings, and nothing warned of it."""
+    flat = [("root", "", (0.0, 0.0, 0.0))]
+    flat += [(f"part{n}", "root", (0.3 * n, 0.1 * n * n, 0.2 * (n % 3))) for n in range(9)]
+    notes = Report()
+    made = orient_joints(rig_with(flat, named=False), report=notes)
+    (note,) = (note for note in notes.warnings if note.code == "no-hierarchy")
+    assert "9 joints" in note.text
+    assert np.array_equal(made.world, rig_with(flat, named=False).world)
+
+
 def test_joints_side_by_side_of_which_nothing_tells_the_order_keep_their_axes_with_a_warning() -> None:
     """Before, they got the axes of the root without a word, or one finger aimed at another."""
     flat = [(name, "root" if above else "", at) for name, above, at in with_fingers()]
@@ -99,6 +128,17 @@ def test_joints_side_by_side_of_which_nothing_tells_the_order_keep_their_axes_wi
     fingers = [k for k, (name, _, _) in enumerate(flat) if _is_finger(name)]
     assert np.array_equal(made.world[fingers], rig.world[fingers])
     assert np.array_equal(orient_joints(made).world, made.world)
+
+
+@pytest.mark.parametrize("flat", [True, False])
+def test_what_is_not_known_of_a_body_is_said_of_its_controls_too(flat: bool) -> None:
+    """Before, controls that no body's hinge aims were built without a word."""
+    joints = [(name, "root" if flat and above else above, at) for name, above, at in with_fingers()]
+    notes, one = Report(), Report()
+    add_controls(rig_with(joints, named=False), whole_character=True, report=notes)
+    add_controls(rig_with(joints, named=False), joints=("#3",), report=one)
+    assert flat == ("no-hierarchy" in {note.code for note in notes.warnings})
+    assert "no-hierarchy" not in {note.code for note in one.warnings}
 
 
 def test_that_no_character_is_recognised_is_said_once() -> None:

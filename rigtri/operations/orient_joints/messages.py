@@ -99,11 +99,13 @@ def warn_unsure(targets: Targets, report: Report, *, per_joint: bool) -> None:
 
     per_joint: the user asks for the plane of each joint's own bones, which is all that there is without one.
     """
-    if all(targets.styles[k].world for k in targets.joints):
+    if targets.joints and all(targets.styles[k].world for k in targets.joints):
         return
     layout = recognise(targets.tree.rig)
     if not layout.characters and not per_joint:
         _warn_no_character(targets, layout.remarks, report)
+        if not targets.joints:
+            _warn_side_by_side(targets, set(targets.tree.joints), report)
     for character in layout.characters:
         joints = {part.joint for part in character.parts}
         if joints.isdisjoint(targets.joints):
@@ -149,7 +151,7 @@ def _warn_no_character(targets: Targets, remarks: Sequence[str], report: Report)
 
 
 def _warn_side_by_side(targets: Targets, joints: set[int], report: Report) -> None:
-    """Warn of joints of a body that are all children of one, and of which nothing tells what they follow."""
+    """Warn of joints that are all children of one, and of which nothing tells what they follow."""
     tree, rig = targets.tree, targets.tree.rig
     heads = {chain.joints[-1] for chain in recognise(rig).chains if chain.kind == "head"}
     for above in (joint for joint in tree.joints if joint not in heads):
