@@ -42,7 +42,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
-from rigtri.operations.bake.unbaked import refuse_followed
+from rigtri.operations.bake.unbaked import refuse_followed, refuse_leading
 from rigtri.operations.operation import operation
 from rigtri.operations.options.snap import IkOrFk
 from rigtri.operations.options.snap import SnapOptions as SnapOptions
@@ -57,7 +57,12 @@ NEAR = 1e-5
 SAME = 1e-5
 
 
-@operation(SnapOptions, alone=refuse_followed)
+def _refuse_alone(rig: Rig, nodes: frozenset[int], name: str) -> None:
+    refuse_followed(rig, nodes, name)
+    refuse_leading(rig, nodes, name)
+
+
+@operation(SnapOptions, alone=_refuse_alone)
 def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
     """Give IK ends and poles, or FK controls, the values with which joints stand as they do at some moments.
 

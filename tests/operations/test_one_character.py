@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -339,3 +340,19 @@ def test_a_character_that_follows_one_with_motion_on_its_controls_is_not_baked_a
         with pytest.raises(GeometryError, match="which controls of another character move in clip 'walk'"):
             edit(moved, character="A")
     assert len(still.clips) == len(bake(moved, character="B", fps=24).clips) == 1
+
+
+def test_a_character_whose_controls_another_one_follows_is_not_snapped_alone(
+    samples: Path, tmp_path: Path
+) -> None:
+    """Before, the other one moved by a third of the size, without a word."""
+    rig = add_controls(read(pair(samples, tmp_path, "gltf")).rig, whole_character=True)
+    ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
+    bodies = [frozenset(nodes) for nodes in characters(rig)]
+    end = next(node for node in ends if rig.named_by(rig.metadata[node]) & bodies[1])
+    head, other = (next(node for node in nodes if rig.names[node] == "head") for nodes in bodies)
+    for driver, refused in ((end, True), (other, False)):
+        led = constrain(rig, child=rig.address(head), type="parent", driver=(rig.address(driver),))
+        for to in ("fk", "ik"):
+            with pytest.raises(GeometryError, match="of B, which moves") if refused else nullcontext():
+                snap(led, to=to, at=("walk@0.5",), limbs="auto", character="B")

@@ -19,6 +19,7 @@ from rigtri.maths.ranking import largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
 from rigtri.model.constraints import constraints_of
+from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.recognition.one_character import about
 from rigtri.report import Report
@@ -117,6 +118,28 @@ def refuse_followed(rig: Rig, nodes: frozenset[int], name: str) -> None:
                         "--character, or take that motion to the joints of the other first, with rigtri bake "
                         "--to joints"
                     )
+
+
+def refuse_leading(rig: Rig, nodes: frozenset[int], name: str) -> None:
+    """GeometryError where another character follows controls whose keys go as IK or FK takes over a limb.
+
+    nodes: those of the character, called ``name``, that is to be snapped alone.
+    """
+    records = rig.records(ControlRecord)
+    limbs = [record.chain for record in records.values() if record.kind == "ik"]
+    ends = {joint for chain in limbs for joint in chain}
+    taken = {node for node, record in records.items() if record.kind != "root" and record.joint in ends}
+    taken |= {*rig.nodes_of("poleVector"), *(node for node, one in records.items() if one.kind in PIVOTS)}
+    for rule in constraints_of(rig).values():
+        if _within(rig, rule.child, nodes):
+            continue
+        for node in rule.sources:
+            if _within(rig, node, nodes) and not taken.isdisjoint(rig.path_to_root(node)):
+                raise GeometryError(
+                    f"'{rig.title(rule.child)}' follows '{rig.title(node)}' of {name}, which moves otherwise "
+                    "once IK or FK takes over. Leave out --character, which then warns of how far joints "
+                    "move, or take the constraint out first"
+                )
 
 
 def _within(rig: Rig, node: int, nodes: frozenset[int]) -> bool:
