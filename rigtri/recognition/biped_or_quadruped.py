@@ -15,6 +15,7 @@ from rigtri.recognition.body_shape import LEVEL, Body, height, lowest
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import LimbWords
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses
 
 # Of front legs without joints in their feet so much of the height of the hips is missing at least, and where
@@ -28,6 +29,8 @@ _FALLS = 0.2
 # A trunk that goes up in the file by this (a cosine), while limbs show another up, is that of a driver whose
 # arms and legs go ahead, or of an animal in a file with another up; nothing but names of arms tells which.
 _RISES = 0.7
+# Whose names say one of these may be an animal, whatever its front legs are called.
+_NO_DRIVER = frozenset(["wing", "tail"])
 
 
 def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]) -> Body:
@@ -42,7 +45,8 @@ def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]
     animal = _is_animal(tree, arms, names)
     if body.up.dot(standing) < _RISES and rise > _RISES:
         sits = replace(body, legs=legs, arms=arms, form="biped", up=standing, doubt=False)
-        return sits if arms.kind == "arm" and not animal else body
+        drives = not any(not _NO_DRIVER.isdisjoint(roles_in_name(tree.rig.names[k])) for k in tree.nodes)
+        return sits if arms.kind == "arm" and not animal and drives else body
     up, tall = body.up, height(tree, legs, body.up)
     ground = lowest(tree, legs, up)
     high = (lowest(tree, arms, up) - ground) / tall

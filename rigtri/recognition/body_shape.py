@@ -38,6 +38,8 @@ _MIDMOST = 0.1
 # Legs that go down an axis of the file by this (a cosine, 15°) stand on it, however the trunk leans; and so
 # upright is the trunk of a body that sits.
 _ALONG_AXIS = 0.966
+# Up to wrist and hock an animal's legs lean by up to this (a cosine, 30°); another up turns by right angles.
+_LEANS = 0.866
 # Legs that are stretched ahead are square to the trunk up to this (a sine), and bend by less than 25°.
 # Arms smaller than this part of legs are those of a dinosaur.
 _LEVEL, _STRETCHED, _SMALL = 0.35, 0.906, 0.3
@@ -133,7 +135,7 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     loose = down.dot(-standing) < _ASIDE
     four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
     if four or (loose and abs(down.dot(on)) < _LEANING and _has_tail(tree, legs, arms, on)):
-        return [(_on_axis((limbs if four else legs.starts - legs.ends).unit), _OTHER_UP)]
+        return [(_on_axis((limbs if four else legs.starts - legs.ends).unit, _LEANS), _OTHER_UP)]
     turned = [_on_axis(-down)]
     if turned[0] == -down or not turned[0].dot(on) > 0:
         turned = [spine.unit, limbs.unit]
@@ -211,10 +213,10 @@ def _axis(way: Vector) -> Vector:
     return Vector(*(copysign(1.0, each) if each == most else 0.0 for each in way))
 
 
-def _on_axis(way: Vector) -> Vector:
-    """The axis of the file that a direction goes along, itself where it goes along none."""
+def _on_axis(way: Vector, along: float = _ALONG_AXIS) -> Vector:
+    """The axis of the file that a direction goes along, by a cosine, itself where it goes along none."""
     axis = _axis(way)
-    return axis if axis.dot(way) > _ALONG_AXIS else way
+    return axis if axis.dot(way) > along else way
 
 
 def _has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
@@ -258,7 +260,7 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
     ]
     cost = _DEEPER if tier < 0 else 0.0
     cost += _MISNAMED * (legs.place == "front" or arms.place == "hind")
-    front_legs = arms.kind == "leg" and arms.place == "front"
+    front_legs = _are_front_and_hind(arms, legs) or (arms.kind == "leg" and arms.place == "front")
     beyond = _beyond(tree, legs, arms)
     seen: list[Body] = []
     for up, trust in _ups(tree, legs, arms):
@@ -282,8 +284,8 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
 
 
 def _are_front_and_hind(arms: Limbs, legs: Limbs) -> bool:
-    """Whether names say that two pairs are the front and the hind legs."""
-    return arms.kind == legs.kind == "leg" and arms.place == "front" and legs.place == "hind"
+    """Whether names say that two pairs are the front and the hind legs; front ones have elbows, too."""
+    return legs.kind == "leg" and arms.place == "front" and legs.place == "hind"
 
 
 def lowest(tree: Tree, limbs: Limbs, up: Vector) -> float:

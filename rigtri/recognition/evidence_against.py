@@ -13,8 +13,10 @@ from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.inanimate import (
     bends_to_and_fro,
+    has_trunk,
     may_be_a_thing,
     may_be_wings,
+    of_machine,
     only_things,
     points_ahead,
 )
@@ -49,8 +51,6 @@ _BALANCE = 0.4
 _ENOUGH = 3
 # Bones of counted joints are clearly those of a limb if they are so much alike.
 _CLEARLY = 0.45
-# Of a body one of these names alone does not tell: planes have tails.
-_HEADS = frozenset(["skull", "tail"])
 # Of an animal all of these do.
 _ANIMAL = frozenset(["ear", "tail"])
 
@@ -248,10 +248,8 @@ def _no_trunk(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or _corners(draft, found) == 4
     ):
         return ""
-    names = [draft.tree.rig.names[k] for k in draft.tree.nodes if draft.words.get(k, NO_WORDS).trunk]
-    heads = [name for name in names if not _HEADS.isdisjoint(roles_in_name(name))]
     roles = frozenset[str]().union(*(roles_in_name(draft.tree.rig.names[k]) for k in draft.tree.nodes))
-    return "" if len(names) > min(1, len(heads)) or roles >= _ANIMAL else "nothing else of a body is named"
+    return "" if has_trunk(draft) or roles >= _ANIMAL else "nothing else of a body is named"
 
 
 def _has_clear_words(draft: Draft, each: Found) -> bool:
@@ -369,7 +367,7 @@ _OF_SHAPES = (
     upside_down,
     arm_as_leg,
     arm_as_front_leg,
-    *_alone(_named_to_bend_elsewhere, _misnamed, other_bend, no_hand, split_bone, only_things),
+    *_alone(_named_to_bend_elsewhere, _misnamed, other_bend, no_hand, split_bone, only_things, of_machine),
     *_alone(
         further_part,
         ankle_as_knee,

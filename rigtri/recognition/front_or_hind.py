@@ -22,6 +22,8 @@ _OVER = 0.3
 # What stands so far beyond legs, as parts of the trunk between them, are head and tail, and their tips; a
 # joint of the head moves so much more from side to side than one of the tail.
 _NEAR, _FAR, _BROADER = 0.1, 0.25, 1.5
+# What begins farther from the middle than this part of the trunk is no neck and no tail: noise is less.
+_BESIDE = 0.03
 
 
 def is_further(tree: Tree, body: Body, limbs: Limbs) -> bool:
@@ -74,10 +76,10 @@ def head_end(tree: Tree, body: Body, plane: Plane, poses: Poses) -> int:
     ahead = front.starts - hind.starts
     ahead = ahead - body.up * ahead.dot(body.up)  # legs may begin at other heights
     back = -ahead
-    tips, others = (_tips(tree, _beyond(tree, body, way, _FAR)) for way in (back, ahead))
+    tips, others = (_tips(tree, _beyond(tree, body, plane, way, _FAR)) for way in (back, ahead))
     if tips != others and max(tips, others) > 1:
         return -1 if tips > others else 1
-    one, other = (_beyond(tree, body, way, _NEAR) for way in (back, ahead))
+    one, other = (_beyond(tree, body, plane, way, _NEAR) for way in (back, ahead))
     if not one and not other:
         return 0
     high, low = (max((tree.at[node].dot(body.up) for node in end), default=-inf) for end in (one, other))
@@ -91,14 +93,22 @@ def _tips(tree: Tree, nodes: Sequence[int]) -> int:
     return sum(not tree.below[node] for node in nodes)
 
 
-def _beyond(tree: Tree, body: Body, way: Vector, share: float) -> list[int]:
+def _beyond(tree: Tree, body: Body, plane: Plane, way: Vector, share: float) -> list[int]:
     """The joints of no leg that are beyond the legs of one end by a share of the trunk.
+
+    Nor those of what begins beside the trunk: wings reach back as far as a tail does.
 
     way: from the legs of the other end to these.
     """
     pairs = [pair for pair in (body.legs, body.arms) if pair is not None]
     legs = {k for pair in pairs for path in pair.pair.paths for k in tree.branch(path[0])}
     start = max((pair.starts for pair in pairs), key=lambda place: place.dot(way))
+    ends = [pair.pair.above for pair in pairs if pair.pair.above >= 0]
+    trunk = {k for end in ends for k in tree.way(-1, end)}
+    long = _BESIDE * way.length
+    for node in (k for over in trunk for k in tree.below[over] if k not in trunk | legs):
+        if abs(plane.side_of(tree.at[node])) > long:
+            legs.update(tree.branch(node))
     free = [k for k in tree.nodes if k not in legs]
     return [k for k in free if (tree.at[k] - start).dot(way) > share * way.dot(way)]
 

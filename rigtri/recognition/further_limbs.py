@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from rigtri.recognition.arms_legs import Found, named_side
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.inanimate import is_of_machine
 from rigtri.recognition.layout import NAMES, Kind
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.naming_schemes import roles_in_name
@@ -22,6 +23,7 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
     if body is None or not found:
         return
     size = max((k.size for k in (body.legs, body.arms) if k is not None), default=0.0)
+    thing = is_of_machine(draft)  # planes have wings
     taken = set(draft.taken) | {joint for each in found for joint in (*each.before, *each.joints)}
     trunk = draft.tree.way(-1, draft.chest if draft.chest >= 0 else draft.hips) if found else []
     for limbs in draft.shape.limbs:
@@ -41,7 +43,7 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
             bend = joints if len(joints) == 3 else ()
             kind: Kind = "wing" if wing else _kind(draft, body, limbs, size)
             words = (NAMES,) if wing else ("one more pair that bends in the middle",)
-            sure = 0.6 if not wing else 0.7 if limbs.is_noisy else 0.9
+            sure = 0.6 if not wing or thing else 0.7 if limbs.is_noisy else 0.9
             draft.add_chain(kind, kind, side, path, sure, words, bend)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.triangle import bend_angle
@@ -15,7 +16,8 @@ from rigtri.recognition.facing import feet_ahead
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import beside
-from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.limb_words import NO_WORDS
+from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 from rigtri.recognition.shape_doubts import ZIGZAG
 from rigtri.recognition.word_tables import our_table, role_words
 
@@ -29,6 +31,8 @@ _STANDS, _CARRIES = 0.5, 0.7
 # Wings go aside by more than this (a cosine, 60°). The bone below a hock goes down by as much, and is so long
 # a part of the one above it.
 _SPREAD, _DOWN, _LONG = 0.5, 0.5, 0.4
+# Of a body one of these names alone does not tell: planes have tails.
+_HEADS = frozenset(["skull", "tail"])
 # A clavicle is at most so long a part of the upper arm.
 _CLAVICLE = 0.6
 
@@ -36,8 +40,48 @@ _CLAVICLE = 0.6
 @cache
 def _things() -> frozenset[str]:
     """The words of inanimate.toml, and those of parts of machines that hang in pairs."""
-    table = our_table(Path(__file__).with_name("inanimate.toml"))
-    return frozenset(word for line in table.values() for word in line.split()) | role_words()["machine"]
+    lines = [line for line in _table().values() if isinstance(line, str)]
+    return frozenset(word for line in lines for word in line.split()) | role_words()["machine"]
+
+
+@cache
+def _objects() -> frozenset[str]:
+    """Words of whole things, and those of parts of machines that hang in pairs."""
+    lines = _table()["objects"].values()
+    return frozenset(word for line in lines for word in line.split()) | role_words()["machine"]
+
+
+@cache
+def _table() -> dict[str, Any]:
+    return our_table(Path(__file__).with_name("inanimate.toml"))
+
+
+def trunk_names(draft: Draft) -> list[str]:
+    """Names of trunk, head and tail, without a thing's, which has a ``cart_body`` or a ``tail_rotor``."""
+    names = [draft.tree.rig.names[k] for k in draft.tree.nodes if draft.words.get(k, NO_WORDS).trunk]
+    return [name for name in names if _objects().isdisjoint(parse_name(name).words)]
+
+
+def has_trunk(draft: Draft) -> bool:
+    """Whether names tell of a trunk: a head or a tail alone do not; scales have a head, and planes a tail."""
+    names = trunk_names(draft)
+    heads = [name for name in names if not _HEADS.isdisjoint(roles_in_name(name))]
+    return len(names) > min(1, len(heads))
+
+
+def is_of_machine(draft: Draft) -> bool:
+    """Whether a name is of a vehicle or a machine's part, which nobody holds, and none of a trunk."""
+    machine = role_words()["machine"].union(_table()["objects"]["vehicles"].split())
+    names = (draft.tree.rig.names[k] for k in draft.tree.nodes)
+    return any(not machine.isdisjoint(parse_name(name).words) for name in names) and not has_trunk(draft)
+
+
+def of_machine(draft: Draft, each: Found) -> str:
+    """A limb without a name of one, where names are of a machine's parts, and none of a trunk or limb."""
+    if (each.pair is not None and each.pair.kind) or not is_of_machine(draft):
+        return ""
+    limbs = any(word.kind for word in draft.words.values())
+    return "" if limbs else "names here are of parts of a machine, and none of a body"
 
 
 def only_things(draft: Draft, each: Found) -> str:

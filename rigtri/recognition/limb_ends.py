@@ -69,12 +69,13 @@ def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
         gone += tree.bone[node]
         if not gone > 0.0 or len(tree.below[node]) < 2:
             continue
-        below = [tree.bone[k] + tree.reach[k] for k in _ways_on(tree, node)]
-        longest = max(below, default=0.0)
-        alike = len([k for k in below if k > 0.35 * longest])
-        if alike >= 2 and longest < 0.75 * gone:
-            jointed = len([k for k in tree.below[node] if tree.below[k] and tree.bone[k] + tree.reach[k] > 0])
-            return at, max(alike, jointed)
+        below = sorted((tree.bone[k] + tree.reach[k] for k in _ways_on(tree, node)), reverse=True)
+        jointed = sum(bool(tree.below[k]) and tree.bone[k] + tree.reach[k] > 0 for k in tree.below[node])
+        for held, least in ((0, 2), (1, HAND)):  # one longer than the fingers of a hand is what it holds
+            ways = below[held:]
+            alike = sum(k > 0.35 * ways[0] for k in ways)
+            if alike >= least and ways[0] < 0.75 * gone:
+                return at, max(alike, jointed - held)
     return len(path) - 1, 0
 
 

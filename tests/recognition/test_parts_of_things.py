@@ -1,0 +1,137 @@
+"""Carts, clocks, planes and the like: what is named in one word with a thing is of the thing."""
+
+from __future__ import annotations
+
+import pytest
+from recognition_bodies.skeletons import ARM, FINGERS, HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
+
+from rigtri.recognition.recognise import recognise
+
+
+def on_legs(root: str, start: str, middle: str, end: str, *more: Joint) -> list[Joint]:
+    """A thing on two legs that bend, and what else it has."""
+    names = f"{start}.L {middle}.L {end}.L"
+    legs = both(line(names, root, (0.3, 0.5, -0.1), (0.32, 0.25, -0.06), (0.32, 0.0, -0.1)))
+    return [(root, "", (0.0, 0.6, 0.0)), *legs, *more]
+
+
+THINGS: dict[str, list[Joint]] = {
+    "cart": on_legs("cart_body", "stand_leg", "stand_leg_low", "stand_foot"),
+    "clock": on_legs(
+        "clock_body",
+        "leg",
+        "leg_low",
+        "foot",
+        ("head", "clock_body", (0, 2, 0.1)),
+        ("face", "head", (0, 2, 0.2)),
+    ),
+    "motorcycle": on_legs(
+        "steering_neck",
+        "fork_upper",
+        "fork_lower",
+        "fork_foot",
+        ("frame", "steering_neck", (0, 0.6, -0.5)),
+        ("tail_light", "frame", (0, 0.8, -1)),
+    ),
+    "helicopter": on_legs(
+        "fuselage",
+        "skid_strut",
+        "skid",
+        "skid_tip",
+        ("main_rotor", "fuselage", (0, 2, 0)),
+        ("tail_boom", "fuselage", (0, 1.2, -2)),
+        ("tail_rotor", "tail_boom", (0, 1.5, -4)),
+    ),
+    "plane": on_legs(
+        "hull",
+        "gear_upper",
+        "gear_knee",
+        "gear_foot",
+        ("nose_wheel", "hull", (0, 0.4, 3)),
+        *both(line("wing.L wing_mid.L wing_tip.L", "hull", (1, 0.9, 0.3), (3, 1, -0.2), (5, 1.1, -0.9))),
+    ),
+}
+
+
+@pytest.mark.parametrize("thing", THINGS)
+def test_no_limb_of_a_thing_is_sure(thing: str) -> None:
+    """Before, a cart's body was the trunk of its stand, and a helicopter's tail made its skids sure legs."""
+    layout = recognise(rig_with(THINGS[thing]))
+    assert [chain.name for chain in layout.chains if chain.bend and chain.is_sure] == []
+
+
+@pytest.mark.parametrize("held", ["weapon.R", "lamp.R", "sword"])
+def test_who_holds_a_thing_is_a_body(held: str) -> None:
+    joints = [*MAN, (held, "hand.R", (-0.7, 1.35, 0.1))]
+    layout = recognise(rig_with(joints))
+    assert len([chain for chain in layout.chains if chain.bend and chain.is_sure]) == 4
+
+
+def test_front_limbs_with_elbows_are_legs_whatever_the_file_has_for_up() -> None:
+    """Elbow and wrist are words of arms, and of front legs where names say front and hind."""
+    bones = "thigh shin foot toe upper_arm forearm hand finger"
+    words = "backHip backKnee backAnkle backBall frontShoulder frontElbow frontWrist frontToe"
+    called = dict(zip(bones.split(), words.split(), strict=True))
+
+    def renamed(name: str) -> str:
+        first, dot, side = name.partition(".")
+        return called.get(first, first) + dot + side
+
+    places = {k[0]: k[2] for k in HORSE} | {"shin.L": (0.2, 0.85, -0.55), "foot.L": (0.2, 0.45, -1.1)}
+    places |= {"forearm.L": (0.2, 0.85, 0.5), "hand.L": (0.2, 0.42, 0.4), "toe.L": (0.2, 0.08, -1.0)}
+    places |= {f"{k[:-2]}.R": (-x, y, z) for k, (x, y, z) in places.items() if k.endswith(".L")}
+    lying = [(renamed(k), renamed(above), (x, -z, y)) for k, above, _ in HORSE for x, y, z in [places[k]]]
+    (horse,) = recognise(rig_with(lying)).characters
+    assert horse.form == "quadruped"
+    assert sorted((chain.kind, chain.is_front) for chain in horse.limbs if chain.is_sure) == [
+        *[("leg", False)] * 2,
+        *[("leg", True)] * 2,
+    ]
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_what_a_hand_holds_is_no_finger(named: bool) -> None:
+    """A sword is longer than the fingers, and the hand is where these begin."""
+    arm = [
+        *ARM[:3],
+        *line("part1.L part2.L hand.L", "forearm.L", (0.52, 1.45, 0), (0.61, 1.45, 0), (0.7, 1.45, 0)),
+    ]
+    joints = [*TRUNK, *both([*arm, *LEG]), *FINGERS]
+    joints += line("sword sword_tip", "hand.R", (-0.72, 1.4, 0.02), (-0.72, 1.4, 0.8))
+    rig = rig_with(joints, named=named)
+    arms = [chain for chain in recognise(rig).chains if chain.kind == "arm" and chain.is_sure]
+    hands = {joints[chain.bend[2]][0] for chain in arms}
+    assert hands == {"hand.L", "hand.R"}
+
+
+@pytest.mark.parametrize("apart", ["wing", "a"])
+def test_who_has_wings_sits_at_no_wheel(apart: str) -> None:
+    """Humerus, radius and carpus are of arms and of front legs, which no up makes surely arms."""
+    called = {
+        "upper_arm": "humerus",
+        "forearm": "radius",
+        "hand": "carpus",
+        "finger": "phalanx",
+        "foot": "tarsus",
+    }
+    called |= {"thigh": "femur", "shin": "tibia"}
+
+    def renamed(name: str) -> str:
+        first, dot, side = name.partition(".")
+        return called.get(first, first) + dot + side
+
+    wings = line(
+        f"{apart}1.L {apart}2.L {apart}3.L", "chest", (0.1, 1.5, 0.5), (0.8, 1.9, 0), (1.1, 1.7, 0.4)
+    )
+    joints = [*((renamed(name), renamed(above), at) for name, above, at in HORSE), *both(wings)]
+    body = recognise(rig_with([(name, above, (x, -z, y)) for name, above, (x, y, z) in joints]))
+    assert [chain.name for chain in body.chains if chain.kind == "arm" and chain.is_sure] == []
+
+
+def test_wings_that_reach_back_are_no_head() -> None:
+    """Before, the tips of wings behind the hind legs turned an animal round, and its sides were swapped."""
+    wings = line("a.L b.L c.L", "chest", (0.1, 1.5, 0.5), (0.8, 1.9, 0.0), (1.1, 1.7, -0.6))
+    fingers = [(f"tip{k}.L", "c.L", (1.0 + 0.1 * k, 1.5, -1.9 + 0.1 * k)) for k in range(3)]
+    dragon = rig_with([*HORSE, *both([*wings, *fingers])], named=False)
+    (found,) = recognise(dragon).characters
+    assert found.facing[2] > 0.9
