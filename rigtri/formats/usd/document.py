@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache, partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.usd.composition import external_paths
 from rigtri.formats.usd.composition.edit_target import sublayer
 from rigtri.formats.usd.composition.held_layers import Held
-from rigtri.formats.usd.composition.stage import open_file, quiet
+from rigtri.formats.usd.composition.stage import one_thread, open_file, quiet
 from rigtri.formats.usd.composition.variant_choices import VariantSet, alike, lacking, selecting
 from rigtri.formats.usd.composition.variant_combinations import combinations
 from rigtri.formats.usd.composition.variants import in_words
@@ -36,6 +35,7 @@ from rigtri.formats.usd.reading.source import (
 )
 from rigtri.formats.usd.run_passes import edit_stage
 from rigtri.model.content import Content
+from rigtri.model.control_shapes import Lines
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import SceneFacts
@@ -45,6 +45,28 @@ from rigtri.report import Notice
 MOST_CHOICES = 256
 
 
+class _Drawn:
+    """The meshes and lines of a stage, read when they are first asked for; lets go of it as documents do."""
+
+    def __init__(self, source: Source, notices: list[Notice]) -> None:
+        self._source, self._notices = source, notices
+        self._meshes: Sequence[Mesh] | None = None
+
+    def __del__(self) -> None:
+        with one_thread:
+            self.__dict__.clear()
+
+    def __call__(self) -> Sequence[Mesh]:
+        with one_thread:
+            if self._meshes is None:
+                self._meshes = read_meshes(self._source, self._notices)
+            return self._meshes
+
+    def lines(self, key: Hashable) -> Lines | None:
+        with one_thread:
+            return read_lines(self._source.stage, key)
+
+
 class UsdDocument:
     """A .usd, .usda, .usdc or .usdz file. Edits are opinions of its root layer."""
 
@@ -52,9 +74,8 @@ class UsdDocument:
         """layer: the one to edit; the stage's root layer, or the opinions above the file they are for."""
         self._notices = list(source.warnings)
         # Of the source alone: a rig that held its document would keep the stage open in a ring.
-        self._drawn = cache(partial(read_meshes, source, self._notices))
-        lines = partial(read_lines, source.stage)
-        rig = replace(source.rig, content=Content(lines, self._drawn, self._drawn))
+        self._drawn = _Drawn(source, self._notices)
+        rig = replace(source.rig, content=Content(self._drawn.lines, self._drawn, self._drawn))
         if rig.metadata and not options.is_override:
             others = elsewhere(source.stage, rig, layer)
             rig = replace(rig, rules=replace(rig.rules, elsewhere=others))
@@ -62,6 +83,10 @@ class UsdDocument:
         self._held = Held(source.stage)
         self._output = Output(self._source, layer, options, self._held.content)
         self._hidden: dict[str, list[str]] = {}
+
+    def __del__(self) -> None:
+        with one_thread:  # which goes through all stages where it reads a layer anew
+            self.__dict__.clear()
 
     @classmethod
     def read(
@@ -75,12 +100,13 @@ class UsdDocument:
         opened: what `open_file` gave for it, with these options.
         """
         options = options or ReadOptions()
-        stage, layer, warnings = opened or open_file(
-            path, allow_external=options.allow_external_paths, allow_missing=options.allow_missing
-        )
-        if options.edit_target != "root" and not options.is_override:
-            layer = sublayer(stage, options.edit_target)
-        return cls(read_source(path, options, stage, warnings), options, layer)
+        with one_thread:
+            stage, layer, warnings = opened or open_file(
+                path, allow_external=options.allow_external_paths, allow_missing=options.allow_missing
+            )
+            if options.edit_target != "root" and not options.is_override:
+                layer = sublayer(stage, options.edit_target)
+            return cls(read_source(path, options, stage, warnings), options, layer)
 
     @property
     def rig(self) -> Rig:
@@ -125,10 +151,11 @@ class UsdDocument:
         """
         output, stage = self._output, self._source.stage
         stays = output.is_new_layer or output.is_sublayer
-        self._held.check((self._source.layer, output.layer), stays=stays)
-        output.check_target(target)
-        output.check_metrics(rig)
         with quiet(f"{target}: USD cannot write it"):
+            with quiet(f"{self._source.path} was replaced, and USD cannot read it"):
+                self._held.check((self._source.layer, output.layer), stays=stays)
+            output.check_target(target)
+            output.check_metrics(rig)
             edit = edit_stage(self._source, rig, self._options)
             output.write(edit.edits, part, target, edit.notices, strips=bool(edit.rig.pending.removed))
             self._hidden = output.hidden(edit.edits)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import shutil
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Event
 
 import pytest
 
 import rigtri
 from rigtri.errors import FileError
 from rigtri.formats import ReadOptions, read
+from rigtri.formats.usd.composition import stage
 
 SAMPLES = Path(__file__).parents[3] / "samples"
 BIPED = SAMPLES / "biped.usda"
@@ -147,3 +151,49 @@ def test_a_package_of_several_layers_that_was_replaced_is_refused(tmp_path: Path
     assert rigtri.read(package)
     with pytest.raises(FileError, match=r"hero\.usdz was replaced after"):
         rigtri.write(before, tmp_path / "out.usdz")
+
+
+@pytest.mark.parametrize("content", [b"", b"#usda 1.0\ndef \n"])
+def test_a_text_that_was_cut_off_since_is_one_error(tmp_path: Path, content: bytes) -> None:
+    path = Path(shutil.copyfile(BIPED, tmp_path / "biped.usda"))
+    before = rigtri.read(path)
+    path.write_bytes(content)
+    with pytest.raises(FileError, match=r"biped\.usda was replaced, and USD cannot read it"):
+        rigtri.write(before, tmp_path / "out.usda")
+    assert not (tmp_path / "out.usda").exists()
+
+
+def test_one_thread_at_a_time_is_in_usd() -> None:
+    """pxr changes all stages of a process where a layer is read anew: a thread that reads one would crash."""
+    stderr, inside, on = sys.stderr, Event(), Event()
+
+    def first() -> None:
+        with stage.quiet("one"):
+            inside.set()
+            on.wait()
+
+    with ThreadPoolExecutor(1) as pool:
+        done = pool.submit(first)
+        inside.wait()
+        free = stage.one_thread.acquire(blocking=False)
+        on.set()
+        done.result()
+    assert not free
+    with stage.quiet("another"), stage.quiet("and below it"):
+        pass
+    assert sys.stderr is stderr
+
+
+@pytest.mark.ci
+def test_threads_read_edit_and_write_one_file(tmp_path: Path) -> None:
+    path = _crate(tmp_path / "biped.usdc")
+
+    def edit(preset: str) -> None:
+        for _ in range(2):
+            rigtri.write(rigtri.orient_joints(rigtri.read(path), preset=preset), path, overwrite=True)
+
+    with ThreadPoolExecutor(3) as pool:
+        for done in [pool.submit(edit, preset) for preset in ("maya", "blender", "mgear")]:
+            done.result()
+    assert rigtri.verify(BIPED, path).largest_deviation < 1e-5
+    assert [*tmp_path.iterdir()] == [path]

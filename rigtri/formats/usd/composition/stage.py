@@ -51,6 +51,9 @@ _BROKEN = re.compile(
 _SESSION, _IDENTIFIER = re.compile(r",@anon:[^@]*@"), re.compile(r"@([^@]*)@")
 _TRAILING = re.compile(r"\s*(; skipping)?\.?\s*\((instantiating|recomposing) stage.*$", re.DOTALL)
 
+# pxr has one layer of a file for all stages of a process, which change where it is read anew; a thread that
+# reads one of them meanwhile ends the process. Diagnostics and standard error are the process's, too.
+one_thread = threading.RLock()
 _STDERR, _LOCK = 2, threading.Lock()
 # A number for each block of `silent` that runs: for the first, where standard error led, or −1.
 _SILENT: list[int] = []
@@ -87,8 +90,14 @@ def _silence() -> int:
 def quiet(doing: str) -> Iterator[list[str]]:
     """Catch what pxr would print; the list holds the texts once the block has ended.
 
-    An error of pxr becomes a FileError that starts with the words ``doing``.
+    An error of pxr becomes a FileError that starts with the words ``doing``. One thread at a time is in such
+    a block: see `one_thread`.
     """
+    with one_thread:
+        yield from _quiet(doing)
+
+
+def _quiet(doing: str) -> Iterator[list[str]]:
     texts: list[str] = []
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
