@@ -62,13 +62,17 @@ class Operation(Protocol[O_contra]):
     ) -> Rig: ...
 
 
+# Of the rig, the nodes of the character that is edited alone, its name and the options.
+Refusal = Callable[[Rig, frozenset[int], str, Any], None]
+
+
 def operation(
-    kind: type[O_contra] | None, *, alone: Callable[[Rig, frozenset[int], str], None] | None = None
+    kind: type[O_contra] | None, *, alone: Refusal | None = None, made_alone: Refusal | None = None
 ) -> Callable[[Callable[..., Rig]], Operation[O_contra]]:
     """Let a function of a rig, ``options`` and ``report`` be called without either, or with keywords.
 
-    kind: of its options; None for a function that has none. alone: refuses what cannot be done to a character
-    alone, of the rig, the character's nodes and its name.
+    kind: of its options; None for a function that has none. alone, made_alone: refuse what cannot be done to
+    a character alone, and what has been made of it.
 
     What it reports is also kept with a rig that was read by itself, for when that is written.
     """
@@ -98,7 +102,9 @@ def operation(
                 _check_rigs(options)
                 options = _with_words(rig, options)
                 check(options, given)
-                return _run(function, rig, others, report, {"options": options}, spelling, alone)
+                return _run(
+                    function, rig, others, report, {"options": options}, spelling, (alone, made_alone)
+                )
 
         return called if kind is None else _shown(called, function, kind)
 
@@ -112,11 +118,11 @@ def _run(
     report: Report,
     words: Mapping[str, Any],
     spelling: Spelling = AS_FLAGS,
-    alone: Callable[[Rig, frozenset[int], str], None] | None = None,
+    alone: tuple[Refusal | None, Refusal | None] = (None, None),
 ) -> Rig:
     """What an operation makes of a rig; one that knows its file keeps what was reported."""
     options = words.get("options")
-    run = _of_character(function, getattr(options, "character", None), alone)
+    run = _of_character(function, getattr(options, "character", None), *alone)
     read = [*others, *(vars(options).values() if options is not None else ())]
     sources = [file for one in read if isinstance(one, Rig) and one.source for file in one.source.needed()]
     if rig.source is None:
@@ -170,7 +176,8 @@ def with_keywords(*kinds: type) -> Callable[[F], F]:
 def _of_character(
     function: Callable[..., Rig],
     name: str | None,
-    alone: Callable[[Rig, frozenset[int], str], None] | None,
+    alone: Refusal | None,
+    made_alone: Refusal | None,
 ) -> Callable[..., Rig]:
     """A function of a rig that edits one of its characters alone; None for all."""
     if name is None:
@@ -181,8 +188,11 @@ def _of_character(
 
         nodes = named(rig, name)
         if alone is not None:
-            alone(rig, nodes, name)
-        return within(rig, nodes, lambda small: function(small, *others, **keywords))
+            alone(rig, nodes, name, keywords["options"])
+        made = within(rig, nodes, lambda small: function(small, *others, **keywords))
+        if made_alone is not None:
+            made_alone(made, named(made, name), name, keywords["options"])
+        return made
 
     return run
 

@@ -57,8 +57,8 @@ NEAR = 1e-5
 SAME = 1e-5
 
 
-def _refuse_alone(rig: Rig, nodes: frozenset[int], name: str) -> None:
-    refuse_followed(rig, nodes, name)
+def _refuse_alone(rig: Rig, nodes: frozenset[int], name: str, options: SnapOptions) -> None:
+    refuse_followed(rig, nodes, name, [timeline_and_time(rig, text)[0] for text in options.at])
     refuse_leading(rig, nodes, name)
 
 

@@ -342,6 +342,36 @@ def test_a_character_that_follows_one_with_motion_on_its_controls_is_not_baked_a
     assert len(still.clips) == len(bake(moved, character="B", fps=24).clips) == 1
 
 
+def test_a_constraint_of_a_character_is_not_measured_from_stale_keys_of_another(
+    samples: Path, tmp_path: Path
+) -> None:
+    """Before, the child jumped at the switch, and stood elsewhere at rest, without a word."""
+    rig = add_controls(read(pair(samples, tmp_path, "gltf")).rig, whole_character=True)
+    rig = replace(rig, clips=(rig.clips[0], replace(rig.clips[0], name="still", key=None)))
+    ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
+    bodies = [frozenset(nodes) for nodes in characters(rig)]
+    mine, theirs = (
+        next(node for node in ends if rig.named_by(rig.metadata[node]) & nodes) for nodes in bodies
+    )
+    hand = rig.address(rig.find(rig.records(ControlRecord)[theirs].joint, "node"))
+    there = rig.translation[theirs] + [0, 0.2, 0]
+    keys = Track(theirs, "translation", "LINEAR", np.array([0.0]), there[np.newaxis])
+    moved = put_tracks(rig, timelines(rig)[0], [keys])
+    space = {"child": rig.address(mine), "space": ("world", hand), "switch": (f"walk@0.5={hand}",)}
+    with pytest.raises(GeometryError, match=r"follows .* move in clip 'walk' as its own keys do not"):
+        constrain(moved, **space, match=True, character="A")
+    followed = constrain(moved, **space, character="A")
+    with pytest.raises(GeometryError, match="in clip 'walk'"):
+        bake(followed, character="A", fps=24)
+    bake(followed, character="A", clip=("still",), fps=24)
+    translation = rig.translation.copy()
+    translation[theirs] = there
+    with pytest.raises(GeometryError, match=r"follows .* move at rest as its own keys do not"):
+        constrain(
+            replace(rig, translation=translation), child=rig.address(mine), driver=(hand,), character="A"
+        )
+
+
 def test_a_character_whose_controls_another_one_follows_is_not_snapped_alone(
     samples: Path, tmp_path: Path
 ) -> None:

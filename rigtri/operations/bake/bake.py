@@ -85,7 +85,11 @@ _PASSES = 6
 _SAMPLED = 0.7
 
 
-@operation(BakeOptions, alone=refuse_followed)
+def _refuse_alone(rig: Rig, nodes: frozenset[int], name: str, options: BakeOptions) -> None:
+    refuse_followed(rig, nodes, name, chosen_timelines(rig, options.clip))
+
+
+@operation(BakeOptions, alone=_refuse_alone)
 def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
     """Evaluate controls and constraints into joint keys, or give joints' motion to their controls.
 

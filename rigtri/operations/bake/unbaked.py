@@ -57,13 +57,17 @@ def unbaked(rig: Rig) -> str:
     return found or (shown[0] if shown and all(shown) else "")
 
 
-def away_from_keys(rig: Rig, timeline: Timeline, node: int) -> Floats:
-    """Where controls and constraints have a node in a clip, less where its keys do, worlds, (f, 4, 4)."""
+def away_from_keys(rig: Rig, timeline: Timeline | None, node: int) -> Floats:
+    """Where controls and constraints have a node in a clip, less where its keys do, worlds, (f, 4, 4).
+
+    timeline: None for the rest pose.
+    """
     rig, _ = seen_alone(rig)
-    solver = Solver(rig, controls_at_work(rig, timeline))
+    driven = moved_at_rest(rig, skeleton_size(rig)) if timeline is None else controls_at_work(rig, timeline)
+    solver = Solver(rig, driven)
     if set(solver.sets).isdisjoint(rig.path_to_root(node)):
         return np.zeros((1, 4, 4))
-    sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
+    sampled = {} if timeline is None else sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
     return solver.run(sampled).world(node) - PoseCache(rig, sampled).world(node)
 
 
@@ -100,23 +104,28 @@ def refuse_replaced(
     _refuse(_difference(Solver(before, driven), old, posed, f"in clip '{timeline.name}'", size, bound))
 
 
-def refuse_followed(rig: Rig, nodes: frozenset[int], name: str) -> None:
+def refuse_followed(
+    rig: Rig, nodes: frozenset[int], name: str, moments: Iterable[Timeline | None], child: int | None = None
+) -> None:
     """GeometryError where a character follows another one, which controls move as its own keys do not.
 
-    nodes: those of the character, called ``name``, that is to be evaluated alone.
+    nodes: those of the character, called ``name``, that is to be evaluated alone. moments: in which clips,
+    and None for the rest pose. child: only what moves this node.
     """
-    size, every = skeleton_size(rig), timelines(rig)
+    size, every = skeleton_size(rig), list(moments)
+    line = None if child is None else rig.path_to_root(child)
     for rule in constraints_of(rig).values():
-        followed = [node for node in rule.sources if not _within(rig, node, nodes)]
-        for node in followed if _within(rig, rule.child, nodes) else ():
-            for timeline in every:
+        if not _within(rig, rule.child, nodes) or not (line is None or rule.child in line):
+            continue
+        for node in rule.sources:
+            for timeline in every if not _within(rig, node, nodes) else ():
                 far = float(np.abs(away_from_keys(rig, timeline, node)).max()) / size
                 if far > UNBAKED:
+                    where = "at rest" if timeline is None else f"in clip '{timeline.name}'"
                     raise GeometryError(
                         f"'{rig.title(rule.child)}' of {name} follows '{rig.title(node)}', which controls of "
-                        f"another character move in clip '{timeline.name}' as its own keys do not. Leave out "
-                        "--character, or take that motion to the joints of the other first, with rigtri bake "
-                        "--to joints"
+                        f"another character move {where} as its own keys do not. Leave out --character, or "
+                        "take that motion to the joints of the other first, with rigtri bake --to joints"
                     )
 
 

@@ -19,6 +19,7 @@ from rigtri.evaluation.dependency_graph import ControlCycleError, dependencies, 
 from rigtri.evaluation.rig_space import seen_alone
 from rigtri.evaluation.sampling import worlds
 from rigtri.evaluation.solver import refuse_cycles
+from rigtri.evaluation.timelines import timelines
 from rigtri.maths.euler import from_angles
 from rigtri.maths.matrices import SKEW, skew
 from rigtri.maths.quaternions import IDENTITY, angle_between
@@ -30,6 +31,7 @@ from rigtri.model.constraints import (
 )
 from rigtri.model.metadata import ConstraintRecord, ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.unbaked import refuse_followed
 from rigtri.operations.constrain.maintain_offset import measured
 from rigtri.operations.constrain.switching import Switching, stored_switching, switching, warn_outdated
 from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
@@ -51,7 +53,13 @@ _CARRIED = ("parent", "point", "orient", "scale")
 NOT_VRM = "constraint-not-vrm"
 
 
-@operation(ConstrainOptions)
+def _refuse_alone(rig: Rig, nodes: frozenset[int], name: str, options: ConstrainOptions) -> None:
+    """GeometryError where the offset, or a switch without a jump, was measured from stale keys of others."""
+    moments = [None, *(timelines(rig) if options.match else ())]
+    refuse_followed(rig, nodes, name, moments, child=rig.find(options.child or "", "node"))
+
+
+@operation(ConstrainOptions, made_alone=_refuse_alone)
 def constrain(rig: Rig, *, options: ConstrainOptions, report: Report) -> Rig:
     """Let a node follow others by a rule that is stored; nothing moves.
 
