@@ -229,8 +229,10 @@ def test_an_interrupt_at_any_time_ends_the_program_in_our_words(
 ) -> None:
     now = f"os.kill(os.getpid(), signal.{name})"
     soon = "rigtri.cli.main.import_module = lambda _: [" + f"{now}, " * 3 + "]"
-    # What runs behind a shell's back was told not to hear of interrupts.
+    # What runs behind a shell's back, or by nohup, was told not to hear of them.
     heard = "signal.signal(signal.SIGINT, signal.default_int_handler)"
+    if name != "SIGINT":
+        heard += f"; signal.signal(signal.{name}, signal.SIG_DFL)"
     text = f"import os, signal, sys; {heard}; import {line.format(now, soon)}"
     done = subprocess.run([sys.executable, "-c", text, "build"], capture_output=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (code, f"\nrigtri: {word}\n".encode())
