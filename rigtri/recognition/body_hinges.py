@@ -302,10 +302,11 @@ def _further_shoulders(rig: Rig, character: Character) -> Iterator[int]:
     deforming = [part.joint for part in character.parts if part.role == "deform"]
     spine = {joint for chain in character.sure_chains if chain.kind == "spine" for joint in chain.joints}
     bones = {*character.bones.values()}
-    for chain in (chain for chain in character.sure_chains if chain.kind == "arm"):
+    for chain in (chain for chain in character.sure_chains if chain.kind == "arm" and chain.bend):
         over = int(rig.parents[chain.bend[0]])
-        below = [joint for joint in deforming if rig.parents[joint] == over]
-        if below == [chain.bend[0]] and over not in bones and int(rig.parents[over]) in spine:
+        if over < 0 or over in bones or int(rig.parents[over]) not in spine:
+            continue
+        if [joint for joint in deforming if rig.parents[joint] == over] == [chain.bend[0]]:
             yield over
 
 

@@ -18,6 +18,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.verification.checks.axis_check import axis_findings
 
@@ -510,3 +511,14 @@ def test_clavicles_of_further_arms_are_those_of_the_chest() -> None:
     for name in (name for name, *_ in arms if name.startswith("clavicle")):
         first, second = (out.world[out.find(each), :3, :3] for each in (name, shifted(name)))
         np.testing.assert_allclose(second, first, atol=1e-6, err_msg=name)
+
+
+def test_arms_without_hands_have_no_bend_and_are_no_error() -> None:
+    """Before, poles of a body with arms of two joints ended with an IndexError."""
+    arms = both(line("arm.L forearm.L", "chest", (0.16, 1.45, 0.0), (0.4, 1.2, 0.0)))
+    rig = rig_with([*TRUNK, *both(LEG), *arms])
+    chains = [
+        chain for each in recognise(rig).characters for chain in each.sure_chains if chain.kind == "arm"
+    ]
+    assert [chain.bend for chain in chains] == [(), ()]
+    assert len(add_polevector(rig, limbs="auto").nodes_of("poleVector")) == 2
