@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import ARM, HORSE, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import ARM, HORSE, TRUNK, Joint, both, line, renamed, rig_with
 
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
@@ -20,7 +20,7 @@ LEGS = {
     "left front leg": "upper_arm.L forearm.L hand.L",
     "right front leg": "upper_arm.R forearm.R hand.R",
 }
-SIDES = {"L": "left", "R": "right"}
+SIDES = ("_left", "_right")
 # What riggers call an animal's joints who have the names of people.
 UNREAL = {"pelvis": "pelvis", "thigh": "thigh", "shin": "calf", "foot": "foot", "clavicle": "clavicle"}
 UNREAL |= {
@@ -32,14 +32,9 @@ UNREAL |= {
 }
 
 
-def called(names: dict[str, str], name: str) -> str:
-    part, _, side = name.partition(".")
-    return f"{names.get(part, part)}_{SIDES[side]}" if side else names.get(part, part)
-
-
 def character(joints: list[Joint], names: dict[str, str] | None = None) -> tuple[Character, dict[str, str]]:
     """What joints are recognised as under other names, and the limbs that are sure, by the names they had."""
-    given = [(called(names, a), called(names, b), at) for a, b, at in joints] if names else joints
+    given = renamed(joints, names, SIDES) if names else joints
     (found,) = recognise(rig_with(given, named=names is not None)).characters
     sure = (chain for chain in found.chains if chain.is_sure and chain.bend)
     return found, {chain.name: " ".join(joints[k][0] for k in chain.bend) for chain in sure}
@@ -168,7 +163,7 @@ def test_arms_that_may_be_front_legs_without_their_feet_are_not_sure(animal: boo
 @pytest.mark.parametrize(("low", "legs"), [(0.0, 4), (0.4, 2)])
 def test_front_legs_whose_mesh_reaches_the_ground_are_legs(low: float, legs: int) -> None:
     """With names of people, and without names, where joints alone tell nothing."""
-    for given in ([(called(UNREAL, a), called(UNREAL, b), at) for a, b, at in SHORT], None):
+    for given in (renamed(SHORT, UNREAL, SIDES), None):
         rig = rig_with(given or SHORT, named=given is not None)
         ends = np.array([[k] for k, (name, _, _) in enumerate(SHORT) if name.startswith("hand")])
         points = rig.world[ends[:, 0], 3, :3]
@@ -250,13 +245,9 @@ def test_four_legs_of_several_roots_are_sure_where_a_spine_is_named() -> None:
     names = {"pelvis": "spine", "spine1": "spine.001", "spine2": "spine.002", "chest": "spine.003"}
     names |= {"upper_arm": "front_thigh", "forearm": "front_shin", "hand": "front_foot"}
 
-    def called(name: str) -> str:
-        part, dot, side = name.partition(".")
-        return names.get(part, part) + dot + side
-
     kept = [joint for joint in HORSE if not joint[0].startswith(("neck", "head", "muzzle", "tail"))]
     roots = [(a, "" if "." in a and "." not in above else above, at) for a, above, at in kept]
-    (found,) = recognise(rig_with([(called(a), called(above), at) for a, above, at in roots])).characters
+    (found,) = recognise(rig_with(renamed(roots, names))).characters
     assert sum(chain.is_sure and chain.kind == "leg" for chain in found.chains) == 4
 
 

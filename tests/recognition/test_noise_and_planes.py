@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import ARM, HORSE, LEG, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import ARM, HORSE, LEG, TRUNK, Joint, both, line, renamed, rig_with
 
 from rigtri.recognition.layout import Character
 from rigtri.recognition.recognise import recognise
@@ -118,16 +118,6 @@ def sure(joints: Sequence[Joint]) -> dict[str, str]:
     return {chain.name: " ".join(joints[k][0] for k in chain.bend) for chain in chains}
 
 
-def called(joints: Sequence[Joint], names: dict[str, str], sides: tuple[str, str]) -> list[Joint]:
-    """The joints under other names; sides: what is written for left and right behind a name with ``.L``."""
-
-    def new(name: str) -> str:
-        part, _, side = name.partition(".")
-        return names.get(part, part) + (f"_{sides['LR'.index(side)]}" if side else "")
-
-    return [(new(name), new(above), place) for name, above, place in joints]
-
-
 @pytest.mark.parametrize(
     ("front", "hind", "upper", "lower", "foot"),
     [
@@ -149,13 +139,13 @@ def test_legs_of_animals_have_names_in_other_languages(
         for side in ("left", "right")
         for place, leg in (("front", front), ("hind", hind))
     }
-    assert sure(called(HORSE, names, ("L", "R"))) == expected
+    assert sure(renamed(HORSE, names, ("_L", "_R"))) == expected
 
 
 @pytest.mark.parametrize("sides", [("L", "R"), ("fl", "fr"), ("lf", "rt")])
 def test_twins_are_known_by_all_that_says_a_side(sides: tuple[str, str]) -> None:
     """Before, only letters and words of left and right made twins of branches whose bones are not alike."""
-    legs = called([*TRUNK, *both(LEG)], {}, sides)
+    legs = renamed([*TRUNK, *both(LEG)], {}, (f"_{sides[0]}", f"_{sides[1]}"))
     odd = [
         (name, above, (x, y - 0.15, z))
         if name in (f"shin_{sides[1]}", f"foot_{sides[1]}")

@@ -3,7 +3,19 @@
 from __future__ import annotations
 
 import pytest
-from recognition_bodies.skeletons import ARM, FINGERS, HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import (
+    ARM,
+    FINGERS,
+    HORSE,
+    LEG,
+    MAN,
+    TRUNK,
+    Joint,
+    both,
+    line,
+    renamed,
+    rig_with,
+)
 
 from rigtri.recognition.recognise import recognise
 
@@ -73,15 +85,11 @@ def test_front_limbs_with_elbows_are_legs_whatever_the_file_has_for_up() -> None
     words = "backHip backKnee backAnkle backBall frontShoulder frontElbow frontWrist frontToe"
     called = dict(zip(bones.split(), words.split(), strict=True))
 
-    def renamed(name: str) -> str:
-        first, dot, side = name.partition(".")
-        return called.get(first, first) + dot + side
-
     places = {k[0]: k[2] for k in HORSE} | {"shin.L": (0.2, 0.85, -0.55), "foot.L": (0.2, 0.45, -1.1)}
     places |= {"forearm.L": (0.2, 0.85, 0.5), "hand.L": (0.2, 0.42, 0.4), "toe.L": (0.2, 0.08, -1.0)}
     places |= {f"{k[:-2]}.R": (-x, y, z) for k, (x, y, z) in places.items() if k.endswith(".L")}
-    lying = [(renamed(k), renamed(above), (x, -z, y)) for k, above, _ in HORSE for x, y, z in [places[k]]]
-    (horse,) = recognise(rig_with(lying)).characters
+    lying = [(k, above, (x, -z, y)) for k, above, _ in HORSE for x, y, z in [places[k]]]
+    (horse,) = recognise(rig_with(renamed(lying, called))).characters
     assert horse.form == "quadruped"
     assert sorted((chain.kind, chain.is_front) for chain in horse.limbs if chain.is_sure) == [
         *[("leg", False)] * 2,
@@ -116,14 +124,10 @@ def test_who_has_wings_sits_at_no_wheel(apart: str) -> None:
     }
     called |= {"thigh": "femur", "shin": "tibia"}
 
-    def renamed(name: str) -> str:
-        first, dot, side = name.partition(".")
-        return called.get(first, first) + dot + side
-
     wings = line(
         f"{apart}1.L {apart}2.L {apart}3.L", "chest", (0.1, 1.5, 0.5), (0.8, 1.9, 0), (1.1, 1.7, 0.4)
     )
-    joints = [*((renamed(name), renamed(above), at) for name, above, at in HORSE), *both(wings)]
+    joints = [*renamed(HORSE, called), *both(wings)]
     body = recognise(rig_with([(name, above, (x, -z, y)) for name, above, (x, y, z) in joints]))
     assert [chain.name for chain in body.chains if chain.kind == "arm" and chain.is_sure] == []
 

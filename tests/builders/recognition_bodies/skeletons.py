@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -37,6 +37,18 @@ def line(names: str, above: str, *places: Place) -> list[Joint]:
 def without(joints: Iterable[Joint], *words: str) -> list[Joint]:
     """The joints but for those whose names are one of these words before a dot."""
     return [joint for joint in joints if joint[0].partition(".")[0] not in words]
+
+
+def renamed(
+    joints: Iterable[Joint], names: Mapping[str, str], sides: tuple[str, str] = (".L", ".R")
+) -> list[Joint]:
+    """The joints with other names before the dot, and with ``sides`` behind it for ``.L`` and ``.R``."""
+
+    def new(name: str) -> str:
+        part, _, side = name.partition(".")
+        return names.get(part, part) + (sides["LR".index(side)] if side else "")
+
+    return [(new(name), new(above), place) for name, above, place in joints]
 
 
 def both(joints: Iterable[Joint]) -> list[Joint]:
