@@ -23,7 +23,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.rig import Rig
 from rigtri.operations.option_kinds import StandardPose
-from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
+from rigtri.recognition.layout import CONFIDENT, FINGER_BONES, FINGERS, THUMB, Character
 
 # Shoulders and hips that lie along an axis of the world but for this (a sine, 1.1°) are meant to: hand-made
 # characters are not quite even, and those that face one way get the very same pose.
@@ -33,7 +33,6 @@ STRETCHED = cosine_below(20)
 # How far arms of an A-pose are below the horizontal: 45°.
 _DOWN = {"tpose": 0.0, "apose": float(np.sqrt(0.5)), "godot": 0.0}
 FACE = ("jaw", "leftEye", "rightEye")
-THUMB = ("ThumbMetacarpal", "ThumbProximal", "ThumbDistal")
 
 
 class Directions(NamedTuple):
@@ -121,9 +120,8 @@ def posed(
         body.turn_palm(side, arm, ahead)
         if straight_fingers:
             for finger in FINGERS[1:]:
-                names = [f"{side}{finger}{part}" for part in PHALANGES]
-                for bone, end in pairwise(names):
-                    body.point(bone, end, arm)
+                for bone, end in pairwise(FINGER_BONES[finger]):
+                    body.point(side + bone, side + end, arm)
             for bone, end in pairwise(THUMB):
                 body.point(side + bone, side + end, found.thumb(side, pose))
         for bone, end in (("UpperLeg", "LowerLeg"), ("LowerLeg", "Foot")):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -40,14 +40,22 @@ _CLAVICLE = 0.6
 @cache
 def _things() -> frozenset[str]:
     """The words of inanimate.toml, and those of parts of machines that hang in pairs."""
-    lines = [line for line in _table().values() if isinstance(line, str)]
-    return frozenset(word for line in lines for word in line.split()) | role_words()["machine"]
+    return _words(line for line in _table().values() if isinstance(line, str))
 
 
 @cache
 def _objects() -> frozenset[str]:
     """Words of whole things, and those of parts of machines that hang in pairs."""
-    lines = _table()["objects"].values()
+    return _words(_table()["objects"].values())
+
+
+@cache
+def _machines() -> frozenset[str]:
+    """Words of vehicles, and those of parts of machines that hang in pairs."""
+    return _words([_table()["objects"]["vehicles"]])
+
+
+def _words(lines: Iterable[str]) -> frozenset[str]:
     return frozenset(word for line in lines for word in line.split()) | role_words()["machine"]
 
 
@@ -71,9 +79,8 @@ def has_trunk(draft: Draft) -> bool:
 
 def is_of_machine(draft: Draft) -> bool:
     """Whether a name is of a vehicle or a machine's part, which nobody holds, and none of a trunk."""
-    machine = role_words()["machine"].union(_table()["objects"]["vehicles"].split())
     names = (draft.tree.rig.names[k] for k in draft.tree.nodes)
-    return any(not machine.isdisjoint(parse_name(name).words) for name in names) and not has_trunk(draft)
+    return any(not _machines().isdisjoint(parse_name(name).words) for name in names) and not has_trunk(draft)
 
 
 def of_machine(draft: Draft, each: Found) -> str:

@@ -19,14 +19,20 @@ LimbKind = Literal["arm", "leg"]
 
 # The bones of the VRM 1.0 humanoid in the middle, and those of two sides, without ``left`` and ``right``.
 # Source: VRMC_vrm 1.0, humanoid.md.
-MIDDLE = ("hips", "spine", "chest", "upperChest", "neck", "head", "jaw")
+TRUNK = ("hips", "spine", "chest", "upperChest", "neck", "head")
+MIDDLE = (*TRUNK, "jaw")
 FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
 # Of every finger but the thumb.
 PHALANGES = ("Proximal", "Intermediate", "Distal")
+THUMB = ("ThumbMetacarpal", "ThumbProximal", "ThumbDistal")
+# Of each finger, from the hand on.
+FINGER_BONES: Mapping[str, tuple[str, ...]] = {
+    "Thumb": THUMB,
+    **{finger: tuple(finger + part for part in PHALANGES) for finger in FINGERS[1:]},
+}
 SIDED = (
     *("Eye", "Shoulder", "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot", "Toes"),
-    *("ThumbMetacarpal", "ThumbProximal", "ThumbDistal"),
-    *(f"{finger}{part}" for finger in FINGERS[1:] for part in PHALANGES),
+    *(bone for bones in FINGER_BONES.values() for bone in bones),
 )
 # The bones that are start, middle and end of limbs, as the VRM 1.0 humanoid calls them without their sides.
 BENDS: Mapping[LimbKind, tuple[str, str, str]] = {

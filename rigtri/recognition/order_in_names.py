@@ -9,14 +9,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.layout import BENDS, FINGERS, PHALANGES, LimbKind
+from rigtri.recognition.layout import BENDS, FINGER_BONES, TRUNK, LimbKind
 
-_TRUNK = ("hips", "spine", "chest", "upperChest", "neck", "head")
 _LIMBS: Mapping[LimbKind, tuple[str, ...]] = {
     "arm": ("Shoulder", *BENDS["arm"]),
     "leg": (*BENDS["leg"], "Toes"),
 }
-_THUMB = ("ThumbMetacarpal", "ThumbProximal", "ThumbDistal")
 # Where limbs begin, the lowest first: arms at what is the highest of these.
 _HOLD: Mapping[LimbKind, tuple[str, ...]] = {"arm": ("spine", "chest", "upperChest"), "leg": ("hips",)}
 
@@ -46,16 +44,15 @@ def followers(tree: Tree, bones: Mapping[str, int]) -> dict[int, int]:
             if flat_hand and hand >= 0 and _hangs_above(tree, hand, finger[0]):
                 found[finger[0]] = hand
     if any(bones.get(side + BENDS[kind][0], -1) in found for kind in _LIMBS for side in ("left", "right")):
-        trunk = [bones[name] for name in _TRUNK if name in bones]
+        trunk = [bones[name] for name in TRUNK if name in bones]
         found |= {b: a for a, b in pairwise(trunk) if _beside(tree, a, b)}
     return found
 
 
 def _fingers(bones: Mapping[str, int], side: str) -> Iterator[list[int]]:
     """The joints of each finger that names know, from the hand on."""
-    for finger in FINGERS:
-        parts = _THUMB if finger == "Thumb" else tuple(finger + part for part in PHALANGES)
-        joints = [bones[side + part] for part in parts if side + part in bones]
+    for names in FINGER_BONES.values():
+        joints = [bones[side + name] for name in names if side + name in bones]
         if joints:
             yield joints
 

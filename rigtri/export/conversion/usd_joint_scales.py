@@ -8,7 +8,7 @@ Source: UsdSkelAnimation (half3[] scales).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -32,16 +32,25 @@ def half_scales(rig: Rig, joints: Collection[int], clip: Clip) -> list[int]:
     return [n for n in joints if n in moved and not _held(np.asarray(scales.get(n, rig.scale[n])))]
 
 
-def with_half_scales(rig: Rig, clip: Clip, joints: Collection[int]) -> tuple[Rig, Clip]:
-    """The rig and the clip with the scales of some joints as half floats hold them."""
+def with_half_scales(
+    rig: Rig, clip: Clip, joints: Collection[int], played: Mapping[int, Track]
+) -> tuple[Rig, Clip]:
+    """The rig and the clip with the scales of some joints as half floats hold them.
+
+    played: how those of joints play that a SkelAnimation holds, by joint.
+    """
 
     def half(values: Floats) -> Floats:
         return values.astype(np.float16).astype(np.float64)
 
+    def halved(track: Track) -> Track:
+        if track.path != "scale" or track.node not in joints:
+            return track
+        return played[track.node] if track.node in played else track.having(half(track.values))
+
     scale = rig.scale.copy()
     scale[list(joints)] = half(scale[list(joints)])
-    tracks = [t.having(half(t.values)) if t.path == "scale" and t.node in joints else t for t in clip.tracks]
-    return replace(rig, scale=scale), replace(clip, tracks=tuple(tracks))
+    return replace(rig, scale=scale), replace(clip, tracks=tuple(map(halved, clip.tracks)))
 
 
 def lost_scales(rig: Rig, joints: Collection[int], halves: Iterable[Collection[int]]) -> Iterator[str]:

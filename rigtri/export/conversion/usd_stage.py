@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ from rigtri.formats.usd.identifiers import identifier
 from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.matrices import decompose, identity
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Path
+from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.progress import counted
 from rigtri.report import Notice
@@ -296,6 +297,13 @@ class _Writer:
                     if holder is None:
                         self._bake(prim, node)
 
+    @cached_property
+    def _half_scales(self) -> tuple[list[int], dict[int, Track]]:
+        """The joints that half floats do not hold in the first clip, and how scales of joints play there."""
+        clip = self.rig.clips[0]
+        played = usd_clips.played_scales(self.rig, self.skeletons, clip)
+        return half_scales(self.rig, self.joints, clip), played
+
     def _bake(self, prim: Any, node: int) -> None:
         rig = self.scene.rig
         if len(rig.clips) > 1:
@@ -307,17 +315,10 @@ class _Writer:
             times = np.zeros(0)
         else:
             # Where the joints that it is on go, whose scales are half floats.
-            halved = set(half_scales(self.rig, self.joints, self.rig.clips[0])) & {*place}
-            small, clip = with_half_scales(small, clip, [place[joint] for joint in halved])
-            played = usd_clips.played_scales(self.rig, self.skeletons, self.rig.clips[0])
-            scales = {place[joint]: played[joint] for joint in halved & played.keys()}
-            clip = replace(
-                clip,
-                tracks=tuple(
-                    replace(scales[t.node], node=t.node) if t.path == "scale" and t.node in scales else t
-                    for t in clip.tracks
-                ),
-            )
+            halved, scales = self._half_scales
+            joints = {place[joint] for joint in halved if joint in place}
+            tracks = (replace(t, node=place[joint]) for joint, t in scales.items() if joint in place)
+            small, clip = with_half_scales(small, clip, joints, {track.node: track for track in tracks})
             motion = Motion(small, clip)
 
             def sampled(times: Floats) -> Floats:

@@ -18,12 +18,13 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
-from rigtri.operations.body_pose import THUMB, Directions, directions, sure_bones
+from rigtri.operations.body_pose import Directions, directions, sure_bones
 from rigtri.operations.option_kinds import StandardPose
-from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
+from rigtri.recognition.layout import CONFIDENT, FINGER_BONES, FINGERS, THUMB, TRUNK, Character
 from rigtri.report import Report
 
-_TRUNK = ("hips", "spine", "chest", "upperChest", "neck", "head")
+# The bones of all fingers but the thumb.
+_FINGERS = [bone for finger in FINGERS[1:] for bone in FINGER_BONES[finger]]
 # How far ahead of the arm a thumb of SkeletonProfileHumanoid points, of the sine: a third of the square.
 _GODOT_THUMB = float(np.sqrt(1.0 / 3.0))
 
@@ -105,14 +106,14 @@ def standard_bones(body: Directions, pose: StandardPose) -> Iterator[tuple[str, 
     """Bones of the VRM 1.0 humanoid: where they aim, and about what a positive rotation flexes them."""
     left, up, ahead = body
     lateral = cross(up, ahead)  # names may say left where a body has its right
-    for bone in _TRUNK:
+    for bone in TRUNK:
         yield bone, up, lateral
     for side, out in (("left", left), ("right", -left)):
         arm, palm, thumb = body.arm(side, pose), body.palm(side, pose), body.thumb(side, pose)
         yield f"{side}Shoulder", out, cross(out, ahead)
         for bone in ("UpperArm", "LowerArm"):
             yield side + bone, arm, cross(arm, ahead)
-        for bone in ("Hand", *(finger + part for finger in FINGERS[1:] for part in PHALANGES)):
+        for bone in ("Hand", *_FINGERS):
             yield side + bone, arm, cross(arm, palm)
         for bone in THUMB:
             # Its nail faces outwards, a quarter of a turn from those of the fingers.
@@ -127,15 +128,14 @@ def godot_bones(body: Directions) -> Iterator[tuple[str, Floats, Floats]]:
     """Bones of Godot's SkeletonProfileHumanoid: where their y axis points, and their x axis."""
     left, up, ahead = body
     lateral = cross(up, ahead)
-    for bone in _TRUNK:
+    for bone in TRUNK:
         yield bone, up, lateral
     for bone, x in (("leftEye", lateral), ("rightEye", lateral), ("jaw", -lateral)):
         yield bone, ahead, x
     for side, out in (("left", left), ("right", -left)):
         yield f"{side}Shoulder", out, cross(out, up)
         yield f"{side}LowerArm", out, cross(out, ahead)
-        fingers = (finger + part for finger in FINGERS[1:] for part in PHALANGES)
-        for bone in ("UpperArm", "Hand", *fingers):
+        for bone in ("UpperArm", "Hand", *_FINGERS):
             yield side + bone, out, cross(up, out)
         thumb = out * np.sqrt(1.0 - _GODOT_THUMB * _GODOT_THUMB) + ahead * _GODOT_THUMB
         for bone in THUMB:

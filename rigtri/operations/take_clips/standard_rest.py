@@ -29,10 +29,10 @@ from rigtri.maths.vectors import angle, length
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.operations.body_pose import THUMB, sure_bones
+from rigtri.operations.body_pose import sure_bones
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES
-from rigtri.recognition.layout import BENDS, FINGERS, PHALANGES
+from rigtri.recognition.layout import BENDS, FINGER_BONES
 from rigtri.recognition.recognise import recognise
 
 # Whose directions a T-pose or A-pose says, from the joint to the next; trunk, clavicles and feet are as each
@@ -40,8 +40,7 @@ from rigtri.recognition.recognise import recognise
 _POSED = (
     *BENDS.values(),
     ("Hand", "MiddleProximal"),
-    THUMB,
-    *(tuple(finger + part for part in PHALANGES) for finger in FINGERS[1:]),
+    *FINGER_BONES.values(),
 )
 # Degrees by which axes of one standard skeleton differ at most: float32 leaves a hundredth of it.
 SAME_AXES = 0.1
