@@ -52,14 +52,17 @@ def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: floa
     return other if alike[other] < apart else -1
 
 
-def _is_within_row(tree: Tree, chains: Sequence[Sequence[int]], which: int) -> bool:
-    """Whether a chain begins between the others, as the metacarpal of a middle finger does."""
-    at, row = tree.at, [chain[0] for k, chain in enumerate(chains) if k != which]
+def _is_within_row(tree: Tree, chains: Sequence[Sequence[int]], which: int, joint: int = 0) -> bool:
+    """Whether a joint of a chain, the first or a later one, is between those of the others.
+
+    As the metacarpal of a middle finger begins.
+    """
+    row = [tree.at[chain[joint]] for k, chain in enumerate(chains) if k != which]
     if len(row) < 2:
         return False
-    one, other = max(combinations(row, 2), key=lambda two: (at[two[0]] - at[two[1]]).length)
-    along = (at[chains[which][0]] - at[one]).dot((at[other] - at[one]).unit)
-    return 0.0 < along < (at[other] - at[one]).length
+    one, other = max(combinations(row, 2), key=lambda two: (two[0] - two[1]).length)
+    along = (tree.at[chains[which][joint]] - one).dot((other - one).unit)
+    return 0.0 < along < (other - one).length
 
 
 def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
@@ -84,15 +87,10 @@ def has_thumb(tree: Tree, path: Sequence[int]) -> bool:
 
     The toes of a paw are a row, of which the middle ones may begin nearer to the wrist.
     """
-    hand, at = path[branches(tree, path)[0]], tree.at
+    hand = path[branches(tree, path)[0]]
     chains = [tree.paths[k] for k in tree.below[hand] if len(tree.paths[k]) > 1]
     thumb = thumb_of(tree, hand, chains, _SPREAD) if len(chains) > 2 else -1
-    if thumb < 0:
-        return False
-    row = [at[chain[1]] for k, chain in enumerate(chains) if k != thumb]
-    one, other = max(combinations(row, 2), key=lambda two: (two[0] - two[1]).length)
-    along = (at[chains[thumb][1]] - one).dot((other - one).unit)
-    return not 0.0 < along < (other - one).length
+    return thumb >= 0 and not _is_within_row(tree, chains, thumb, joint=1)
 
 
 def _ways_on(tree: Tree, node: int) -> list[int]:
