@@ -36,6 +36,9 @@ def _shared_times_of_integers(gltf: Gltf) -> None:
 CHANGES: dict[str, Callable[[Gltf], Any]] = {
     "nothing": lambda gltf: None,
     "no node": lambda gltf: gltf["animations"][0]["channels"][0]["target"].update(node=10**6),
+    "a list for a path": lambda gltf: gltf["animations"][0]["channels"][0]["target"].update(path=[]),
+    "a list for words": lambda gltf: gltf["animations"][0]["samplers"][0].update(interpolation=[]),
+    "a list for a type": lambda gltf: _accessor(gltf, "output").update(componentType=[]),
     "no sampler": lambda gltf: gltf["animations"][0]["channels"][0].update(sampler=-1),
     "no object": lambda gltf: gltf["animations"][0]["channels"].append(3),
     "no channels": lambda gltf: gltf["animations"][0].update(channels=[]),

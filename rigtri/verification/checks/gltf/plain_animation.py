@@ -42,7 +42,9 @@ def is_plain(animation: Item, checked: set[int]) -> bool:
         if type(target) is not dict or type(number) is not int or not 0 <= number < len(samplers):
             return False
         node, path = target.get("node"), target.get("path")
-        if type(node) is not int or not 0 <= node < len(view.nodes) or path not in keys:
+        if type(node) is not int or not 0 <= node < len(view.nodes):
+            return False
+        if type(path) is not str or path not in keys:
             return False
         values = _values(view, samplers[number], WIDTH[path])
         if values is None:
