@@ -56,9 +56,9 @@ def usd_errors(path: Path) -> Counter[str]:
     """How often which error of UsdValidation comes up in a stage."""
     from pxr import Usd, UsdValidation
 
-    stage = Usd.Stage.Open(str(path))
-    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
-    found = UsdValidation.ValidationContext(validators).Validate(stage)
+    from rigtri.verification.checks.usd.usd_validation import openusd_findings
+
+    found = openusd_findings(Usd.Stage.Open(str(path)))
     wrong = UsdValidation.ValidationErrorType.Error
     return Counter(error.GetName() for error in found if error.GetType() == wrong)
 

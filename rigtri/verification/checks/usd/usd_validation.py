@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from pxr import UsdValidation
+from pxr import Usd, UsdShade, UsdValidation
 
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.report import Severity
@@ -23,8 +23,7 @@ _KINDS: dict[Any, Severity] = {
 def validate(stage: Any, findings: Findings, path: Path) -> None:
     """Add the findings of every validator that OpenUSD has. FileError where they fail."""
     with quiet(f"{path}: OpenUSD cannot validate it"):
-        validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
-        found = UsdValidation.ValidationContext(validators).Validate(stage)
+        found = openusd_findings(stage)
     for error in found:
         sites = [_site(site) for site in error.GetSites()]
         findings.add_foreign(
@@ -37,6 +36,18 @@ def validate(stage: Any, findings: Findings, path: Path) -> None:
                 remedy="See the documentation of OpenUSD's validators.",
             )
         )
+
+
+def openusd_findings(stage: Any) -> Any:
+    """What all of OpenUSD's validators report about a stage: UsdValidation.ValidationError objects.
+
+    Its validators run in parallel. In OpenUSD 25.8 one of two that are the first to ask whether prims of a
+    type can hold shaders fails ("already registered"), so it is asked once for each prim before.
+    """
+    for prim in stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)):
+        UsdShade.ConnectableAPI(prim).IsContainer()
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    return UsdValidation.ValidationContext(validators).Validate(stage)
 
 
 def _message(error: Any) -> str:
