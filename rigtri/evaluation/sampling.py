@@ -151,6 +151,20 @@ def key_times(clip: Clip, nodes: Sequence[int] | None = None) -> Floats:
     return sorted_unique(np.concatenate([*distinct.values(), np.zeros(0)]))
 
 
+def clip_and_time(text: str) -> tuple[str, float] | None:
+    """The clip and the time that ``CLIP@TIME`` names, None for other text; the last @ splits.
+
+    >>> clip_and_time("walk@0.5"), clip_and_time("a@b@1"), clip_and_time("walk"), clip_and_time("walk@inf")
+    (('walk', 0.5), ('a@b', 1.0), None, None)
+    """
+    name, _, time = text.rpartition("@")
+    try:
+        at = float(time)
+    except ValueError:
+        return None
+    return (name, at) if "@" in text and np.isfinite(at) else None
+
+
 def thinned(times: Floats, most: int) -> Floats:
     """At most ``most`` of the times, evenly over their order, the first and last among them."""
     if len(times) <= most:

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation.sampling import key_times, sample
+from rigtri.evaluation.sampling import clip_and_time, key_times, sample
 from rigtri.maths.quaternions import dot
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Interpolation, Path, Track
@@ -152,16 +152,13 @@ def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
     """
     if text.lower() == "rest":
         return None, 0.0
-    name, mark, time = text.rpartition("@")
-    try:
-        at = float(time)
-    except ValueError:
-        at = float("nan")
-    if not mark or not np.isfinite(at):
+    named = clip_and_time(text)
+    if named is None:
         units = "seconds" if rig.rules.per_second == 1.0 else f"time codes, {rig.rules.per_second:g} a second"
         # A USD animation's values without time are the clip NAME@default.
         example = f"{text}@0" if any(clip.name == text for clip in rig.shown_clips) else "walk@0.5"
         raise UsageError(f"'{text}' is not a valid pose: use CLIP@TIME in {units}, e.g. {example}, or rest")
+    name, at = named
     clip = rig.clip(name)
     number = next((k for k, known in enumerate(rig.clips) if known is clip or known.without_idle is clip), -1)
     found = next((t for t in timelines(rig) if number in t.members), None)

@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.errors import NO_SKELETON, FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds, with_unit_rotations
-from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.evaluation.sampling import clip_and_time, key_times, locals_at, worlds
 from rigtri.evaluation.timelines import as_played
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.maths.arrays import Booleans
@@ -220,13 +220,10 @@ def _own_scale(rig: Rig, joints: list[int], size: Floats) -> Floats:
 
 
 def _clip_pose(rig: Rig, pose: str) -> Floats:
-    name, mark, time = pose.rpartition("@")
-    try:
-        at = float(time)
-    except ValueError:
-        at = float("nan")
-    if not mark or not np.isfinite(at):
+    named = clip_and_time(pose)
+    if named is None:
         raise UsageError(f"--pose {pose}: give bind, nodes or CLIP@TIME, e.g. Walk@0.5")
+    name, at = named
     clip = rig.clip(name)
     times = key_times(clip)
     if len(times) and not times[0] <= at <= times[-1]:
