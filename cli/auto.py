@@ -25,9 +25,10 @@ from rigtri.report import Report
 from . import output_file
 from .build import step_lines, steps_of
 from .editing import edit_request, run
+from .given_options import given_options
 from .help_format import Command, option
 from .option_types import FilePath
-from .options import (
+from .shared_options import (
     dry_run_option,
     output_options,
     preset_option,
@@ -38,7 +39,6 @@ from .options import (
     source_argument,
     target_option,
 )
-from .parameters import given_options
 
 if TYPE_CHECKING:
     from rigtri.files.staged_output import StagedOutput

@@ -30,8 +30,8 @@ from .batch_messages import Files, opened_log, print_selection, print_summary
 from .build import assigned, set_option, spec_option, spec_strict_option, spec_tolerance_option
 from .help_format import Command, option
 from .option_types import Bytes, FilePath, Integer
-from .options import dry_run_option, json_option, quiet_option, shared
 from .progress import Progress
+from .shared_options import dry_run_option, json_option, quiet_option, shared
 from .terminal_text import plain
 
 if TYPE_CHECKING:

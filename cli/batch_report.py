@@ -18,8 +18,8 @@ import click
 
 from .help_format import Command, option
 from .option_types import FilePath, Integer, Tolerance
-from .options import json_option
 from .printing import print_json
+from .shared_options import json_option
 from .terminal_text import counted, plain
 
 

@@ -24,14 +24,14 @@ from rigtri.report import Report
 from .editing import edit_request, run
 from .help_format import Command, option
 from .option_types import FilePath
-from .options import (
+from .printing import print_json
+from .shared_options import (
     dry_run_option,
     optional_target_option,
     output_options,
     report_option,
     shared,
 )
-from .printing import print_json
 from .terminal_text import plain
 
 if TYPE_CHECKING:

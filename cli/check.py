@@ -27,9 +27,9 @@ from rigtri.verification import Profile
 
 from .help_format import Command, option
 from .option_types import FilePath
-from .options import json_option, quiet_option, shared
 from .printing import print_json
 from .progress import Progress
+from .shared_options import json_option, quiet_option, shared
 from .terminal_text import echo, plain, plain_lines
 
 if TYPE_CHECKING:

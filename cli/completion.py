@@ -17,8 +17,8 @@ from rigtri.errors import UsageError
 from . import COMPLETION
 from .bash_completion import Bash
 from .help_format import Command
-from .options import json_option
 from .printing import print_json
+from .shared_options import json_option
 
 SHELLS = ("bash", "zsh", "fish")
 

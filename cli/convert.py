@@ -25,8 +25,9 @@ from rigtri.report import Report
 
 from .edit_command import declared_options
 from .editing import edit_request, run
+from .given_options import given, given_options
 from .help_format import Command
-from .options import (
+from .shared_options import (
     dry_run_option,
     needed_output,
     output_option,
@@ -36,7 +37,6 @@ from .options import (
     shared,
     source_argument,
 )
-from .parameters import given, given_options
 from .terminal_text import counted
 
 

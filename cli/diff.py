@@ -21,12 +21,12 @@ import click
 from rigtri.verification import Terms
 
 from . import failures, streams
+from .given_options import check_streams, read_options
 from .help_format import Command, option
 from .option_types import FilePath, Tolerance
-from .options import json_option, quiet_option, reading_options
-from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
 from .progress import Progress
+from .shared_options import json_option, quiet_option, reading_options
 from .terminal_text import echo, plain
 
 # As of diff and usddiff: 0 nothing differs, 1 something does, 2 an error.

@@ -25,9 +25,11 @@ from rigtri.report import Report
 
 from . import output_file
 from .edit_command import declared_options
+from .given_options import given, read_options
 from .help_format import Command, option
 from .option_types import FilePath
-from .options import (
+from .printing import print_json
+from .shared_options import (
     json_option,
     output_option,
     quiet_option,
@@ -35,8 +37,6 @@ from .options import (
     shared,
     source_argument,
 )
-from .parameters import given, read_options
-from .printing import print_json
 
 
 @click.command("draw", cls=Command, help=__doc__)

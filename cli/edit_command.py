@@ -12,12 +12,19 @@ from rigtri.model.options import made, options_of
 from rigtri.report import Report
 
 from .editing import copy_ahead, run_edit
+from .given_options import given, given_options, read_options
 from .help_format import Command, Option
 from .operation_options import click_options
 from .option_types import FilePath
-from .options import add_option, edit_options, output_options, reading_options, source_argument, target_option
 from .output_file import write_output
-from .parameters import given, given_options, read_options
+from .shared_options import (
+    add_option,
+    edit_options,
+    output_options,
+    reading_options,
+    source_argument,
+    target_option,
+)
 
 Step = Callable[[Any, "Report"], Any]
 Decorator = Callable[[Any], Any]

@@ -13,9 +13,9 @@ import click
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.report import Report
 
+from .given_options import destination, read_options, refuse_given
 from .help_format import Option
 from .output_file import write_output
-from .parameters import destination, read_options, refuse_given
 from .printing import print_joints, print_json, print_verification, print_warnings
 from .progress import Progress
 from .terminal_text import plain

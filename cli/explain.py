@@ -29,11 +29,11 @@ from rigtri.operations.option_kinds import MOMENT
 from rigtri.report import Report
 
 from . import output_file
+from .given_options import read_options
 from .help_format import Command, option
 from .name_completion import complete_node
-from .options import json_option, output_option, quiet_option, reading_options, shared
-from .parameters import read_options
 from .printing import print_json, print_warnings
+from .shared_options import json_option, output_option, quiet_option, reading_options, shared
 
 if TYPE_CHECKING:
     from rigtri.export.explain.explain import Explanation

@@ -19,9 +19,11 @@ from rigtri.errors import UsageError
 from rigtri.report import Report
 
 from . import output_file
+from .given_options import read_options
 from .help_format import Command
 from .option_types import FilePath
-from .options import (
+from .printing import print_json
+from .shared_options import (
     json_option,
     output_option,
     quiet_option,
@@ -29,8 +31,6 @@ from .options import (
     shared,
     source_argument,
 )
-from .parameters import read_options
-from .printing import print_json
 
 
 @click.command("export-blender", cls=Command, help=__doc__)

@@ -15,8 +15,8 @@ from rigtri.errors import UsageError
 
 from .catalogue import COMMANDS, GROUPS, page_of
 from .help_format import WHOLE, Command, option, options_json
-from .options import json_option
 from .printing import print_json
+from .shared_options import json_option
 
 
 class _CommandName(click.ParamType):  # type: ignore[type-arg]

@@ -20,11 +20,11 @@ import click
 
 from rigtri.report import Notice, Report
 
+from .given_options import read_options
 from .help_format import Command
 from .matrix_options import chosen_matrices, matrix_options, of_matrices, refuse_without_matrices
-from .options import json_option, quiet_option, reading_options, source_argument
-from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
+from .shared_options import json_option, quiet_option, reading_options, source_argument
 from .terminal_text import colored, plain
 
 if TYPE_CHECKING:

@@ -28,11 +28,11 @@ from rigtri.report import Report
 
 from .edit_command import command_of, step_of
 from .editing import run_edit
+from .given_options import given_options, refuse_given
 from .help_format import Command
 from .operation_options import click_options
 from .option_types import FilePath
-from .options import needed_output, output_option
-from .parameters import given_options, refuse_given
+from .shared_options import needed_output, output_option
 
 # Options that take all words up to the next option.
 _LISTS = ("--locators", "--points", "--names")

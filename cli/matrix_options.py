@@ -12,10 +12,10 @@ from rigtri.errors import UsageError
 from rigtri.model.options import made, options_of
 from rigtri.operations.options.matrix_table import MatrixTableOptions
 
+from .given_options import given
 from .help_format import option
 from .operation_options import click_option
-from .options import add_option
-from .parameters import given
+from .shared_options import add_option
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -25,11 +25,11 @@ from rigtri.report import Report
 
 from .edit_command import command_of, step_of
 from .editing import run_edit
+from .given_options import given, given_options, read_options
 from .help_format import Option
 from .option_types import Number
-from .options import optional_target_option, shared_option
-from .parameters import given, given_options, read_options
 from .printing import print_json
+from .shared_options import optional_target_option, shared_option
 from .terminal_text import counted, plain
 
 if TYPE_CHECKING:

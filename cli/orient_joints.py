@@ -26,7 +26,7 @@ from rigtri.report import Report
 
 from .edit_command import SavedFile, edit_command
 from .help_format import Command, Option
-from .options import shared_option
+from .shared_options import shared_option
 from .terminal_text import counted
 
 

@@ -12,7 +12,7 @@ import click
 from rigtri.errors import UsageError
 from rigtri.report import Report
 
-from .parameters import check_streams
+from .given_options import check_streams
 from .printing import print_warnings
 from .terminal_text import plain
 

@@ -26,11 +26,11 @@ from rigtri.text import columns
 
 from .edit_command import declared_options, step_of
 from .editing import copy_ahead, run_edit
+from .given_options import given, given_options, read_options
 from .help_format import Command, option
 from .matrix_options import chosen_matrices, matrix_options, refuse_without_matrices
-from .options import edit_options, output_option, output_options, reading_options, source_argument
-from .parameters import given, given_options, read_options
 from .printing import print_json, print_warnings
+from .shared_options import edit_options, output_option, output_options, reading_options, source_argument
 from .terminal_text import plain
 
 

@@ -20,10 +20,10 @@ from typing import Any
 
 import click
 
+from .given_options import read_options
 from .help_format import Command, option
-from .options import json_option, quiet_option, reading_options, scheme_option, source_argument
-from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
+from .shared_options import json_option, quiet_option, reading_options, scheme_option, source_argument
 from .terminal_text import echo
 
 # How sure something is: enough to build on, or not.

@@ -22,7 +22,7 @@ import click
 from rigtri.errors import UsageError
 
 from .help_format import Command
-from .options import json_option
+from .shared_options import json_option
 
 _SUFFIX = ".schema.json"
 _REFERENCE = re.compile(r'"\$ref": *"urn:rigtri:schema:([a-z-]+):1[#"]')

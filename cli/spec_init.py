@@ -20,10 +20,10 @@ import click
 from rigtri.errors import UsageError
 
 from . import output_file
+from .given_options import read_options
 from .help_format import Command
 from .option_types import FilePath
-from .options import json_option, output_option, quiet_option, reading_options, shared, source_argument
-from .parameters import read_options
+from .shared_options import json_option, output_option, quiet_option, reading_options, shared, source_argument
 from .terminal_text import plain
 
 

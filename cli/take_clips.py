@@ -23,10 +23,10 @@ from rigtri.report import Report
 
 from .edit_command import declared_options, step_of
 from .editing import run_edit
+from .given_options import check_streams, given_options
 from .help_format import Command
 from .option_types import FilePath
-from .options import edit_options, output_options, reading_options, target_option
-from .parameters import check_streams, given_options
+from .shared_options import edit_options, output_options, reading_options, target_option
 from .terminal_text import counted, grown
 
 

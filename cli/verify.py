@@ -20,12 +20,12 @@ import click
 from rigtri.errors import DeviationError
 
 from . import failures
+from .given_options import check_streams, read_options
 from .help_format import Command
 from .option_types import FilePath
-from .options import output_options, reading_options, shared
-from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
 from .progress import Progress
+from .shared_options import output_options, reading_options, shared
 from .terminal_text import echo, plain
 
 if TYPE_CHECKING:

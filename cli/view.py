@@ -22,9 +22,12 @@ from rigtri.operations.option_kinds import MOMENT
 from rigtri.report import Report
 
 from . import output_file
+from .given_options import read_options
 from .help_format import Command, option
 from .option_types import FilePath, Number
-from .options import (
+from .printing import print_json
+from .progress import Progress
+from .shared_options import (
     json_option,
     output_option,
     quiet_option,
@@ -32,9 +35,6 @@ from .options import (
     shared,
     source_argument,
 )
-from .parameters import read_options
-from .printing import print_json
-from .progress import Progress
 from .terminal_text import echo_message, plain
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """Options that all edits have, whatever they do: how files are read and written, and what a result must be.
 
-Commands (`cli/options.py`), keywords (`rigtri.ReadOptions`, `rigtri.pipeline.edit.EditRequest`) and heads of
-rig specs (`rigtri.pipeline.rigspec.models.spec`) are derived from them.
+Commands (`cli/shared_options.py`), keywords (`rigtri.ReadOptions`, `rigtri.pipeline.edit.EditRequest`) and
+heads of rig specs (`rigtri.pipeline.rigspec.models.spec`) are derived from them.
 """
 
 from __future__ import annotations

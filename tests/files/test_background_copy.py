@@ -257,7 +257,8 @@ def test_large_files_are_those_of_buffers_and_images_beside_it_once_each(
 
 
 def test_a_head_start_does_not_wait_for_numpy() -> None:
-    script = "import sys, rigtri.files.background_copy, rigtri.cli.options; sys.exit('numpy' in sys.modules)"
+    imported = "sys, rigtri.files.background_copy, rigtri.cli.shared_options"
+    script = f"import {imported}; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
 
 
