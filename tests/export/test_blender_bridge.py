@@ -153,12 +153,14 @@ BOTH = {
     "fingers_L_ctl": ONE | {"rotation": turn("z", 30)},
     "hips_root_ctl": ONE | {"translation": [0.2, 0.0, 0.1], "rotation": turn("y", 35)},
 }
-# A foot that rolls about its ball, tip and heel, with a toe on top.
+# A foot that rolls about its ball, tip and heel, with FK controls of shin, foot and toe on top.
 ROLL = {
     "foot_R_ik_ctl": ONE | {"translation": [0.02, 0.1, 0.05], "rotation": turn("y", 15)},
     "foot_R_heel_ctl": ONE | {"rotation": turn("y", -10)},
     "foot_R_tip_ctl": ONE | {"rotation": turn("y", 12)},
     "toe_R_ball_ctl": ONE | {"rotation": turn("y", 30)},
+    "shin_R_ctl": ONE | {"rotation": turn("y", 6)},
+    "foot_R_ctl": ONE | {"rotation": turn("z", 20)},
     "toe_R_ctl": ONE | {"rotation": turn("z", 8)},
     "hips_root_ctl": ONE | {"translation": [0.2, 0.0, 0.1], "rotation": turn("y", 35)},
 }

@@ -99,11 +99,16 @@ def _limb(plan: Plan, ik: Ik, pole: str | None) -> None:
 
 
 def _toe(plan: Plan, ik: Ik, name: str, number: int) -> None:
-    """The toe of a foot with pivots: it turns with the one that is next to last."""
+    """The toe of a foot with pivots: it turns as the pivot that is next to last does, seen from the foot's.
+
+    So what FK controls add to the foot and the leg, they add to the toe.
+    """
     toe = ik.limb.toe
     stands = plan.reference.fk[toe].offset if toe in plan.reference.fk else toe
     grip = plan.ride("roll", plan.node(ik.limb.pivots[-2]), stands)
-    plan.constrain(plan.node(stands), "COPY_ROTATION", grip, name, limb=number)
+    zero, turned = (plan.ride(word, plan.node(ik.limb.holder), stands) for word in ("zero", "ik"))
+    plan.constrain(turned, "COPY_ROTATION", grip, name)
+    plan.constrain(plan.node(stands), "COPY_TRANSFORMS", turned, name, space=zero, limb=number)
 
 
 def _bones(plan: Plan, ik: Ik, pole: str | None, name: str) -> tuple[str, str, str]:
