@@ -13,24 +13,30 @@ import numpy as np
 
 from rigtri.maths.angle_limits import cosine_below, radians_below
 from rigtri.maths.triangle import bend_angle
-from rigtri.maths.trigonometry import Floats
+from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.bend_direction import facing_along
 from rigtri.recognition.hands_feet import BY_PLACE
 from rigtri.recognition.layout import Chain
+from rigtri.recognition.thumb_bends import (
+    ALIKE,
+    BENT,
+    NOISE,
+    OPENS,
+    SIMILAR_BEND,
+    ThumbBend,
+    noise_of_twins,
+    own_hinges_count,
+)
 
 # Fingers that bend by more than this at rest (radians) say themselves about which axis they close.
 CURLED = radians_below(20)
-# A thumb that bends by more than this at rest (radians) shows its own hinge.
-THUMB_BENT = radians_below(10)
 # Of fingers whose own hinges agree to this part the common one counts.
 AGREEMENT = 0.7
 # No finger bends more than 60° aside of the line of the knuckles (a cosine): what looks so is noise.
 ASIDE = cosine_below(60)
-# Hands whose fingers, or thumbs, bend alike within this (radians) are two sides of one body in one pose.
-SIMILAR_BEND = radians_below(10)
 # A thumb points by more than this to the side of the fingers (a cosine).
 THUMB_APART = cosine_below(20)
 # … and at rest by this to the side of the palm (cosine and sine of 20°).
@@ -47,6 +53,8 @@ TURNED_BACK = 0.01
 _NO_WIDTH = 1e-4
 # The rule of hands that show neither a thumb nor a bend: which way their fingers close is a guess.
 AS_HANDS_HANG = "palm of a hand hanging at the side"
+# The rule of thumbs whose bend, which is more than none, may be their joints' noise or the shape of the hand.
+NOT_ITS_BEND = "palm of the hand, not the thumb's own bend"
 FOUR = ("index", "middle", "ring", "little")
 
 
@@ -103,15 +111,29 @@ def _pair_hinges(hands: Sequence[_PosedHand]) -> Iterator[tuple[int, Hinge]]:
     """As `hand_hinges`, of the two hands of a pair, or of one."""
     palms = [hand.palm(curl) for hand, curl in zip(hands, _mean([hand.curl for hand in hands]), strict=True)]
     closing = [(hand, palm) for hand, palm in zip(hands, palms, strict=True) if palm is not None]
-    thumbs = _mean([hand.thumb_curl(palm.direction) for hand, palm in closing])
-    for (hand, palm), thumb in zip(closing, thumbs, strict=True):
+    thumbs = [hand.thumb_bend(palm.direction) for hand, palm in closing]
+    own = own_hinges_count(thumbs, _noise([hand for hand, _ in closing])) if closing else []
+    for (hand, palm), thumb, is_own in zip(closing, thumbs, own, strict=True):
         # A further finger closes with the others, whichever it is.
         for joint in hand.joints:
             yield joint, palm
         if hand.thumb:
-            hinge = hand.thumb_hinge(palm.direction, thumb)
+            hinge = hand.thumb_hinge(palm.direction, thumb, is_own=is_own)
             for joint in hand.thumb:
                 yield joint, hinge
+
+
+def _noise(hands: Sequence[_PosedHand]) -> float:
+    """The noise of the places of joints in the hands of a pair, or in one, file units."""
+    least = NOISE * max(float(length(hand.arm)) for hand in hands)
+    if len(hands) < 2:
+        return least
+    lines = ([hand.thumb, *hand.fingers] for hand in hands)
+    pairs = [pair for pair in zip(*lines, strict=False) if len(pair[0]) == len(pair[1])]
+    one, other = ([hand.bones(pair[k]) for pair in pairs] for k, hand in enumerate(hands))
+    return max(
+        least, noise_of_twins([k for bones in one for k in bones], [k for bones in other for k in bones])
+    )
 
 
 class _Curl(NamedTuple):
@@ -264,20 +286,33 @@ class _PosedHand:
         closes = 0.0 if across is None else float(dot(hinge, across))
         return _Curl(hinge, sorted(most)[len(most) // 2], float(length(common)) / len(normals), closes)
 
-    def thumb_curl(self, palm: Floats) -> _Curl:
+    def bones(self, finger: Sequence[int]) -> list[float]:
+        """The lengths of the bones from the wrist to the end of a finger, file units."""
+        places = self.at[[self.wrist, *finger]]
+        return [float(bone) for bone in length(places[1:] - places[:-1])]
+
+    def thumb_bend(self, palm: Floats) -> ThumbBend:
         """What the thumb shows of a hand that closes about ``palm``, (3,)."""
         if len(self.thumb) < 3:
-            return _Curl(np.full(3, np.nan))
+            return ThumbBend(np.full(3, np.nan), 0.0, 0.0, 0.0)
         a, b, c = (self.at[joint] for joint in self.thumb[:3])
-        own = normalise(cross(b - a, c - b))
-        return _Curl(own, float(bend_angle(a, b, c)), 1.0, float(dot(own, self._over_palm(palm))))
+        across, closing = cross(b - a, c - b), self._over_palm(palm)
+        own, line = normalise(across), normalise(c - a)
+        aside = float(arc_tangent(dot(cross(closing, own), line), dot(closing, own)))
+        height = float(length(across) / length(c - a))
+        return ThumbBend(own, float(bend_angle(a, b, c)), height, -aside if self.is_left is False else aside)
 
-    def thumb_hinge(self, palm: Floats, curl: _Curl) -> Hinge:
+    def thumb_hinge(self, palm: Floats, bend: ThumbBend, *, is_own: bool) -> Hinge:
         """A thumb closes over the palm: by its own bend, else towards the root of the little finger."""
-        if curl.bend > THUMB_BENT and curl.closes > BEYOND_SQUARE:
-            return Hinge("plane of the thumb", curl.hinge)
+        if is_own:
+            return Hinge("plane of the thumb", bend.hinge)
         closing = self._over_palm(palm)
-        return Hinge("palm of the hand", closing if np.isfinite(closing).all() else palm)
+        if not np.isfinite(closing).all():
+            return Hinge("palm of the hand", palm)
+        if not (bend.bend > BENT and ALIKE < abs(bend.aside) < OPENS):
+            return Hinge("palm of the hand", closing)
+        bent, aside = np.degrees([bend.bend, abs(bend.aside)])
+        return Hinge(f"{NOT_ITS_BEND} of {bent:.0f}°, {aside:.0f}° aside", closing)
 
     def _over_palm(self, palm: Floats) -> Floats:
         """The hinge of a thumb that closes towards the root of the little finger, unit, (3,)."""

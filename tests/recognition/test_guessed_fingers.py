@@ -12,12 +12,13 @@ from posed_bodies import FINGERS, Pose, posed_body
 from rigs import rig_of
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.hand_hinges import SIMILAR_BEND, _Curl, _mean, _PosedHand
+from rigtri.recognition.hand_hinges import _Curl, _mean, _PosedHand
 from rigtri.recognition.hands_feet import _like_fingers
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_ends import thumb_of
 from rigtri.recognition.limb_triples import _cosines
 from rigtri.recognition.recognise import recognise
+from rigtri.recognition.thumb_bends import SIMILAR_BEND
 
 
 @pytest.mark.parametrize("curl", [0.0, 35.0, 70.0])

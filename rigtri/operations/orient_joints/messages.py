@@ -26,7 +26,7 @@ from rigtri.operations.orient_joints.joint_frames import DeadBand
 from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
-from rigtri.recognition.hand_hinges import AS_HANDS_HANG
+from rigtri.recognition.hand_hinges import AS_HANDS_HANG, NOT_ITS_BEND
 from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.limbs import limb_title, unsure
 from rigtri.recognition.recognise import recognise
@@ -227,6 +227,7 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
             "taken for those of hands hanging at the sides. Names such as index_01_l make it sure",
             geometry=True,
         )
+    _warn_thumbs(outcome, report)
     for joint in (joint for joint in outcome.targets.joints if ups.step[joint] >= 7):
         if joint not in straight:
             name, source = rig.title(joint), up_text(ups.source[joint])
@@ -236,6 +237,23 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
                 joint=name,
                 geometry=True,
             )
+
+
+def _warn_thumbs(outcome: Outcome, report: Report) -> None:
+    """Warn of thumbs whose own bend does not count: the noise of short bones bends them, too."""
+    sources, rig = outcome.requested.ups.source, outcome.targets.tree.rig
+    thumbs: dict[str, list[str]] = {}
+    for joint in outcome.targets.joints:
+        if sources[joint].startswith(NOT_ITS_BEND):
+            thumbs.setdefault(sources[joint].removeprefix(NOT_ITS_BEND), []).append(rig.title(joint))
+    for bend, names in thumbs.items():
+        report.warn(
+            "thumb-bends-aside",
+            f"{and_more(names, 3)}: a bend{bend} of how thumbs close over the palm, which is taken for "
+            "noise of the joints, or the shape of the hand: the thumb closes over the palm. If it is a bend, "
+            "say --chain START END --up-from plane.",
+            geometry=True,
+        )
 
 
 def check(outcome: Outcome, report: Report) -> None:
