@@ -65,6 +65,7 @@ class Report:
     records: whether joints are recorded; a batch, where nobody reads them, has warnings only.
     answered: codes of warnings that another file's data has made void; see `answer`.
     sources: files besides the edited one that the edit has read, each with what it is.
+    earlier: what steps before have warned of, codes and joints; of the same joint nothing is said again.
     """
 
     joints: list[dict[str, Any]] = field(default_factory=list)
@@ -79,6 +80,7 @@ class Report:
     records: bool = True
     answered: set[str] = field(default_factory=set)
     sources: list[tuple[Path, str]] = field(default_factory=list)
+    earlier: frozenset[tuple[str, str | None]] = frozenset()
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 
     def warn(
@@ -102,7 +104,8 @@ class Report:
         if len(self._known) != len(self.warnings):
             self._known = set(self.warnings)
         for notice in notices:
-            if notice not in self._known and notice.code not in self.answered:
+            repeated = notice.joint is not None and (notice.code, notice.joint) in self.earlier
+            if notice not in self._known and notice.code not in self.answered and not repeated:
                 self._known.add(notice)
                 self.warnings.append(notice)
 

@@ -182,10 +182,13 @@ class _Builder:
         return self.rig
 
     def _warn_unknown(self) -> None:
-        """Warn of what is not known of a body, where its controls are not chosen one by one."""
-        for note in self.axes.unknown if self.options.whole_character else ():
-            text = f"Controls are aimed as rigtri orient-joints aims joints, which says: {note.text}"
-            self.report.warn(note.code, text, geometry=True)
+        """Warn of what is not known of a body, where its controls are not chosen one by one.
+
+        Not of what an earlier step has warned of: joints and controls have axes by the same rules.
+        """
+        if self.options.whole_character:
+            said = self.report.earlier
+            self.report.extend(k for k in self.axes.unknown if (k.code, k.joint) not in said)
 
     def _give_names(self) -> None:
         """Names by the user's rule, and a record of those that new controls have."""

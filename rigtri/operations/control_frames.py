@@ -37,6 +37,7 @@ from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.joint_selection import EYE, ROOT
 from rigtri.operations.options.add_controls import AddControlsOptions
 from rigtri.operations.options.orient_joints import OrientJointsOptions
+from rigtri.operations.orient_joints.messages import Wording, warn_unsure
 from rigtri.operations.orient_joints.orient import FramePlan, plan_frames
 from rigtri.operations.orient_joints.up_direction import PRESENT, STATED
 from rigtri.report import Notice, Report
@@ -49,8 +50,14 @@ SAME_AXES = 2e-6
 _WORLD, _MIRRORED = "world", "mirrored"
 _AXES = {sign + axis for sign in ("", "+", "-") for axis in "xyz"}
 MIRRORED = AxisStyle("", "", _MIRRORED)
-# What orient-joints warns of where it does not know a body: its bones alone aim controls, too.
-_UNKNOWN = {"no-character", "no-hierarchy", "unsure-character", "unsure-limb"}
+# How add-controls says what is not known of a body: its bones alone aim controls, too.
+_WORDING = Wording(
+    "controls",
+    "--ik START MIDDLE END",
+    "--frame joint gives them the axes of their joints",
+    "Say --frame joint after rigtri orient-joints with --aim-at NODE=TARGET",
+    "controls have the axes of their joints",
+)
 
 
 class ControlAxes:
@@ -187,7 +194,9 @@ class ControlAxes:
             **_request(style), joints=all_joints, limb=given.ik, pose="nodes", root=given.root
         )
         plan = plan_frames(free, options)
-        self.unknown += [note for note in plan.notes.warnings if note.code in _UNKNOWN]
+        notes = Report()
+        warn_unsure(plan.targets, notes, wording=_WORDING)
+        self.unknown += notes.warnings
         delta = plan.policy.allowed(plan.requested.delta, plan.targets.styles, Report())
         aim, up = (style.aim[-1], style.up[-1])
         world, found = plan.targets.ref.world, dict[int, Floats]()

@@ -53,6 +53,16 @@ def with_fingers() -> list[Joint]:
     return joints
 
 
+def no_body() -> list[Joint]:
+    """A crane: two branches that are not alike."""
+    return [
+        ("base", "", (0.0, 0.0, 0.0)),
+        ("mast", "base", (0.0, 1.0, 0.0)),
+        *line("boom hook", "mast", (1.0, 2.0, 0.0), (2.0, 1.0, 0.0)),
+        *line("stay weight", "mast", (-0.3, 2.0, 0.2), (-0.4, 1.5, 0.5)),
+    ]
+
+
 def _is_finger(name: str) -> bool:
     return name.startswith(("index", "middle", "ring", "pinky"))
 
@@ -141,14 +151,28 @@ def test_what_is_not_known_of_a_body_is_said_of_its_controls_too(flat: bool) -> 
     assert "no-hierarchy" not in {note.code for note in one.warnings}
 
 
+def test_warnings_name_the_options_of_their_own_command() -> None:
+    """Before, add-controls passed on what orient-joints says, with options that it has not."""
+    orient, controls = Report(), Report()
+    orient_joints(rig_with(no_body()), report=orient)
+    add_controls(rig_with(no_body()), whole_character=True, report=controls)
+    texts = [next(n.text for n in notes.warnings if n.code == "no-character") for notes in (orient, controls)]
+    names = [[k for k in ("limb=", "ik=", "per_joint_plane", "frame=") if k in text] for text in texts]
+    assert names == [["limb=", "per_joint_plane"], ["ik=", "frame="]]
+
+
+def test_a_later_step_does_not_repeat_what_an_earlier_one_has_warned_of() -> None:
+    """Before, `build` and `auto` said of orient-joints and of add-controls that there is no character."""
+    said = Report(earlier=frozenset({("no-character", None), ("straight", "arm")}))
+    add_controls(rig_with(no_body()), whole_character=True, report=said)
+    said.warn("straight", "arm is straight", joint="arm")
+    said.warn("straight", "leg is straight", joint="leg")
+    assert [(note.code, note.joint) for note in said.warnings] == [("straight", "leg")]
+
+
 def test_that_no_character_is_recognised_is_said_once() -> None:
     """Before, what is no body, or none that is recognised, was re-oriented without a word."""
-    joints = [
-        ("base", "", (0.0, 0.0, 0.0)),
-        ("mast", "base", (0.0, 1.0, 0.0)),
-        *line("boom hook", "mast", (1.0, 2.0, 0.0), (2.0, 1.0, 0.0)),
-        *line("stay weight", "mast", (-0.3, 2.0, 0.2), (-0.4, 1.5, 0.5)),
-    ]
+    joints = no_body()
     notes, quiet, chain = Report(), Report(), Report()
     orient_joints(rig_with(joints), report=notes)
     orient_joints(rig_with(joints), per_joint_plane=True, report=quiet)

@@ -84,17 +84,42 @@ def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
 FEW = 5
 # So many children that have none are a body, or a hand, without a hierarchy: a hand has fewer fingers.
 SIDE_BY_SIDE = 8
-_OF_BONES = "joints take the planes of their own bones, not those of a body. Name limbs with --limb"
-# What it means for axes that a character is not sure.
-_UNSURE = {
-    "biped": _OF_BONES,
-    "quadruped": _OF_BONES,
-    "hand": "its fingers close about one axis, to the side that their bends or the thumb show. "
-    "Names such as index_01_l make it sure",
-}
 
 
-def warn_unsure(targets: Targets, report: Report, *, per_joint: bool) -> None:
+@dataclass(frozen=True)
+class Wording:
+    """How a command calls what it aims, and its own options: for limbs, for what is no body, for aims.
+
+    kept: what becomes of joints of which nothing tells what they aim at.
+    """
+
+    aimed: str = "joints"
+    limb: str = "--limb START MIDDLE END"
+    no_body: str = "--per-joint-plane says so"
+    aims: str = "Say what each aims at with --aim-at NODE=TARGET"
+    kept: str = "they keep their axes"
+
+    @property
+    def of_bones(self) -> str:
+        """What an unsure body means for axes, and what to do."""
+        planes = f"{self.aimed} take the planes of their own bones, not those of a body"
+        return f"{planes}. Name limbs with {self.limb}"
+
+    def unsure(self, form: str) -> str:
+        """What it means for axes that a character of a form is not sure; "" where it means nothing."""
+        hand = (
+            "its fingers close about one axis, to the side that their bends or the thumb show. "
+            "Names such as index_01_l make it sure"
+        )
+        return {"biped": self.of_bones, "quadruped": self.of_bones, "hand": hand}.get(form, "")
+
+
+OF_JOINTS = Wording()
+
+
+def warn_unsure(
+    targets: Targets, report: Report, *, per_joint: bool = False, wording: Wording = OF_JOINTS
+) -> None:
     """Warn of characters that are not recognised surely: nothing is known then of trunk and limbs.
 
     per_joint: the user asks for the plane of each joint's own bones, which is all that there is without one.
@@ -103,14 +128,14 @@ def warn_unsure(targets: Targets, report: Report, *, per_joint: bool) -> None:
         return
     layout = recognise(targets.tree.rig)
     if not layout.characters and not per_joint:
-        _warn_no_character(targets, layout.remarks, report)
+        _warn_no_character(targets, layout.remarks, report, wording)
         if not targets.joints:
-            _warn_side_by_side(targets, set(targets.tree.joints), report)
+            _warn_side_by_side(targets, set(targets.tree.joints), report, wording)
     for character in layout.characters:
         joints = {part.joint for part in character.parts}
         if joints.isdisjoint(targets.joints):
             continue
-        _warn_side_by_side(targets, joints, report)
+        _warn_side_by_side(targets, joints, report, wording)
         if character.is_mirrored:
             report.warn(
                 "sides-disagree",
@@ -118,18 +143,18 @@ def warn_unsure(targets: Targets, report: Report, *, per_joint: bool) -> None:
                 "and right are as named, and knees bend to where it faces. See: rigtri recognise FILE",
                 geometry=True,
             )
-        if character.confidence >= CONFIDENT or character.form not in _UNSURE:
-            _warn_unsure_limbs(targets, joints, report)
+        if character.confidence >= CONFIDENT or not wording.unsure(character.form):
+            _warn_unsure_limbs(targets, joints, report, wording)
             continue
         report.warn(
             "unsure-character",
             f"A {character.form} is recognised, but not surely ({character.confidence:.2f}; sure from "
-            f"{CONFIDENT}): {_UNSURE[character.form]}; see: rigtri recognise FILE",
+            f"{CONFIDENT}): {wording.unsure(character.form)}; see: rigtri recognise FILE",
             geometry=True,
         )
 
 
-def _warn_no_character(targets: Targets, remarks: Sequence[str], report: Report) -> None:
+def _warn_no_character(targets: Targets, remarks: Sequence[str], report: Report, wording: Wording) -> None:
     """Warn once that nothing is known of a body, of joints that may be one.
 
     A chain without branches has none, and few joints have no more to say than their planes.
@@ -143,14 +168,13 @@ def _warn_no_character(targets: Targets, remarks: Sequence[str], report: Report)
         why = f" ({remarks[0]})" if remarks else ""
         report.warn(
             "no-character",
-            f"No character is recognised{why}: joints take the planes of their own bones, not those of a "
-            "body. If it is one, name its limbs with --limb START MIDDLE END; if it is none, "
-            "--per-joint-plane says so",
+            f"No character is recognised{why}: {wording.aimed} take the planes of their own bones, not those "
+            f"of a body. If it is one, name its limbs with {wording.limb}; if it is none, {wording.no_body}",
             geometry=True,
         )
 
 
-def _warn_side_by_side(targets: Targets, joints: set[int], report: Report) -> None:
+def _warn_side_by_side(targets: Targets, joints: set[int], report: Report, wording: Wording) -> None:
     """Warn of joints that are all children of one, and of which nothing tells what they follow."""
     tree, rig = targets.tree, targets.tree.rig
     heads = {chain.joints[-1] for chain in recognise(rig).chains if chain.kind == "head"}
@@ -161,13 +185,12 @@ def _warn_side_by_side(targets: Targets, joints: set[int], report: Report) -> No
         lost = [k for k in leaves if targets.skipped.get(k) == LONE or _copies(targets, k)]
         if lost:
             kept = all(k in targets.skipped for k in lost)
-            so = "they keep their axes" if kept else "they take its axes"
+            so = wording.kept if kept else f"{wording.aimed} take its axes"
             report.warn(
                 "no-hierarchy",
                 f"{and_more([rig.title(k) for k in lost], 6)}: {len(lost)} joints are children of "
                 f"'{rig.title(above)}' side by side, and neither the hierarchy nor their names tell which "
-                f"follows which, so {so}. Say what each aims at with --aim-at NODE=TARGET, or give them the "
-                "names of a naming scheme",
+                f"follows which, so {so}. {wording.aims}, or give them the names of a naming scheme",
                 geometry=True,
             )
 
@@ -176,7 +199,7 @@ def _copies(targets: Targets, joint: int) -> bool:
     return joint in targets.aims and targets.aims[joint].how == "parent"
 
 
-def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report) -> None:
+def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report, wording: Wording) -> None:
     """Warn of the limbs of a character that are not sure, where the user names none of their joints."""
     rig, named = targets.tree.rig, {node for limb in targets.limbs for node in limb.triple}
     chains = [k for k in unsure(rig) if joints.issuperset(k.bend) and named.isdisjoint(k.bend)]
@@ -184,8 +207,8 @@ def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report) -> No
         report.warn(
             "unsure-limb",
             f"{and_more([limb_title(rig, chain) for chain in chains], 4)}: not surely recognised (sure from "
-            f"{CONFIDENT}), so joints there, in hands and feet take the planes of their own bones. If it "
-            "is right, say --limb START MIDDLE END",
+            f"{CONFIDENT}), so {wording.aimed} there, in hands and feet take the planes of their own bones. "
+            f"If it is right, say {wording.limb}",
             geometry=True,
         )
 
@@ -249,8 +272,8 @@ def _warn_thumbs(outcome: Outcome, report: Report) -> None:
     for bend, names in thumbs.items():
         report.warn(
             "thumb-bends-aside",
-            f"{and_more(names, 3)}: a bend{bend} of how thumbs close over the palm, which is taken for "
-            "noise of the joints, or the shape of the hand: the thumb closes over the palm. If it is a bend, "
+            f"{and_more(names, 3)}: the thumb's bend{bend} of how a thumb closes over the palm, is taken for "
+            "noise of its joints or for the shape of the hand, and the palm decides. If it is a bend, "
             "say --chain START END --up-from plane.",
             geometry=True,
         )

@@ -192,7 +192,8 @@ class _Work:
 
     def edit(self, step: Step, place: Path | None) -> Report:
         """Apply a step to the character as it is, and note what came of it. place: None for the last step."""
-        report = Report(records=self.report.records, sources=self.report.sources)
+        earlier = frozenset((notice.code, notice.joint) for notice in self.report.warnings)
+        report = Report(records=self.report.records, sources=self.report.sources, earlier=earlier)
         names = {str(self.at): str(self.source)}
         if place is not None:
             names[str(place)] = f"a file for {self.request.target} in the temporary folder {gettempdir()}"
