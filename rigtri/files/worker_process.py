@@ -2,7 +2,7 @@
 
 usd-core crashes on some damaged files, and no Python can catch that. A child
 does one task after another; one that dies, hangs or takes too much memory is
-ended and replaced, and its task becomes a FileError.
+ended and replaced, and its task becomes a FileError. One that has done many is replaced, too.
 """
 
 from __future__ import annotations
@@ -41,6 +41,9 @@ PRELOADED = ["rigtri.pipeline.edit", "rigtri.formats.gltf.document", "rigtri.for
 _RINGS = 20_000, 5, 10
 # The messages of the loader of libraries where there is no memory for them.
 _NO_ROOM = ("failed to map segment", "Cannot allocate memory", "cannot allocate memory")
+# So many tasks one process does, then another takes its place: OpenUSD keeps names, paths and handles of
+# layers until a process ends, 5 to 10 kB for each small file that is edited. A new process takes 10 ms.
+_TASKS = 500
 # So often, seconds apart, a process is started before that is given up: its server may have been killed.
 _STARTS, _BETWEEN = 5, 0.1
 # Names of sockets are short: about 100 characters, 32 of them below this folder's.
@@ -87,6 +90,7 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
             self._context.set_forkserver_preload([*PRELOADED, *preload])
         self._process: Any = None
         self._killed = False
+        self._done = 0
         self._pipe: Connection | None = None
 
     def __call__(
@@ -102,7 +106,10 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
         ``on_event`` gets. CrashError where the child did not live to answer; a RigtriError of the task
         is raised here as it was there, any other exception as a RuntimeError with its traceback.
         """
+        if self._done >= _TASKS:
+            self.close()
         pipe = self._started(name)
+        self._done += 1
         try:
             if self._killed:
                 raise EOFError
@@ -158,6 +165,7 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
     def _started(self, name: str) -> Connection:
         if self._pipe is None:
             self._process, self._pipe = self._start()
+            self._done = 0
             try:
                 self._pipe.recv()  # it is ready: the time of a task does not begin with imports
             except (EOFError, ConnectionError):

@@ -130,6 +130,15 @@ def test_a_process_without_memory_for_a_word_ends_without_a_traceback(
     assert "Traceback" not in capfd.readouterr().err
 
 
+def test_a_process_does_so_many_files_and_another_takes_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    # OpenUSD keeps names, paths and handles of each file until its process ends.
+    monkeypatch.setattr(worker_process, "_TASKS", 2)
+    with WorkerProcess() as child:
+        first, second, third, _, last = [child("a.usda", os.getpid) for _ in range(5)]
+    assert first == second
+    assert len({first, third, last}) == 3
+
+
 def test_the_many_words_for_no_memory_mean_one_thing() -> None:
     every = [
         MemoryError(),
