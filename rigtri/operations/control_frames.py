@@ -37,8 +37,8 @@ from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.joint_selection import EYE, ROOT
 from rigtri.operations.options.add_controls import AddControlsOptions
 from rigtri.operations.options.orient_joints import OrientJointsOptions
-from rigtri.operations.orient_joints.messages import Wording, warn_unsure
 from rigtri.operations.orient_joints.orient import FramePlan, plan_frames
+from rigtri.operations.orient_joints.unknown_bodies import Wording, warn_unsure
 from rigtri.operations.orient_joints.up_direction import PRESENT, STATED
 from rigtri.report import Notice, Report
 

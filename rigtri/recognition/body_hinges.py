@@ -38,6 +38,8 @@ ALONG_UP = 0.1
 # Hips and chest whose lines are further apart than this (a cosine) are turned against each other: shoulders
 # that are drawn ahead lean the line less.
 TURNED = cosine_below(20)
+# … and beyond this (a cosine) by more than a walk or a stance turns them: it may be an error of a pose.
+FAR_TURNED = cosine_below(60)
 _TRUNK = ("spine", "neck", "head")
 
 
@@ -133,6 +135,19 @@ def warn_both(rig: Rig, characters: Sequence[Character], report: Report) -> None
                 f"Hips and chest are turned against each other by {np.degrees(angle(hips, chest)):.0f}°; "
                 "--facing counts for both alike. Without it each faces where its limbs begin",
                 geometry=True,
+            )
+
+
+def warn_turned(known: Sequence[Body], report: Report) -> None:
+    """Warn of bodies of which one half faces far from where the other does: axes follow each half."""
+    for body in known:
+        if dot(body.hips, body.chest) < FAR_TURNED:  # of a hand alone both are unknown
+            turned = np.degrees(angle(body.hips, body.chest))
+            report.warn(
+                "turned-chest",
+                f"Hips and chest are turned against each other by {turned:.0f}°: "
+                "legs and feet bend as the hips face, arms, hands and head as the chest does, and the spine "
+                "shares the turn. Both directions: rigtri recognise FILE; --facing counts for both alike",
             )
 
 

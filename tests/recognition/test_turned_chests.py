@@ -98,3 +98,13 @@ def test_a_given_facing_direction_counts_for_hips_and_chest_with_a_warning() -> 
     made = Report()
     rigtri.add_polevector(rig_with(turned(60)), limbs="auto", facing=(0, 0, 1), report=made)
     assert "facing-of-both" in {note.code for note in made.warnings}
+
+
+@pytest.mark.parametrize(("degrees", "times"), [(0, 0), (45, 0), (90, 1), (-110, 1)])
+def test_a_chest_that_is_turned_far_is_said_when_axes_follow_both_halves(degrees: float, times: int) -> None:
+    """Before, `orient-joints` gave both halves of a twisted body other axes without a word."""
+    notes = Report()
+    orient_joints(rig_with(turned(degrees)), report=notes)
+    found = [note.text for note in notes.warnings if note.code == "turned-chest"]
+    assert len(found) == times
+    assert all("legs and feet bend as the hips face" in text for text in found)

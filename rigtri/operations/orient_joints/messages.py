@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import field
 from typing import Any
 
@@ -19,7 +19,7 @@ from rigtri.maths.vectors import angle, length, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_records import joint_record
-from rigtri.operations.joint_selection import LONE, warn_held, warn_unread
+from rigtri.operations.joint_selection import warn_held, warn_unread
 from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.joint_frames import DeadBand
@@ -27,9 +27,6 @@ from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
 from rigtri.recognition.hand_hinges import AS_HANDS_HANG, NOT_ITS_BEND
-from rigtri.recognition.layout import CONFIDENT
-from rigtri.recognition.limbs import limb_title, unsure
-from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import and_more, straightness
 
@@ -78,139 +75,6 @@ def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
     warn_held(rig, outcome.skipped, report)
     if rotates(outcome.delta).any():
         warn_unread(rig, report)
-
-
-# Fewer joints than this are no body.
-FEW = 5
-# So many children that have none are a body, or a hand, without a hierarchy: a hand has fewer fingers.
-SIDE_BY_SIDE = 8
-
-
-@dataclass(frozen=True)
-class Wording:
-    """How a command calls what it aims, and its own options: for limbs, for what is no body, for aims.
-
-    kept: what becomes of joints of which nothing tells what they aim at.
-    """
-
-    aimed: str = "joints"
-    limb: str = "--limb START MIDDLE END"
-    no_body: str = "--per-joint-plane says so"
-    aims: str = "Say what each aims at with --aim-at NODE=TARGET"
-    kept: str = "they keep their axes"
-
-    @property
-    def of_bones(self) -> str:
-        """What an unsure body means for axes, and what to do."""
-        planes = f"{self.aimed} take the planes of their own bones, not those of a body"
-        return f"{planes}. Name limbs with {self.limb}"
-
-    def unsure(self, form: str) -> str:
-        """What it means for axes that a character of a form is not sure; "" where it means nothing."""
-        hand = (
-            "its fingers close about one axis, to the side that their bends or the thumb show. "
-            "Names such as index_01_l make it sure"
-        )
-        return {"biped": self.of_bones, "quadruped": self.of_bones, "hand": hand}.get(form, "")
-
-
-OF_JOINTS = Wording()
-
-
-def warn_unsure(
-    targets: Targets, report: Report, *, per_joint: bool = False, wording: Wording = OF_JOINTS
-) -> None:
-    """Warn of characters that are not recognised surely: nothing is known then of trunk and limbs.
-
-    per_joint: the user asks for the plane of each joint's own bones, which is all that there is without one.
-    """
-    if targets.joints and all(targets.styles[k].world for k in targets.joints):
-        return
-    layout = recognise(targets.tree.rig)
-    if not layout.characters and not per_joint:
-        _warn_no_character(targets, layout.remarks, report, wording)
-        if not targets.joints:
-            _warn_side_by_side(targets, set(targets.tree.joints), report, wording)
-    for character in layout.characters:
-        joints = {part.joint for part in character.parts}
-        if joints.isdisjoint(targets.joints):
-            continue
-        _warn_side_by_side(targets, joints, report, wording)
-        if character.is_mirrored:
-            report.warn(
-                "sides-disagree",
-                f"What the names of the {character.form} call left is on the right of where it faces: left "
-                "and right are as named, and knees bend to where it faces. See: rigtri recognise FILE",
-                geometry=True,
-            )
-        if character.confidence >= CONFIDENT or not wording.unsure(character.form):
-            _warn_unsure_limbs(targets, joints, report, wording)
-            continue
-        report.warn(
-            "unsure-character",
-            f"A {character.form} is recognised, but not surely ({character.confidence:.2f}; sure from "
-            f"{CONFIDENT}): {wording.unsure(character.form)}; see: rigtri recognise FILE",
-            geometry=True,
-        )
-
-
-def _warn_no_character(targets: Targets, remarks: Sequence[str], report: Report, wording: Wording) -> None:
-    """Warn once that nothing is known of a body, of joints that may be one.
-
-    A chain without branches has none, and few joints have no more to say than their planes.
-    """
-    tree, named = targets.tree, {node for limb in targets.limbs for node in limb.triple}
-    branches = any(len(tree.below[joint]) > 1 for joint in tree.joints)
-    planes = [
-        k for k in targets.joints if targets.styles[k].up_from in ("plane", "pole") or targets.styles[k].held
-    ]
-    if branches and len(tree.joints) >= FEW and not named.issuperset(planes):
-        why = f" ({remarks[0]})" if remarks else ""
-        report.warn(
-            "no-character",
-            f"No character is recognised{why}: {wording.aimed} take the planes of their own bones, not those "
-            f"of a body. If it is one, name its limbs with {wording.limb}; if it is none, {wording.no_body}",
-            geometry=True,
-        )
-
-
-def _warn_side_by_side(targets: Targets, joints: set[int], report: Report, wording: Wording) -> None:
-    """Warn of joints that are all children of one, and of which nothing tells what they follow."""
-    tree, rig = targets.tree, targets.tree.rig
-    heads = {chain.joints[-1] for chain in recognise(rig).chains if chain.kind == "head"}
-    for above in (joint for joint in tree.joints if joint not in heads):
-        leaves = [k for k in tree.below[above] if not tree.below[k] and tree.carries[k] and k in joints]
-        if len(leaves) < SIDE_BY_SIDE:
-            continue
-        lost = [k for k in leaves if targets.skipped.get(k) == LONE or _copies(targets, k)]
-        if lost:
-            kept = all(k in targets.skipped for k in lost)
-            so = wording.kept if kept else f"{wording.aimed} take its axes"
-            report.warn(
-                "no-hierarchy",
-                f"{and_more([rig.title(k) for k in lost], 6)}: {len(lost)} joints are children of "
-                f"'{rig.title(above)}' side by side, and neither the hierarchy nor their names tell which "
-                f"follows which, so {so}. {wording.aims}, or give them the names of a naming scheme",
-                geometry=True,
-            )
-
-
-def _copies(targets: Targets, joint: int) -> bool:
-    return joint in targets.aims and targets.aims[joint].how == "parent"
-
-
-def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report, wording: Wording) -> None:
-    """Warn of the limbs of a character that are not sure, where the user names none of their joints."""
-    rig, named = targets.tree.rig, {node for limb in targets.limbs for node in limb.triple}
-    chains = [k for k in unsure(rig) if joints.issuperset(k.bend) and named.isdisjoint(k.bend)]
-    if chains:
-        report.warn(
-            "unsure-limb",
-            f"{and_more([limb_title(rig, chain) for chain in chains], 4)}: not surely recognised (sure from "
-            f"{CONFIDENT}), so {wording.aimed} there, in hands and feet take the planes of their own bones. "
-            f"If it is right, say {wording.limb}",
-            geometry=True,
-        )
 
 
 def warn_noise(noise: Frozen, report: Report) -> None:

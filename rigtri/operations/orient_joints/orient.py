@@ -33,8 +33,9 @@ from rigtri.operations.orient_joints.joints_to_orient import Targets, find_targe
 from rigtri.operations.orient_joints.messages import RequestedFrames
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy, nearest_cardinal
 from rigtri.operations.orient_joints.standard_frames import StandardFrames, standard_frames, warn_facing
+from rigtri.operations.orient_joints.unknown_bodies import warn_unsure
 from rigtri.operations.orient_joints.up_direction import UpLadder
-from rigtri.recognition.body_hinges import bodies, warn_both
+from rigtri.recognition.body_hinges import bodies, warn_both, warn_turned
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
@@ -270,7 +271,9 @@ def requested_frames(
         known = bodies(rig, characters, targets.ref.world, facing) if known is None else known
         if facing is not None:
             warn_both(rig, characters, report)
-        messages.warn_unsure(targets, report, per_joint=options.per_joint_plane)
+        else:
+            warn_turned(known, report)
+        warn_unsure(targets, report, per_joint=options.per_joint_plane)
         planes = bend_planes(targets, known, facing, per_joint=options.per_joint_plane, report=report)
         # After an offset or a snap the present axis is not the one that a run before has found.
         present = not any(options.offset) and not options.snap
