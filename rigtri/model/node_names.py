@@ -107,9 +107,11 @@ class NodeNames(Hierarchy, ABC):
         for node, label in enumerate(self.labels):
             parent = int(self.parents[node])
             above = held[parent] if parent >= 0 else ""
-            is_path = label.startswith("/")
-            held.append(above if self.is_joint[node] or not is_path else label)
-            found.append(label if is_path or not above else f"{above}:{label}")
+            is_path, joint = label.startswith("/"), bool(self.is_joint[node])
+            held.append(above if joint or not is_path else label)
+            # The token of a joint may begin as the path of a prim does.
+            whole = not above or label.startswith(f"{above}:") or (is_path and not joint)
+            found.append(label if whole else f"{above}:{label}")
         return found
 
     @property

@@ -162,7 +162,8 @@ class UsdDocument:
             routed = {*map(id, edit.opinions)} != {*map(id, edit.values)}
             inside = any(instance_of(stage, value.prim) is not None for value in edit.values)
             if routed or inside or output.is_sublayer or edit.expected:
-                edit.expected.check(output.composed(part)[0], [*edit.prepared, *edit.values])
+                values = [*edit.prepared, *edit.values]
+                edit.expected.check(output.composed(part)[0], values, edit.staying)
         self._notices += [notice for notice in edit.notices if notice not in self._notices]
         return ()
 

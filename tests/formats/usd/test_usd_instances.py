@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -312,9 +313,9 @@ def test_a_value_that_another_opinion_hides_is_an_error_with_layer_and_path(tmp_
         set_value("/Root/Skel", "restTransforms", Sdf.ValueTypeNames.Matrix4dArray, matrices, uniform=True)
         for matrices in (value, value[:1] * 3)
     ]
-    Expected().check(stage, settings[:1])
+    Expected().check(stage, settings[:1], {})
     with pytest.raises(FileError, match=r"</Root/Skel.restTransforms> cannot .*in.usda is stronger"):
-        Expected().check(stage, settings)
+        Expected().check(stage, settings, {})
 
 
 @pytest.mark.parametrize("first", ["A", "B"])
@@ -451,3 +452,17 @@ def test_joints_of_a_prim_that_another_is_composed_from_are_those_of_both(
     assert "</World/A/Skel> is composed from a skeleton that gets other joints here" in error
     if command[0] == "rename-joints":
         cli(*command[:1], source, "-o", out, *command[1:], "--name", "/World/A/Skel:a/b=elbow", code=0)
+
+
+def test_joints_merged_in_agents_may_leave_others_another_rest_pose(tmp_path: Path) -> None:
+    """Before, the rows of joints that go were missing in what the output shows: "cannot be edited"."""
+    source, out = crowd(tmp_path), tmp_path / "out.usda"
+    still = re.sub(r"(\d: \[)\([^)]*\)", r"\1(1, 0, 0, 0)", source.read_text())  # a/b comes first
+    save(tmp_path, still, "crowd.usda")
+    cli("merge-joints", source, "-o", out, "--joints", "b", "--keep-children", code=0)
+    stage = Usd.Stage.Open(str(out))
+    assert len(stage.GetPrototypes()) == 1
+    skeletons = [stage.GetPrimAtPath(f"/World/{agent}/Skel") for agent in ("One", "Two", "Three")]
+    assert {tuple(each.GetAttribute("joints").Get()) for each in skeletons} == {("a", "a/b/c")}
+    assert {len(each.GetAttribute("restTransforms").Get()) for each in skeletons} == {2}
+    assert deviation(source, out) < 1e-6

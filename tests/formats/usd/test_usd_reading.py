@@ -387,3 +387,15 @@ def test_a_joint_is_called_by_its_skeleton_and_token_also_where_no_other_has_it(
     assert rig.find("/Root/Skel:a/b") == rig.find("b")
     assert rig.match("/Root/Skel:a/*") == [rig.find("b"), rig.find("c")]
     assert rig.known("/Root/Other:a/b") is None
+
+
+def test_a_joint_whose_token_is_the_path_of_a_prim_is_named_by_its_skeleton_too(tmp_path: Path) -> None:
+    """Before, both had one address: "Say which one by its path" gave none that did."""
+    tokens = 'uniform token[] joints = ["/Root/a", "/Root/a/b", "/Root/a/b/c"]'
+    prims = 'def Xform "a"\n{\ndef Xform "b"\n{\n}\n}'
+    rig = read(save(tmp_path, scene(skeleton(joints=tokens, source=""), prims))).rig
+    joint, prim = rig.find("/Root/Skel:/Root/a/b"), rig.find("/Root/a/b")
+    assert rig.is_joint[joint]
+    assert not rig.is_joint[prim]
+    assert rig.labels[joint] == "/Root/Skel:/Root/a/b"
+    assert rig.find("/Root/a/b/c") == rig.find("/Root/Skel:/Root/a/b/c") == rig.find("c")

@@ -13,6 +13,7 @@ from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.variants import VALUES, SkeletonVariants, VariantState
 from rigtri.formats.usd.opinions.edits import Edit, Setting, arrays
+from rigtri.maths.arrays import Booleans
 
 # Values that differ by less, as a share of the largest, differ by float32 rounding.
 _SAME = 1e-6
@@ -40,15 +41,25 @@ class Expected:
         self._states.append((variants, state, settings))
         self._whole |= {each.path for each in settings} if whole else set()
 
-    def check(self, stage: Any, edits: Sequence[Edit]) -> None:
-        """FileError, naming layer and path, for a value that another opinion hides."""
+    def check(self, stage: Any, edits: Sequence[Edit], kept: Mapping[str, Booleans]) -> None:
+        """FileError, naming layer and path, for a value that another opinion hides.
+
+        kept: by prim, which of its rows or columns are left where joints went.
+        """
+
+        def left(setting: Setting) -> Setting:
+            keep = kept.get(str(setting.prim)) if setting.name in (*VALUES, "jointNames") else None
+            return setting if keep is None else setting.picked(np.flatnonzero(keep).tolist())
+
         # The last of several edits of one attribute counts.
-        last = {edit.path: edit for edit in edits if isinstance(edit, Setting) and edit.name in VALUES}
+        last = {edit.path: left(edit) for edit in edits if isinstance(edit, Setting) and edit.name in VALUES}
         _check(stage, [edit for path, edit in last.items() if path not in self._whole], "")
         wanted: dict[Any, tuple[SkeletonVariants, VariantState, dict[Any, Setting]]] = {}
         for variants, state, settings in self._states:
             key = (variants.skeleton, variants.animation, frozenset(state.chosen.items()))
-            wanted.setdefault(key, (variants, state, {}))[2].update((each.path, each) for each in settings)
+            wanted.setdefault(key, (variants, state, {}))[2].update(
+                (each.path, left(each)) for each in settings
+            )
         for variants, state, last_there in wanted.values():
             again = SkeletonVariants(stage, variants.skeleton, variants.animation, explore=False)
             again.choose(state.chosen)

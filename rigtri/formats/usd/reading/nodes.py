@@ -121,8 +121,12 @@ class Nodes:
         self.attachment.append(-1)
 
     def add_joints(self, skeletons: Collection[Skeleton]) -> None:
-        """Add the joints of all skeletons; the label of a token that several have names its skeleton, too."""
+        """Add the joints of all skeletons.
+
+        The label of a token that several have, or that is the path of a prim, names its skeleton, too.
+        """
         counts = Counter(token for skeleton in skeletons for token in skeleton.tokens)
+        counts.update(self.node_of)
         for skeleton in skeletons:
             self._add_joints(skeleton, self.owner(skeleton.path), counts)
             nodes = self.joint_nodes[skeleton.path]
