@@ -235,6 +235,22 @@ def orthonormal_axes(m: ArrayLike) -> Floats:
     return _side_by_side(x, cross(z, x), z)
 
 
+def looking_frames(m: ArrayLike) -> Floats:
+    """Where cameras and lights stand and look, without scale, skew and mirroring, (..., 4, 4) → (..., 4, 4).
+
+    Z, against which they look, keeps its line, Y the plane of Y and Z (Gram-Schmidt). NaN where the axes do
+    not span space.
+
+    >>> looking_frames(from_frame([[1, 0, 0], [0, 1, 3], [0, 0, 2]], [0, 0, 5]))[1:].tolist()
+    [[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 5.0, 1.0]]
+    """
+    m = as_matrices(m).copy()
+    z = normalise(m[..., 2, :3])
+    x = normalise(cross(m[..., 1, :3], z))
+    m[..., :3, :3] = _side_by_side(x, cross(z, x), z)
+    return m
+
+
 def nearest_rotation(m: ArrayLike) -> Floats:
     """The rotations nearest to the axes of matrices, as rows, (..., 4, 4) → (..., 3, 3).
 

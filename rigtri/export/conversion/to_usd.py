@@ -117,7 +117,16 @@ class _Partners:
         pairs, gone = self._meshes(meshes)
         clips, sources = self._clips()
         return Converted(
-            self.rig, self._after(), node, shown, pairs, clips, sources, lost=[*lost, *gone], of_first=baked
+            self.rig,
+            self._after(),
+            node,
+            shown,
+            pairs,
+            clips,
+            sources,
+            lost=[*lost, *gone],
+            of_first=baked,
+            looking=frozenset(self.written.sheared),
         )
 
     def _there(self, place: tuple[str, ...]) -> int:

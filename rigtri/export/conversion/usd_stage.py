@@ -33,7 +33,7 @@ from rigtri.formats.usd.codeless_schemas import register_usd_schemas
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.identifiers import identifier
 from rigtri.frames.rig_size import sizes_of
-from rigtri.maths.matrices import decompose, identity
+from rigtri.maths.matrices import decompose, identity, looking_frames, skew
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.dataclass import dataclass
@@ -64,7 +64,8 @@ class WrittenStage:
     nodes: by node of the scene, the prim's path, or a Skeleton's and the joint's token. primitives: by
     node, the paths of their prims, "" for one that is not there. clips: by clip, the SkelAnimations by
     Skeleton. halves: by clip, the joints whose scales half floats do not hold. rate: time codes a second.
-    images: by asset path.
+    images: by asset path. sheared: nodes whose cameras and lights stand and look as they do, without their
+    shear.
     """
 
     layer: Any
@@ -74,6 +75,7 @@ class WrittenStage:
     clips: list[dict[str, str]] = field(default_factory=list)
     halves: list[set[int]] = field(default_factory=list)
     images: dict[str, Image] = field(default_factory=dict)
+    sheared: set[int] = field(default_factory=set)
 
 
 def write_stage(scene: Scene, look: UsdLook, place: Callable[[Image], str]) -> WrittenStage:
@@ -311,7 +313,7 @@ class _Writer:
         small, place = rig.subset(rig.path_to_root(node))
         clip = small.clips[0] if small.clips else None
         if clip is None or not clip.tracks:
-            parts = decompose(rig.normalised_world[node][np.newaxis])
+            frames = rig.normalised_world[node][np.newaxis]
             times = np.zeros(0)
         else:
             # Where the joints that it is on go, whose scales are half floats.
@@ -325,12 +327,24 @@ class _Writer:
                 return worlds(small, motion.locals_at(times))[:, place[node]]
 
             times = frame_times(sampled, key_times(clip), BAKED, self._judged_by[node])
-            parts = decompose(sampled(times))
+            frames = sampled(times)
+            if (skew(frames) > BAKED).any():
+                times = frame_times(
+                    lambda times: looking_frames(sampled(times)), times, BAKED, self._judged_by[node]
+                )
+                frames = sampled(times)
+        rest = rig.normalised_world[node]
+        # Shear comes of a scale and a rotation below it, and neither a camera nor a light has a size.
+        if (skew(np.concatenate([frames, rest[np.newaxis]])) > BAKED).any():
+            self.result.sheared.add(node)
+            frames, rest = looking_frames(frames), looking_frames(rest)
+            if node in self.scene.cameras:
+                self.scene.lose(f"the shear of {rig.title(node)}'s camera, which stands and looks as before")
+        parts = decompose(frames)
         names: tuple[Path, ...] = ("translation", "rotation", "scale")
-        rest = decompose(rig.normalised_world[node])
         samples = {name: (times, part[:, np.newaxis]) for name, part in zip(names, parts, strict=True)}
         spec = self.result.layer.GetPrimAtPath(prim.GetPath())
-        usd_clips.place_by(spec, samples, self.rate, dict(zip(names, rest, strict=True)))
+        usd_clips.place_by(spec, samples, self.rate, dict(zip(names, decompose(rest), strict=True)))
 
 
 def conversion_matrix(look: UsdLook) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,22 +11,25 @@ from rigtri.evaluation.sampling import Motion as ClipMotion
 from rigtri.evaluation.sampling import between_keys, key_times, worlds
 from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.arrays import Booleans, Integers
+from rigtri.maths.matrices import looking_frames
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip
+from rigtri.model.animation import Clip, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.progress import counted
 from rigtri.verification.compare.correspondence import Correspondence
 from rigtri.verification.compare.deviation import Deviation, denormalisation
-from rigtri.verification.compare.probe_selection import frames, origins
-from rigtri.verification.compare.probes import Probe, SampledPoses, mesh_points
+from rigtri.verification.compare.probe_selection import box_corners, frames, origins
+from rigtri.verification.compare.probes import FramePoints, Probe, SampledPoses, mesh_points
 from rigtri.verification.compare.verdict import Comparison, Motion
 
 # Matrices and points of so many numbers are evaluated at once.
 _BLOCK = 1 << 22
 # Times of two formats are one where they are so near, as a share: float32's rounding, in other units.
 SAME_TIME = 3e-7
+# What changes so many times as fast as before and after is a step, not motion.
+STEP = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +50,7 @@ class Converted:
     first as it is meant to be after the conversion. sources: those of the first as they were, where they
     are others; source_meshes: the same of ``meshes``, none where all are as they were. lost: what has no
     partner, though it should. of_first: nodes that show what they show as the first clip has it alone.
+    looking: nodes whose cameras and lights are to stand and look as they do, without their shear and scale.
     """
 
     before: Rig
@@ -59,6 +63,17 @@ class Converted:
     source_meshes: Sequence[tuple[Mesh, Mesh]] = ()
     lost: Sequence[str] = ()
     of_first: frozenset[int] = frozenset()
+    looking: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True, eq=False)
+class _LookingFrames(FramePoints):
+    """Points of the frames of cameras and lights, which before count without shear and scale."""
+
+    def distances(self, poses: SampledPoses) -> Floats:
+        world = poses.before.copy()
+        world[:, self.nodes[0]] = looking_frames(world[:, self.nodes[0]])
+        return super().distances(replace(poses, before=world))
 
 
 def compare_converted(pair: Converted) -> Comparison:
@@ -106,11 +121,12 @@ def _measured(pair: Converted, sizes: Floats, clips: Sequence[tuple[Clip, Clip]]
     kinds = []
     for hidden in ([], list(pair.of_first)):
         m = Correspondence(pair.node, pair.shown.copy(), *none, (), (), ())
-        m.shown[hidden] = -1
+        m.shown[[*hidden, *pair.looking]] = -1
         nodes = pair.node >= 0
         nodes[hidden] = False
         shown = [*frames(before, m, mine, nodes, sizes), origins(before, m, pair.node >= 0)]
-        probes: list[Probe] = [*points, *shown]
+        looking = [node for node in sorted(pair.looking - {*hidden}) if pair.shown[node] >= 0]
+        probes: list[Probe] = [*points, *shown, *_looking(pair, looking, sizes)]
         kinds.append([probe for probe in probes if len(probe.titles)])
     found = Deviation(kinds[0], [sizes[probe.placed] for probe in kinds[0]])
     if not kinds[0]:
@@ -126,6 +142,14 @@ def _measured(pair: Converted, sizes: Floats, clips: Sequence[tuple[Clip, Clip]]
         if found.probes:
             _add_clip(found, pair, clip, at_keys_of(other, clip), block)
     return found
+
+
+def _looking(pair: Converted, nodes: Sequence[int], sizes: Floats) -> Iterator[Probe]:
+    if nodes:
+        points = box_corners(*(np.outer(sign * sizes[nodes], np.ones(3)) for sign in (-1.0, 1.0)))
+        titles = [f"frame of {pair.before.title(node)}" for node in nodes]
+        here = np.array(nodes)
+        yield _LookingFrames((here, pair.shown[here]), (points, points), titles, [""] * len(nodes))
 
 
 def _worlds(rig: Rig, local: Floats) -> Floats:
@@ -154,13 +178,13 @@ def _add_clip(found: Deviation, pair: Converted, clip: Clip, other: Clip, block:
 
 def at_keys_of(clip: Clip, other: Clip) -> Clip:
     """A clip whose keys stand exactly where another's do that are there but for rounding."""
-    keys = key_times(other)
-    known: dict[int, Floats] = {}
+    keys, own = key_times(other), key_times(clip)
+    known: dict[int, tuple[Booleans, Booleans, Floats]] = {}
     tracks = []
     for track in clip.tracks:
         if id(track.times) not in known:
-            known[id(track.times)] = _snapped(track.times, keys)
-        tracks.append(replace(track, times=known[id(track.times)]))
+            known[id(track.times)] = _nearest(track.times, keys, own)
+        tracks.append(replace(track, times=_snapped(track, *known[id(track.times)])))
     return replace(clip, tracks=tuple(tracks))
 
 
@@ -174,15 +198,37 @@ def in_a_step(seconds: Floats, keys: Floats) -> Booleans:
     return np.asarray(short & (seconds > start) & (seconds < end))
 
 
-def _snapped(times: Floats, keys: Floats) -> Floats:
+def _nearest(times: Floats, keys: Floats, own: Floats) -> tuple[Booleans, Booleans, Floats]:
+    """Which times are those of keys but for rounding, which of these are so for a step alone, and the keys.
+
+    own: the key times of the whole clip. (k,) each.
+    """
+    none = np.zeros(len(times), dtype=bool)
     if not len(keys) or not len(times):
-        return times
+        return none, none, times
     # A key right before a step, which a track that was brought here has, is none that others are near to.
     keys = keys[np.append(np.nextafter(keys[:-1], np.inf) != keys[1:], True)]
     right = np.clip(np.searchsorted(keys, times), 0, len(keys) - 1)
     left = np.maximum(right - 1, 0)
     nearest = np.where(np.abs(times - keys[left]) < np.abs(keys[right] - times), keys[left], keys[right])
     near = np.abs(nearest - times) <= SAME_TIME * np.maximum(np.abs(times), 1e-3)
-    # Of two that are near the first holds what was before a step.
-    first = np.append(near[1:] & (nearest[:-1] == nearest[1:]), False)
-    return np.where(near, np.where(first, np.nextafter(nearest, -np.inf), nearest), times)
+    # A clip that has a key itself has others beside it where motion is fast, and the last key before a step.
+    return near, near & (times != nearest) & np.isin(nearest, own), nearest
+
+
+def _snapped(track: Track, near: Booleans, beside: Booleans, nearest: Floats) -> Floats:
+    """The times of a track, those that are near to keys at these; the first of two is before a step."""
+    if beside.any():
+        steps = _steps(track)
+        near = near & ~(beside & ~np.append(False, steps) & ~np.append(steps, False))
+    first = np.append(near[1:] & near[:-1] & (nearest[:-1] == nearest[1:]), False)
+    return np.where(near, np.where(first, np.nextafter(nearest, -np.inf), nearest), track.times)
+
+
+def _steps(track: Track) -> Booleans:
+    """Between which keys, (k − 1,), a track changes far faster than before and after them."""
+    values = track.values.reshape(len(track.times), -1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speed = np.abs(np.diff(values, axis=0)).max(axis=1) / np.diff(track.times)
+    around = np.maximum(np.append(0.0, speed[:-1]), np.append(speed[1:], 0.0))
+    return np.asarray(~(speed <= STEP * around))

@@ -123,7 +123,7 @@ def skin_corners(
             if not len(rows):
                 continue
             titles = [f"joint {before.title(joint)}" for joint in mine.joints[rows].tolist()]
-            points = _with_bind_origin(_corners(low[rows], high[rows]), bind, mine.bind[rows])
+            points = _with_bind_origin(box_corners(low[rows], high[rows]), bind, mine.bind[rows])
             with np.errstate(invalid="ignore"):
                 moved = tuple(points @ bind @ s.inverse_bind[rows] for s in (mine, theirs))
             yield FramePoints(
@@ -193,7 +193,7 @@ def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Fl
         yield group[0].bind, low, high
 
 
-def _corners(low: Floats, high: Floats) -> Floats:
+def box_corners(low: Floats, high: Floats) -> Floats:
     """The corners of boxes, (r, 3) twice → (r, 8, 4) homogeneous."""
     points = np.ones((len(low), 8, 4))
     points[..., :3] = corners(low, high)
@@ -213,7 +213,7 @@ def rigid_corners(
             low, high = near[fit].min(axis=0), far[fit].max(axis=0)
             title = mesh_title(before, mesh)
             yield _framed(
-                [mesh.node], m, _corners(low[np.newaxis], high[np.newaxis]), [f"mesh {title}"], [title]
+                [mesh.node], m, box_corners(low[np.newaxis], high[np.newaxis]), [f"mesh {title}"], [title]
             )
 
 
@@ -293,7 +293,7 @@ def _whole(rig: Rig, nodes: Sequence[int], sizes: Floats) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore"):
         size = sizes[nodes, np.newaxis] / axes
     size = np.where(np.isfinite(size), size, 0.0)
-    return _corners(-size, size)
+    return box_corners(-size, size)
 
 
 def _to_watch(node: int, m: Correspondence, moving: Booleans) -> bool:

@@ -14,6 +14,7 @@ import pytest
 from convertible import png, write_everything
 from gltf_files import glb_bytes, glb_json, glb_parts, small
 from morphs import arm
+from numpy.testing import assert_allclose
 from places import SAMPLES, asset_files, ci, first, sample_files, slow
 from program import cli
 from pxr import Gf, Tf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
@@ -424,6 +425,56 @@ def test_a_camera_below_joints_with_keys_at_different_times_goes_where_they_are_
     outcome = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usdc")
     assert outcome.verification is not None
     assert outcome.verification.deviation <= TOLERANCE
+
+
+@pytest.mark.parametrize("moves", [False, True])
+def test_cameras_and_lights_below_a_scale_that_shears_them_stand_and_look_as_before(
+    moves: bool, tmp_path: Path
+) -> None:
+    """Before, they were written with axes that look elsewhere, and the conversion was refused."""
+    b = small(3)
+    turn, scale = (
+        b.accessor([[0.0, 0.0, 0.0, 1.0], [0.6, 0.0, 0.0, 0.8]]),
+        b.accessor([[1, 1, 1], [1, 2, 0.5]]),
+    )
+    times = b.accessor([0.0, 1.0])
+    parts = [(turn, 1, "rotation"), (scale, 0, "scale")] if moves else [(turn, 2, "rotation")]
+    b.gltf["animations"][0] |= {
+        "samplers": [{"input": times, "output": output} for output, _, _ in parts],
+        "channels": [
+            {"sampler": k, "target": {"node": n, "path": path}} for k, (_, n, path) in enumerate(parts)
+        ],
+    }
+    nodes = b.gltf["nodes"]
+    nodes[0]["scale"], nodes[1]["rotation"] = [1, 2, 0.5], [0.6, 0, 0, 0.8]
+    b.gltf["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]
+    light = {"type": "spot", "spot": {"outerConeAngle": 0.6}}
+    b.gltf["extensions"] = {"KHR_lights_punctual": {"lights": [light]}}
+    b.gltf["extensionsUsed"] = ["KHR_lights_punctual"]
+    lamp = {"extensions": {"KHR_lights_punctual": {"light": 0}}, "rotation": [0.0, 0.6, 0.0, 0.8]}
+    nodes[1]["children"] += [len(nodes), len(nodes) + 1]
+    nodes += [{"name": "eye", "camera": 0, "translation": [0, 0.5, 0]}, {"name": "lamp", **lamp}]
+    source, out = b.glb(tmp_path / "in.glb"), tmp_path / "out.usda"
+    outcome = rigtri.convert(source, out)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= TOLERANCE
+    lost = [notice.text for notice in outcome.report.warnings if notice.code == "lost"]
+    assert [text for text in lost if "shear" in text] == [
+        "not converted: the shear of eye's camera, which stands and looks as before"
+    ]
+    rig, stage = rigtri.read(source), Usd.Stage.Open(str(out))
+    motion = Motion(rig, rig.clips[0])
+    for seconds in (0.0, 0.3, 1.0):
+        placed = worlds(rig, motion.locals_at(np.array([seconds])))[0]
+        for name, kind in (("eye", "Camera"), ("lamp", "SphereLight")):
+            prim = next(each for each in stage.Traverse() if each.GetTypeName() == kind)
+            time = seconds * stage.GetTimeCodesPerSecond()
+            there = np.array(UsdGeom.XformCache(time).GetLocalToWorldTransform(prim))
+            looks = placed[rig.find(name), 2, :3]
+            assert_allclose(there[3, :3], placed[rig.find(name), 3, :3], atol=2e-5)
+            assert_allclose(there[2, :3], looks / np.linalg.norm(looks), atol=2e-5)
+            assert_allclose(there[:3, :3] @ there[:3, :3].T, np.eye(3), atol=1e-6)  # without shear
+    assert rigtri.verify(source, out).passes(TOLERANCE)
 
 
 def test_a_key_whose_rounding_is_what_differs_is_named(tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ from rigtri.export.conversion.usd_samples import (
 )
 from rigtri.maths.quaternions import from_axis_angle, slerp, unit
 from rigtri.model.animation import Clip, Track
+from rigtri.verification.compare.across_formats import at_keys_of
 
 STEP = float(Usd.TimeCode.SafeStep())
 
@@ -142,3 +143,20 @@ def test_motion_gets_samples_where_straight_lines_do_not_follow_it() -> None:
     assert 0.25 in found
     assert len(found) <= 5
     assert motion_times(bent, np.array([0.5]), 1e-3).tolist() == [0.5]
+
+
+def test_samples_beside_a_key_stay_where_motion_is_fast_and_move_to_it_before_a_step() -> None:
+    """Before, two samples that both lay near a key were one moment's, which a fast joint is not at twice."""
+    key, near = 1.5, 1.5 - 1.2e-7
+    moves = [[0.0], [200 * near], [200 * key], [600.0]]
+    steps = [[0.0], [0.0], [1.0], [1.0]]
+
+    def beside(values: list[list[float]]) -> Clip:
+        return Clip(
+            "clip", (Track(0, "translation", "LINEAR", np.array([0.0, near, key, 3.0]), np.array(values)),)
+        )
+
+    other = Clip("clip", (Track(0, "translation", "LINEAR", np.array([0.0, key, 3.0]), np.zeros((3, 1))),))
+    (moving,), (stepping,) = (at_keys_of(beside(values), other).tracks for values in (moves, steps))
+    assert moving.times.tolist() == [0.0, near, key, 3.0]
+    assert stepping.times.tolist() == [0.0, np.nextafter(key, 0.0), key, 3.0]
