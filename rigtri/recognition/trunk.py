@@ -134,6 +134,8 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
     sure, why = (0.99 if draft.certain else 0.92), _whose(draft)
     if head >= 0 and not draft.certain:
         head = _last_numbered(draft, head)
+        if neck < 0 <= draft.chest and draft.tree.is_below(head, draft.chest):
+            neck = _below_head(draft, head)
     if head < 0 or (neck >= 0 and not draft.tree.is_below(head, neck)):
         chain = _beyond(draft, limbs)
         if not chain:
@@ -170,6 +172,12 @@ def _neck(draft: Draft) -> int:
         return neck
     spine = parse_name(tree.rig.names[neck]).plain
     return next((k for k in tree.below[chest] if parse_name(tree.rig.names[k]).plain == spine), -1)
+
+
+def _below_head(draft: Draft, head: int) -> int:
+    """The first joint between the chest and a head that is known by name, whatever it is called; else −1."""
+    between = draft.tree.way(draft.chest, head)[1:-1]
+    return between[0] if 0 < len(between) < _UP_TO_HEAD else -1
 
 
 def _is_numbered(draft: Draft, node: int) -> bool:

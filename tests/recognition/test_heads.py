@@ -114,3 +114,15 @@ def test_the_neck_of_a_numbered_trunk_begins_beyond_the_arms() -> None:
     assert [joints[k][0] for k in trunk] == [name for name, _ in spine]
     bones = {part.bone: joints[part.joint][0] for part in character.parts}
     assert bones["neck"] == "neck"
+
+
+@pytest.mark.parametrize("called", ["DEF-spine.005", "throat", ""])
+def test_what_is_between_the_chest_and_a_head_is_the_neck_whatever_it_is_called(called: str) -> None:
+    """Before, it was nothing, the chest aimed at the mean of all its children, and no word said so."""
+    rig = rig_with([*BODY, ("cape", "chest", (0, 1.4, -0.3)), ("pack", "chest", (0, 1.3, -0.2))])
+    names = {"neck": called, "spine": "DEF-spine.001", "chest": "DEF-spine.003", "head": "DEF-spine.006"}
+    rig = replace(rig, names=tuple(names.get(name, name) for name in rig.names))
+    (character,) = recognise(rig).characters
+    neck = [k for k, (name, _, _) in enumerate(BODY) if name == "neck"]
+    assert [list(chain.joints) for chain in character.chains if chain.kind == "neck"] == [neck]
+    assert character.bones["neck"] == neck[0]
