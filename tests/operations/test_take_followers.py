@@ -10,10 +10,12 @@ import pytest
 
 from rigtri import add_controls, add_posereader, add_rivet, add_twist, bake, read, take_clips
 from rigtri.evaluation.sampling import locals_at, worlds
+from rigtri.evaluation.timelines import timelines
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.unbaked import moved_otherwise
 from rigtri.report import Report
 
 
@@ -106,3 +108,29 @@ def test_joints_without_controls_and_unedited_ones_are_not(joint: str | None, sa
     report = Report()
     take_clips(rig, from_=bent(plain, joint) if joint else plain, report=report)
     assert "controls-overrule" not in {notice.code for notice in report.warnings}
+
+
+def test_between_keys_of_a_joint_above_no_motion_is_called_another(samples: Path) -> None:
+    """Of a clip that has a key a frame for limbs, and RIG's own between frames for others.
+
+    Before, a limb was said to move by 0.04 of the size otherwise than its controls.
+    """
+    rig = add_controls(read(samples / "biped.glb"), chain=[("spine", "chest")])
+    turns, times = np.radians([0.0, 20.0, 0.0, 20.0, 0.0]), np.arange(5) / 8.0
+    values = np.stack([np.sin(turns), 0 * turns, 0 * turns, np.cos(turns)], axis=1)
+    spine, chest = rig.find("spine"), rig.find("chest")
+    tracks = [
+        Track(rig.find(f"{name}_ctl"), "rotation", "LINEAR", times, values) for name in ("spine", "chest")
+    ]
+    baked = bake(replace(rig, clips=(replace(rig.clips[0], tracks=tuple(tracks)),)))
+    (timeline,) = timelines(baked)
+    assert max(moved_otherwise(baked, timeline, frozenset({spine, chest})).values()) < 1e-6
+    half = tuple(
+        replace(t, times=t.times[::2], values=t.values[::2]) if t.node == spine and len(t.times) == 5 else t
+        for t in timeline.clip.tracks
+    )
+    assert half != timeline.clip.tracks
+    (timeline,) = timelines(replace(baked, clips=(replace(baked.clips[0], tracks=half),)))
+    off = moved_otherwise(baked, timeline, frozenset({spine, chest}))
+    assert set(off) == {spine, chest}
+    assert max(off.values()) < 1e-6

@@ -15,6 +15,7 @@ from rigtri.evaluation.rig_space import seen_alone
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, timelines
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.ranking import largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
@@ -74,16 +75,27 @@ def away_from_keys(rig: Rig, timeline: Timeline | None, node: int) -> Floats:
 def moved_otherwise(rig: Rig, timeline: Timeline, nodes: frozenset[int]) -> dict[int, float]:
     """How far, as a share of the size, controls move nodes in a clip from where their own keys have them.
 
-    Only of those of ``nodes`` that controls at work in the clip move.
+    Only of those of ``nodes`` that controls at work in the clip move, and only where a node and those above
+    it have keys at once: between keys of one of them, joints go otherwise than controls and IK do.
     """
     rig, _ = seen_alone(rig)
     driven = controls_at_work(rig, timeline)
     solver = Solver(rig, driven) if driven else None
     if solver is None or not (found := nodes.intersection(solver.sets)):
         return {}
-    sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
+    times = _times(rig, timeline.clip)
+    sampled = sample_parts(rig, timeline.clip, times)
     kept, posed, size = PoseCache(rig, sampled), solver.run(sampled), skeleton_size(rig)
-    return {node: _deviation(kept, posed, node, size) for node in sorted(found)}
+    moving = [t for t in timeline.clip.tracks if t.node in nodes and t.path != "weights" and len(t.times) > 2]
+    off = {}
+    for node in sorted(found):
+        line = set(rig.path_to_root(node))
+        keyed = [np.isin(times, track.times) for track in moving if track.node in line]
+        at_once = np.logical_and.reduce([np.ones(len(times), dtype=bool), *keyed])
+        # Of an export without a key a frame too few keys are shared to tell by them.
+        enough = 2 * at_once.sum() >= max((rows.sum() for rows in keyed), default=0)
+        off[node] = _deviation(kept, posed, node, size, at_once if enough else np.ones_like(at_once))
+    return off
 
 
 def refuse_replaced(
@@ -223,9 +235,15 @@ def _joints(rig: Rig, nodes: Iterable[int]) -> list[int]:
     return sorted(node for node in nodes if rig.is_joint[node] or not rig.is_joint.any())
 
 
-def _deviation(own: PoseCache, posed: PoseCache, node: int, size: float) -> float:
-    """How far a node is from where its own keys have it: its position by the size, or its axes by theirs."""
+def _deviation(
+    own: PoseCache, posed: PoseCache, node: int, size: float, rows: Booleans | None = None
+) -> float:
+    """How far a node is from where its own keys have it: its position by the size, or its axes by theirs.
+
+    rows: the frames that count, (f,); all, else.
+    """
     kept = own.world(node)
-    off = np.abs(posed.world(node) - kept).max(axis=0)
+    apart = np.abs(posed.world(node) - kept)
+    off = (apart if rows is None or len(apart) == 1 else apart[rows]).max(axis=0, initial=0.0)
     axes = off[:3, :3].max() / (np.abs(kept[:, :3, :3]).max() or 1.0)
     return float(np.nan_to_num(max(off[3, :3].max() / size, axes), nan=np.inf))
