@@ -425,6 +425,20 @@ def test_mirrored_spaces_warn_of_keys_that_count_from_elsewhere(
     assert said == told
 
 
+@pytest.mark.parametrize("keyed", ["hand_R_ctl", "hand_R", "hand_R_ik_ctl", "shin_R"])
+def test_a_mirrored_constraint_warns_of_keys_below_a_child_that_has_none(keyed: str, samples: Path) -> None:
+    """Before, only keys of the child itself counted, and what it carries moved otherwise without a word."""
+    rig = add_controls(read(samples / "biped.glb").rig, whole_character=True)
+    rig = constrain(rig, options=ConstrainOptions(type="orient", child="clavicle_L", driver=(("head", 1.0),)))
+    key = Track(rig.find(keyed), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0.0, 0.6, 0.8]]))
+    report = Report()
+    rig = replace(rig, clips=(Clip("reach", (key,)),))
+    mirror(rig, options=MirrorOptions(from_side="left"), report=report)
+    said = [each.text for each in report.warnings if each.code == "mirror-moves"]
+    assert len(said) == (keyed != "shin_R")
+    assert all(text.startswith(f"{keyed} has keys in reach and follows a constraint") for text in said)
+
+
 @pytest.mark.ci
 def test_a_mirrored_constraint_warns_of_weights_that_switch_in_clips(samples: Path) -> None:
     """Keys are motion, and stay on their side; before, nothing said so."""

@@ -72,6 +72,8 @@ def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
     # IK moves a limb where its control or its pole vector has keys, wherever the other one is.
     solved = {tuple(map(rig.address, rule.chain)), *(limbs[node] for node in moved if node in limbs)}
     moved.update(node for node, chain in limbs.items() if chain in solved)
+    if rule.kind != "polevector":  # which bends a limb, and leaves its end where it is
+        moved |= _carried(rig, moved)
     keyed = {clip.name: moved & {track.node for track in clip.tracks} for clip in rig.clips}
     if nodes := set[int]().union(*keyed.values()):
         names = and_more([rig.title(node) for node in sorted(nodes)], 6)
@@ -79,6 +81,16 @@ def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
         verbs = ("has", "follows") if len(nodes) == 1 else ("have", "follow")
         text = f"{names} {verbs[0]} keys in {clips} and {verbs[1]} a constraint from now on"
         report.warn("mirror-moves", f"{text}: the next bake gives other motion there")
+
+
+def _carried(rig: Rig, moved: set[int]) -> set[int]:
+    """What is below nodes that a rule moves, with the controls of the joints there."""
+    below = set[int]().union(*(rig.below(node) for node in moved))
+    for node, record in rig.records(ControlRecord).items():
+        joints = {rig.known(name) for name in (record.joint, *record.chain) if name}
+        if not below.isdisjoint(joints - {None}):
+            below |= {node, *rig.below(node)}
+    return below
 
 
 def _warn_switched(rig: Rig, rule: Constraint, report: Report) -> None:
