@@ -82,7 +82,13 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         return rig
     report.rekeyed = True
     clips = tuple(with_old_rest(clip, rig, taken, moved) for clip in rig.clips)
-    return replace(taken, clips=clips)
+    taken = replace(taken, clips=clips)
+    if rig.nodes_of("control"):
+        # With the solver of controls, which a character without them does not import.
+        from rigtri.operations.controls_check import refuse_other_rest
+
+        refuse_other_rest(rig, taken, moved)
+    return taken
 
 
 def _least(rig: Rig) -> Floats:

@@ -25,7 +25,7 @@ from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
-from rigtri.operations.orient_joints.controls_check import _deviation
+from rigtri.operations.controls_check import _deviation
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.operations.orient_joints.scaled_controls import scales_by_controls
 

@@ -21,8 +21,10 @@ from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.vectors import normalise
+from rigtri.model.animation import Clip, Track
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
+from rigtri.operations.controls_check import refuse_other_rest
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
@@ -398,3 +400,22 @@ def test_two_files_of_the_same_nodes_without_names_go_node_by_node() -> None:
     posed = replace(rigtri.set_rest(rig, pose="apose"), names=bare.names, source=None)
     alike = rigtri.set_rest(bare, like=posed)
     assert np.allclose(np.abs((alike.rotation * posed.rotation).sum(axis=1)), 1.0)
+
+
+@pytest.mark.parametrize("noise", [0.0, 5e-6])
+def test_a_rest_pose_in_which_scale_noise_lets_ik_move_a_limb_otherwise_is_refused(noise: float) -> None:
+    """Before, a nearly straight elbow of a real robot moved by 2.3e-5 of the size, without a word."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    scale = rig.scale.copy()
+    scale[rig.find("clavicle_L")] = (1.0 + noise, 1.0, 1.0)
+    rig = rigtri.add_controls(replace(rig, scale=scale), whole_character=True)
+    control = rig.find("hand_L_ik_ctl")
+    keys = Track(control, "translation", "STEP", np.zeros(1), rig.translation[[control]] - [0.0, 0.1, 0.0])
+    rig = replace(rig, clips=(Clip("reach", (keys,)),))
+    refuse_other_rest(rig, rig, [rig.find("clavicle_L")])
+    moved = replace(rig, clips=(Clip("reach", (replace(keys, values=keys.values + 1e-4),)),))
+    if noise:
+        with pytest.raises(GeometryError, match=r"In clip 'reach' .* scale of 'clavicle_L' is not quite"):
+            refuse_other_rest(rig, moved, [rig.find("upper_arm_L")])
+    else:  # what noise cannot have made is others' to find
+        refuse_other_rest(rig, moved, [rig.find("upper_arm_L")])

@@ -95,9 +95,9 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     out = _zeroed(reframe(rig, constrained.delta, scales=policy.scales), rig)
     if rig.nodes_of("control"):
         # With the solver of controls, which a character without them does not import.
-        from rigtri.operations.orient_joints.controls_check import refuse_other_motion
+        from rigtri.operations.controls_check import refuse_other_axes
 
-        refuse_other_motion(rig, out, constrained.delta, policy.scales, options.tolerance)
+        refuse_other_axes(rig, out, constrained.delta, policy.scales, options.tolerance)
     return split(_marked(out, outcome), splits)
 
 

@@ -1,13 +1,13 @@
-"""What IK makes of scale noise: controls that would move their limb otherwise after new axes.
+"""What IK makes of scale noise: controls that would move their limb otherwise after new axes or another rest.
 
-A scale that is nearly uniform counts as uniform, and in other axes bones are longer or shorter by a
-share of its noise. That is unseen, but not where a limb is straight or folded: there the bend changes by
-the root of it.
+A scale that is nearly uniform counts as uniform, and in other axes, or at rest in another pose, bones are
+longer or shorter by a share of its noise. That is unseen, but not where a limb is straight or folded: there
+the bend changes by the root of it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
+from rigtri.limits import TOLERANCE
 from rigtri.maths.quaternions import rotates
 from rigtri.maths.ranking import SAME_SHARE, first_largest
 from rigtri.maths.trigonometry import Floats
@@ -27,32 +28,53 @@ from rigtri.model.rig import Rig
 from rigtri.text import and_more
 
 
-def refuse_other_motion(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable, tolerance: float) -> None:
+def refuse_other_axes(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable, tolerance: float) -> None:
     """GeometryError where IK moves limbs otherwise after the deltas, (n, 4), than in ``rig``.
 
     after: the rig with the deltas, its first nodes those of ``rig``. tolerance: a share of the size.
     """
     noisy = set(np.flatnonzero(rotates(delta) & (scales.noise > ROUNDING)).tolist())
-    if not noisy:
-        return
-    every = ControlsAtZero(rig).limbs
-    limbs = [(limb, noisy.intersection(rig.path_to_root(limb.chain[1]))) for limb in every]
+    loses = (
+        "a straight or folded IK limb amplifies what other axes lose of it. Keep these axes with --exclude"
+    )
+    command = "allow more with --tolerance; or bake --to joints and strip, orient-joints"
+    _refuse_other_motion(rig, after, noisy, scales, tolerance, f"{loses}, or {command}")
+
+
+def refuse_other_rest(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
+    """GeometryError where IK moves limbs otherwise in clips once other joints rest otherwise.
+
+    moved: the joints that do. after: the rig in which they do, whose clips are to play as those of ``rig``.
+    """
+    scales = ScaleTable.of(rig)
+    noisy = set(np.flatnonzero(scales.noise > ROUNDING).tolist())
+    noisy &= {above for node in moved for above in rig.path_to_root(node)}
+    loses = "a straight or folded IK limb amplifies what its bones are longer or shorter in another rest pose"
+    command = "Bake --to joints and strip, change the rest pose"
+    _refuse_other_motion(rig, after, noisy, scales, TOLERANCE, f"{loses}. {command}")
+
+
+def _refuse_other_motion(
+    rig: Rig, after: Rig, noisy: Collection[int], scales: ScaleTable, tolerance: float, remedy: str
+) -> None:
+    """GeometryError where controls move limbs below noisy nodes otherwise in a clip of ``after``."""
+    every = ControlsAtZero(rig).limbs if noisy else []
+    limbs = [(limb, set(noisy).intersection(rig.path_to_root(limb.chain[1]))) for limb in every]
     limbs = [(limb, above) for limb, above in limbs if above]
     joints = sorted({joint for limb, _ in limbs for joint in limb.chain})
-    for was, now in zip(timelines(rig), timelines(after), strict=True):
+    for was, now in zip(timelines(rig), timelines(after), strict=True) if limbs else ():
         if controls_at_work(rig, was).isdisjoint(limb.control for limb, _ in limbs):
             continue
         far, joint, time = _deviation((rig, was), (after, now), joints)
         if far > tolerance:
-            uneven = {k: float(scales.noise[k]) for _, above in limbs for k in above}
+            own = [above for limb, above in limbs if joint in limb.chain]
+            uneven = {k: float(scales.noise[k]) for above in own for k in above}
             most = max(uneven.values())
             names = [f"'{rig.title(k)}'" for k in sorted(uneven) if 2.0 * uneven[k] > most]
             raise GeometryError(
                 f"In clip '{was.name}' controls would move '{rig.title(joint)}' differently, by "
                 f"{far:.2g} of the size at {time:g}: the scale of {and_more(names, 6)} is not quite uniform, "
-                "and a straight or folded IK limb amplifies what other axes lose of it. Keep these axes "
-                "with --exclude, or allow more with --tolerance; or bake --to joints and strip, "
-                "orient-joints, and build the controls again"
+                f"and {remedy}, and build the controls again"
             )
 
 
