@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -61,25 +61,34 @@ def cli(
         raise result.exception
     output = result.stdout + result.stderr if OLD_CLICK else result.output
     assert code is None or result.exit_code == code, output
-    foreign = [*foreign_options(str(words[0]), result.stderr)] if words else []
+    foreign = [*foreign_options(str(words[0]), result.stderr, words)] if words else []
     assert not foreign, f"{words[0]} has no {foreign}: {result.stderr}"
     return Ran(result.exit_code, result.stdout, result.stderr, output, result.stdout_bytes)
 
 
-def foreign_options(command: str, text: str) -> Iterator[str]:
-    """The options that a message of a command names, and neither it nor a command named before has."""
-    commands = program().commands
+def foreign_options(command: str, text: str, given: Sequence[object]) -> Iterator[str]:
+    """The options that a message of a command names, and neither it nor a command named before has.
+
+    given: the words of the command line, which a message may repeat.
+    """
+    group = program()
+    commands = group.list_commands(click.Context(group))
     for line in text.splitlines() if command in commands else ():
         for found in _OPTION.finditer(line):
             named = [
                 each for each in commands if re.search(rf"(?<![\w-]){each}(?![\w-])", line[: found.start()])
             ]
-            if found[0] not in {"--version", *(flag for each in [command, *named] for flag in _flags(each))}:
+            if found[0] not in {
+                "--version",
+                "--help",
+                *map(str, given),
+                *(flag for each in [command, *named] for flag in _flags(each)),
+            }:
                 yield found[0]
 
 
 @cache
 def _flags(command: str) -> frozenset[str]:
-    return frozenset(
-        flag for one in program().commands[command].params for flag in (*one.opts, *one.secondary_opts)
-    )
+    found = program().get_command(click.Context(program()), command)
+    assert found is not None
+    return frozenset(flag for one in found.params for flag in (*one.opts, *one.secondary_opts))

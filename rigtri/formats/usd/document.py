@@ -15,7 +15,7 @@ from rigtri.files.atomic_write import same_file
 from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.usd.composition import external_paths
 from rigtri.formats.usd.composition.edit_target import sublayer
-from rigtri.formats.usd.composition.held_layers import Held
+from rigtri.formats.usd.composition.held_layers import Held, files_of, reading
 from rigtri.formats.usd.composition.stage import one_thread, open_file, quiet
 from rigtri.formats.usd.composition.variant_choices import VariantSet, alike, lacking, selecting
 from rigtri.formats.usd.composition.variant_combinations import combinations
@@ -50,6 +50,7 @@ class _Drawn:
 
     def __init__(self, source: Source, notices: list[Notice]) -> None:
         self._source, self._notices = source, notices
+        self._files = files_of(source.stage)
         self._meshes: Sequence[Mesh] | None = None
 
     def __del__(self) -> None:
@@ -59,7 +60,8 @@ class _Drawn:
     def __call__(self) -> Sequence[Mesh]:
         with one_thread:
             if self._meshes is None:
-                self._meshes = read_meshes(self._source, self._notices)
+                with reading(self._files):
+                    self._meshes = read_meshes(self._source, self._notices)
             return self._meshes
 
     def lines(self, key: Hashable) -> Lines | None:
@@ -106,7 +108,8 @@ class UsdDocument:
             )
             if options.edit_target != "root" and not options.is_override:
                 layer = sublayer(stage, options.edit_target)
-            return cls(read_source(path, options, stage, warnings), options, layer)
+            with reading(files_of(stage)):
+                return cls(read_source(path, options, stage, warnings), options, layer)
 
     @property
     def rig(self) -> Rig:

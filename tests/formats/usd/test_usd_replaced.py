@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Event
+from typing import Any
 
 import pytest
 
 import rigtri
 from rigtri.errors import FileError
 from rigtri.formats import ReadOptions, read
+from rigtri.formats.usd import document
 from rigtri.formats.usd.composition import stage
 
 SAMPLES = Path(__file__).parents[3] / "samples"
@@ -91,9 +94,39 @@ def test_a_crate_that_was_written_over_is_refused(tmp_path: Path) -> None:
     path = _crate(tmp_path / "biped.usdc")
     before, content = rigtri.read(path), path.read_bytes()
     path.write_bytes(content + b" ")
-    with pytest.raises(FileError, match=r"was replaced after this rig was read from it\. Read it again"):
+    with pytest.raises(
+        FileError, match=r"was written or replaced after this rig was read from it\. Read it again"
+    ):
         rigtri.write(before, tmp_path / "out.usdc")
     assert not (tmp_path / "out.usdc").exists()
+
+
+@pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usdz"])
+def test_a_file_that_was_only_touched_is_the_one_that_was_read(suffix: str, tmp_path: Path) -> None:
+    """Before, a new time alone was "replaced" for crates and packages."""
+    path = tmp_path / f"biped{suffix}"
+    _crate(path) if suffix == ".usdc" else shutil.copyfile(BIPED.with_suffix(suffix), path)
+    before, content = rigtri.read(path), path.read_bytes()
+    os.utime(path, (1e9, 1e9))
+    rigtri.read(path)
+    rigtri.write(before, tmp_path / f"out{suffix}")
+    assert (tmp_path / f"out{suffix}").read_bytes() == content
+
+
+@pytest.mark.parametrize("asked", ["source", "meshes"])
+def test_a_crate_that_is_written_over_while_it_is_read_is_told_so(
+    asked: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, USD's own "Corrupt asset" was all that was told of a file that was good again."""
+    path = _crate(tmp_path / "biped.usdc")
+
+    def written_over(*args: Any) -> Any:
+        path.write_bytes(path.read_bytes() + b" ")
+        raise FileError("Corrupt asset @biped.usdc@")
+
+    monkeypatch.setattr(document, f"read_{asked}", written_over)
+    with pytest.raises(FileError, match=r"biped\.usdc was written while it was read\. Read it again"):
+        read(path).meshes()
 
 
 @pytest.mark.parametrize("target", ["new", "bare"])
@@ -102,7 +135,7 @@ def test_opinions_about_a_file_that_was_replaced_are_refused(tmp_path: Path, tar
     before = rigtri.read(path, ReadOptions(edit_target=target))
     rigtri.write(rigtri.add_socket(rigtri.read(path), name="grip", on="hand_L"), path, overwrite=True)
     for _ in range(2):
-        with pytest.raises(FileError, match=r"biped\.usda was replaced after"):
+        with pytest.raises(FileError, match=r"biped\.usda was written or replaced after"):
             rigtri.write(rigtri.add_root(before), tmp_path / "out.usda")
         assert len(rigtri.read(path)) > len(before)
 
@@ -115,7 +148,7 @@ def test_bare_opinions_that_were_replaced_are_refused(tmp_path: Path) -> None:
     rigtri.write(rigtri.add_socket(rig, name="grip", on="hand_L"), other)
     before = rigtri.read(bare)
     other.replace(bare)
-    with pytest.raises(FileError, match=r"bare\.usda was replaced after"):
+    with pytest.raises(FileError, match=r"bare\.usda was written or replaced after"):
         rigtri.write(before, tmp_path / "out.usda")
 
 
@@ -128,7 +161,7 @@ def test_a_sublayer_that_was_replaced_is_read_anew(tmp_path: Path) -> None:
     rigtri.write(rigtri.add_socket(rigtri.read(BIPED), name="grip", on="hand_L"), built)
     built.replace(base)
     assert len(rigtri.read(top)) > len(before)
-    with pytest.raises(FileError, match=r"base\.usda was replaced"):
+    with pytest.raises(FileError, match=r"base\.usda was written or replaced"):
         rigtri.write(before, tmp_path / "out.usda")
     rigtri.write(own, tmp_path / "own.usda")
     assert (tmp_path / "own.usda").read_bytes() == BIPED.read_bytes()
@@ -149,7 +182,7 @@ def test_a_package_of_several_layers_that_was_replaced_is_refused(tmp_path: Path
     shutil.copyfile(SAMPLES / "biped.usdz", tmp_path / "new.usdz")
     (tmp_path / "new.usdz").replace(package)
     assert rigtri.read(package)
-    with pytest.raises(FileError, match=r"hero\.usdz was replaced after"):
+    with pytest.raises(FileError, match=r"hero\.usdz was written or replaced after"):
         rigtri.write(before, tmp_path / "out.usdz")
 
 

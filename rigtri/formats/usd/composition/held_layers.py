@@ -7,8 +7,8 @@ the earlier one, which can say nothing of its own file from then on.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -47,12 +47,24 @@ class Held:
         for layer in edited:
             renew(layer)
         if replaced := self._replaced or (self._set_aside if stays else ""):
-            raise FileError(f"{replaced} was replaced after this rig was read from it. Read it again")
+            raise FileError(
+                f"{replaced} was written or replaced after this rig was read from it. Read it again"
+            )
 
     def differs(self, layer: Any) -> bool:
         """Whether the file of a layer is another than the one that was read; one that is gone is none."""
         now = _state(layer)
-        return bool(now) and not self._replaced and self._states.get(layer.identifier, now) != now
+        if not now or self._replaced or self._states.get(layer.identifier, now) == now:
+            return False
+        if layer.identifier != self._root or not self._is_touched(layer, now):
+            return True
+        self._states[layer.identifier] = now
+        return False
+
+    def _is_touched(self, layer: Any, now: State) -> bool:
+        """Whether the root layer's file has another time and, as far as they are known, the same bytes."""
+        same = self._states[layer.identifier][:3] == now[:3] and len(self.content) < MAP_FROM
+        return same and bytes(load(outer_file(layer.realPath))) == self.content
 
     def keeps(self, layer: Any) -> bool:
         """Whether all that was read of a layer is still there, though its file is another one."""
@@ -69,6 +81,23 @@ class Held:
         """Note that the root layer has another identifier: the one it had is of no layer of the stage."""
         del self._states[self._root]
         self._set_aside, self._root = file, ""
+
+
+def files_of(stage: Any) -> list[tuple[Any, State]]:
+    """The layers of a stage, and what their files are like now."""
+    return [(layer, _state(layer)) for layer in stage.GetUsedLayers() if layer.realPath]
+
+
+@contextmanager
+def reading(files: Sequence[tuple[Any, State]]) -> Iterator[None]:
+    """Read what `files_of` gave; where that fails, FileError that says so if a file was written since."""
+    try:
+        yield
+    except FileError:
+        written = next((_file(layer) for layer, state in files if _state(layer) not in (state, ())), "")
+        if written:
+            raise FileError(f"{written} was written while it was read. Read it again") from None
+        raise
 
 
 _ALL: WeakSet[Held] = WeakSet()
