@@ -19,7 +19,7 @@ from rigtri.maths.matrices import inverse, multiply, transform_directions, trans
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
 from rigtri.model.animation import Clip, Column, key_values
-from rigtri.model.bounding_boxes import boxes, corners
+from rigtri.model.bounding_boxes import box_of_joints, boxes, corners
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -111,6 +111,18 @@ class LeverArm:
                 skin = self._rig.skins[mesh.skin]
                 _raise_boxes(reach, skin, mesh.bind, boxes(mesh, len(skin.joints)), self._world)
         return reach
+
+    @cached_property
+    def unread(self) -> Floats:
+        """How far each joint moves the box of its skin's joints, (n,), where no mesh of the skin can be read.
+
+        By that box such a joint is judged, for which all else here counts what is known of it alone.
+        """
+        reach, shown = np.zeros(len(self._rig)), {mesh.skin for mesh in self._meshes}
+        for number, skin in enumerate(self._rig.skins):
+            if number not in shown and (box := box_of_joints(skin.bind)) is not None:
+                _raise_boxes(reach, skin, np.eye(4), (box[0][np.newaxis], box[1][np.newaxis]), self._world)
+        return reach / self.sizes
 
     def _own(self, sizes: Floats, own: Floats) -> Floats:
         """How far each node's own things reach at rest, (n,), in file units; frames as far as ``sizes``."""

@@ -249,10 +249,12 @@ def ties(rig: Rig, reach: LeverArm, tolerance: float) -> tuple[NodeConstraint, .
     if off.max(initial=0.0) <= 2 * ROUNDING:
         return ()
     # A turn by δ against the parent: 2·sin(δ/2) of it.
+    seen = 2.0 * off * reach.unread > tolerance
     if np.isinf(bearable(rig, _effect(2.0 * off, reach.at_most), ROTATIONS_MAY * tolerance)):
-        return ()
-    effect = 2.0 * off * reach.exact
-    tied = np.flatnonzero(effect > bearable(rig, effect, ROTATIONS_MAY * tolerance)).tolist()
+        tied = np.flatnonzero(seen).tolist()
+    else:
+        effect = 2.0 * off * reach.exact
+        tied = np.flatnonzero(seen | (effect > bearable(rig, effect, ROTATIONS_MAY * tolerance))).tolist()
     return tuple(NodeConstraint("length", node, int(rig.parents[node]), np.zeros(3)) for node in tied)
 
 

@@ -9,6 +9,8 @@ import numpy as np
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.mesh import Mesh
 
+# Where no points can be read: how thick a body is at least, as a share of its longest side.
+THICKNESS = 0.1
 # Which of low and high each corner takes, along each axis.
 _HIGH = np.array(list(product((False, True), repeat=3)))
 
@@ -21,6 +23,21 @@ def boxes(mesh: Mesh, count: int) -> tuple[Floats, Floats]:
     lows, highs = mesh.joint_boxes
     low[: len(lows)], high[: len(highs)] = lows, highs
     return low, high
+
+
+def box_of_joints(bind: Floats) -> tuple[Floats, Floats] | None:
+    """The box of the joints of a skin, (m, 4, 4), for points that cannot be read: low and high, (3,).
+
+    None where none of them has a place.
+    """
+    places = bind[:, 3, :3]
+    places = places[np.isfinite(places).all(axis=1)]
+    if not len(places):
+        return None
+    low, high = places.min(axis=0), places.max(axis=0)
+    # Joints on a line would not show a twist about it.
+    thin = np.maximum(THICKNESS * (high - low).max() - (high - low), 0.0) / 2.0
+    return low - thin, high + thin
 
 
 def extent(mesh: Mesh) -> tuple[Floats, Floats]:

@@ -110,6 +110,14 @@ def test_a_reorientation_against_the_parent_would_be_seen_and_is_not_let_through
     assert deviation(source, tmp_path / "out.usda") < FLOOR
 
 
+def test_an_end_joint_of_such_rotations_follows_where_there_is_no_mesh_too(tmp_path: Path) -> None:
+    # It moves nothing that is known then, and is compared by the box of all joints.
+    source, out = made(tmp_path, stretched(1.0005, "finger"), ".usda"), tmp_path / "out.usda"
+    source.write_text(source.read_text("utf-8").replace("def Mesh", "def Scope"), "utf-8")
+    assert entries(oriented(source, out))["finger"]["follows"] == "wrist"
+    assert verify(read(source), read(out)).raw_deviation < FLOOR
+
+
 def test_who_allows_more_may_reorient_what_moves_no_more_than_that(tmp_path: Path) -> None:
     source, out = made(tmp_path, stretched(1.0001, "elbow"), ".usda"), tmp_path / "out.usda"
     assert "follows" in entries(oriented(source, out))["elbow"]

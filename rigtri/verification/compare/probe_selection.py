@@ -16,7 +16,7 @@ from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, other_rows
-from rigtri.model.bounding_boxes import boxes, corners, extent
+from rigtri.model.bounding_boxes import box_of_joints, boxes, corners, extent
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -29,9 +29,6 @@ from rigtri.verification.compare.correspondence import (
     unpaired,
 )
 from rigtri.verification.compare.probes import FramePoints, mesh_title
-
-# Where no points can be read: how thick a body is at least, as a share of its longest side.
-THICKNESS = 0.1
 
 
 def changed_nodes(before: Rig, after: Rig, m: Correspondence) -> Booleans:
@@ -174,14 +171,9 @@ def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Fl
     Meshes that share their bind matrix share their boxes. inf where a joint moves nothing.
     """
     if not meshes:
-        places = skin.bind[:, 3, :3]
-        places = places[np.isfinite(places).all(axis=1)]
-        if len(places):
+        if (box := box_of_joints(skin.bind)) is not None:
             shape = (len(skin.joints), 3)
-            low, high = places.min(axis=0), places.max(axis=0)
-            # Joints on a line would not show a twist about it.
-            thin = np.maximum(THICKNESS * (high - low).max() - (high - low), 0.0) / 2.0
-            yield np.eye(4), np.broadcast_to(low - thin, shape), np.broadcast_to(high + thin, shape)
+            yield np.eye(4), np.broadcast_to(box[0], shape), np.broadcast_to(box[1], shape)
         return
     groups: dict[bytes, list[Mesh]] = {}
     for mesh in meshes:
