@@ -109,13 +109,25 @@ class Fk:
         carrier = self.reference.world[self._carrier] if self._carrier >= 0 else np.eye(4)
         return multiply(self.reference.world[self.own.offset], inverse(carrier))
 
+    @cached_property
+    def _seen_from_parent(self) -> Floats:
+        """The control's axes at rest in the space of its joint's parent, (4, 4), which may have another unit.
+
+        Those in the carrier's space where the parent is flat: then the joint cannot be seen to move.
+        """
+        parent = int(self.rig.parents[self.joint])
+        if parent < 0 or parent == self._carrier:
+            return self._moves
+        found = multiply(self.reference.world[self.own.offset], inverse(self.reference.world[parent]))
+        return found if np.isfinite(found).all() else self._moves
+
     def _moves_on(self, rest: Parts) -> Floats:
         """What takes a move along the control's axes into the space of its joint's parent, (1 or f, 4, 4).
 
         rest: the joint's local parts while its channels are zero; the control stands on it, as below IK.
         """
         turn = rest.rotation if self._axes is None else product(rest.rotation, self._axes)
-        sizes = length(self._moves[:3, :3])[:, np.newaxis]
+        sizes = length(self._seen_from_parent[:3, :3])[:, np.newaxis]
         return from_frame(to_axes(turn) * sizes, np.zeros(3))
 
     def _rest_and_moves(self, posed: PoseCache) -> tuple[Parts, Floats]:

@@ -20,9 +20,13 @@ from rigtri.operations.add_controls import AddControlsOptions, add_controls
 X, Y, Z = np.eye(3)
 
 
-def fk(frame: Any, joint: str = "b") -> tuple[Fk, ControlsAtZero]:
-    """The control of a joint whose bone points along y, and so x of the control where that is as the bone."""
+def fk(frame: Any, joint: str = "b", scale: float = 1.0) -> tuple[Fk, ControlsAtZero]:
+    """The control of a joint whose bone points along y, and so x of the control where that is as the bone.
+
+    scale: of the joint above it, which has no control.
+    """
     bare = chain((0, 0, 0), (1, 0, 0), (1, 2, 0), (3, 2, 0))
+    bare.scale[0] = scale
     rig = add_controls(bare, options=AddControlsOptions(joints=("b", "c"), frame=frame))
     zero = ControlsAtZero(rig)
     return Fk(zero, zero.fk[rig.find(joint)]), zero
@@ -57,6 +61,17 @@ def test_a_control_with_the_bone_s_axes_moves_it_along_those() -> None:
     assert_allclose(found.rotation, [from_axis_angle(Y, 0.8)], atol=1e-9)
     assert_allclose(found.scale[0, 1], 2.0)
     assert sorted(found.scale[0].round(9).tolist()) == [2, 3, 4]
+
+
+@pytest.mark.parametrize("frame", ["joint", "bone"])
+@pytest.mark.parametrize("scale", [0.01, 1.0, 3.0])
+def test_a_control_below_ik_moves_as_far_as_without(scale: float, frame: str) -> None:
+    """Also where the joint's parent has another unit than the controls, as below an armature in centimetres."""
+    step, _ = fk(frame, scale=scale)
+    given = channels((0.5, 0.25, -1))
+    on_its_own, on_the_joint = posed(step, given).part(step.joint), step.moved(step.rest, given)
+    assert_allclose(on_the_joint.translation, on_its_own.translation, atol=1e-9 / scale)
+    assert_allclose(step.needed(step.rest, on_the_joint).translation, given.translation, atol=1e-9)
 
 
 @pytest.mark.parametrize("frame", ["joint", "bone"])
