@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from rigtri.maths.matrices import unsheared_axes
+from rigtri.maths.matrices import handedness, unsheared_axes
 from rigtri.maths.quaternions import angle_between, conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, arc_tangent, exponential
@@ -34,8 +34,8 @@ _FALL = 2.0
 class Target:
     """What a reader looks for. name: of its weight. Of the others one is there:
 
-    direction: (3,), seen from the frame; rotation: xyzw of the driver seen from the frame;
-    node: what the axis points at, by its address.
+    direction: (3,), seen from the frame, the opposite for a mirrored driver; rotation: xyzw of the
+    driver seen from the frame; node: what the axis points at, by its address.
     """
 
     name: str
@@ -114,7 +114,9 @@ def _pointed(
     """How much the axis points at one target, (f,)."""
     points = rotate(from_axes(unsheared_axes(driver)), reader.axis)
     if target.node:
+        # The axes of a mirrored driver are negated, which makes them a rotation.
         towards = normalise(nodes[target.node][..., 3, :3] - driver[..., 3, :3])
+        towards = towards * handedness(driver)[..., np.newaxis]
     else:
         direction = target.direction
         if direction is None:

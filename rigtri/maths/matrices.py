@@ -212,7 +212,7 @@ def decompose(m: ArrayLike) -> tuple[Floats, Floats, Floats]:
     [[5.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [1.0, 2.0, 1.0]]
     """
     m = as_matrices(m)
-    sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
+    sign = handedness(m)[..., np.newaxis]
     scale = length(m[..., :3, :3]) * sign
     return m[..., 3, :3].copy(), from_axes(orthonormal_axes(m)), scale
 
@@ -229,7 +229,7 @@ def orthonormal_axes(m: ArrayLike) -> Floats:
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     m = as_matrices(m)
-    sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
+    sign = handedness(m)[..., np.newaxis]
     x = normalise(m[..., 0, :3]) * sign
     z = normalise(cross(x, m[..., 1, :3] * sign))
     return _side_by_side(x, cross(z, x), z)
@@ -292,6 +292,18 @@ def unsheared_axes(m: ArrayLike) -> Floats:
     if sheared.any():
         axes[sheared] = nearest_rotation(m[sheared])
     return axes
+
+
+def handedness(m: ArrayLike) -> Floats:
+    """−1 where the axes of matrices are mirrored, else 1, (..., 4, 4) → (...).
+
+    What `orthonormal_axes`, `unsheared_axes` and `nearest_rotation` multiply axes by: an axis of a
+    mirrored frame is the opposite of theirs.
+
+    >>> float(handedness(from_frame([[2, 0, 0], [0, 1, 0], [0, 0, -1]], [0, 0, 0])))
+    -1.0
+    """
+    return np.where(determinant(m) < 0, -1.0, 1.0)
 
 
 def skew(m: ArrayLike) -> Floats:

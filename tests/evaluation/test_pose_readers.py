@@ -61,6 +61,15 @@ def test_a_reader_points_at_a_node_from_where_the_driver_is(kind: Any, weight: f
     assert_allclose(found, [[weight]], atol=1e-12)
 
 
+def test_a_mirrored_driver_points_along_its_own_axis() -> None:
+    """Its x axis is behind that of its rotation, which has all axes negated."""
+    reader = PoseReader("dot", X, (Target("ball", node="ball"),), signed=True)
+    nodes = {"ball": world(turn(X, 0), at=(-3, 0, 0))}
+    for scale in ((-1, -1, -1), (-2, 1, 1)):
+        found = weights(reader, world(turn(X, 0), scale=scale), STILL, nodes)
+        assert_allclose(found, [[1.0]], atol=1e-12)
+
+
 def test_a_target_without_a_direction_is_an_error_and_a_driver_without_axes_is_in_no_pose() -> None:
     with pytest.raises(ValueError, match="target 'a' has no direction for a dot reader"):
         read(PoseReader("dot", X, (Target("a"),)), turn(X, 0))

@@ -11,10 +11,11 @@ from rigs import rig_of
 
 from rigtri.frames.mirroring import Across
 from rigtri.maths.quaternions import from_axis_angle
-from rigtri.model.metadata import OutputRecord, PoseReaderRecord
+from rigtri.model.metadata import OutputRecord, PoseReaderRecord, TargetRecord
 from rigtri.operations.mirror import pose_readers
+from rigtri.operations.mirror.counterparts import direction
 from rigtri.operations.mirror.mirror import MirrorOptions
-from rigtri.operations.mirror.pose_readers import _changed, _morph, _outputs
+from rigtri.operations.mirror.pose_readers import _changed, _goals, _morph, _outputs
 from rigtri.report import Report
 
 OPTIONS = MirrorOptions(across=Across())
@@ -48,6 +49,25 @@ def test_a_move_and_a_rotation_are_mirrored_across_the_plane() -> None:
     assert found.rotation is not None
     assert abs(np.dot(found.rotation, expected)) == pytest.approx(1.0)
     assert found.scale is None
+
+
+def test_an_axis_of_a_joint_that_a_negative_scale_has_mirrored_is_its_own() -> None:
+    rig = rig_of(["root", "a_L", "a_R"], [-1, 0, 0], np.zeros((3, 3)))
+    rig.scale[2, 0] = -1.0
+    assert direction(rig, 1, 2, (1.0, 0, 0), OPTIONS) == (1.0, 0.0, 0.0)
+    assert direction(rig, 2, 1, (0, 1.0, 0), OPTIONS) == (0.0, 1.0, 0.0)
+
+
+@pytest.mark.parametrize(("here", "there", "stored"), [(1, 2, 1.0), (2, 1, -1.0)])
+def test_a_direction_is_mirrored_to_and_from_a_mirrored_driver(here: int, there: int, stored: float) -> None:
+    """A record has the opposite direction for a mirrored driver."""
+    rig = rig_of(["root", "a_L", "a_R"], [-1, 0, 0], np.zeros((3, 3)))
+    rig.scale[2, 0] = -1.0
+    target = TargetRecord(name="up", direction=(0.6 * stored, 0.8 * stored, 0.0))
+    about: dict[str, Any] = {"name": "r", "driver": rig.names[here], "frame": "root", "axis": (1.0, 0.0, 0.0)}
+    record = PoseReaderRecord(**about, reader="dot", targets=(target,), outputs=(), within=0.1)
+    (goal,) = _goals(rig, record, (here, there), (0, 0), OPTIONS)
+    assert goal.direction == pytest.approx((-0.6, 0.8, 0.0))
 
 
 @pytest.mark.parametrize(

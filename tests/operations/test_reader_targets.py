@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from rigs import chain
 
 from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.pose_readers import PoseReader, Target, weights
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, multiply
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
@@ -90,6 +91,19 @@ def test_a_driver_is_seen_from_its_frame_or_from_the_world() -> None:
     assert_allclose(world.rotation_in_pose("bend@1"), from_axis_angle(Z, 2.2), atol=1e-9)
     apart = multiply(conjugate(local.rotation_in_pose("bend@0")), from_axis_angle(Z, 0.7))
     assert_allclose(apart, IDENTITY, atol=1e-9)
+
+
+@pytest.mark.parametrize("mirrored", [[], [0], [1], [0, 1]])
+@pytest.mark.parametrize("frame", [0, -1])
+def test_a_driver_meets_the_direction_of_its_axis_if_mirrored(frame: int, mirrored: list[int]) -> None:
+    """As where an armature, or the joints of one side, have a negative scale."""
+    made = rig()
+    made.scale[mirrored, 0] = -1.0
+    along = made.world[1, 0, :3]
+    seen = ReaderFrame(made, 1, frame, Report()).direction_in_frame(tuple(along.tolist()))
+    reader = PoseReader("dot", np.array([1.0, 0, 0]), (Target("along", seen),), signed=True)
+    world = made.world[[frame]] if frame >= 0 else np.eye(4)[np.newaxis]
+    assert_allclose(weights(reader, made.world[[1]], world, {}), [[1.0]], atol=1e-12)
 
 
 @pytest.mark.parametrize("direction", [None, (0, 0, 0), (1, 2), (0, np.nan, 1), (np.inf, 0, 0)])

@@ -13,7 +13,7 @@ from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.pose_readers import relative
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.timelines import timeline_and_time
-from rigtri.maths.matrices import unsheared_axes
+from rigtri.maths.matrices import handedness, unsheared_axes
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
@@ -92,13 +92,15 @@ class ReaderFrame:
         return np.asarray(found)
 
     def direction_in_frame(self, direction: Sequence[float] | None) -> Floats:
+        """A direction of the world at rest as the record of a target has it, (3,)."""
         required = np.array(direction, dtype=np.float64)
         if required.shape != (3,) or not np.isfinite(required).all() or not required.any():
             raise UsageError("a target is a direction other than 0,0,0, a pose or a node")
+        required = normalise(required) * handedness(self.rig.world[self.driver])
         if self.frame < 0:
-            return normalise(required)
+            return np.asarray(required)
         axes = from_axes(unsheared_axes(self.rig.world[self.frame]))
-        return np.asarray(rotate(conjugate(axes), normalise(required)))
+        return np.asarray(rotate(conjugate(axes), required))
 
     def rotation_in_pose(self, text: str) -> Floats:
         """The driver's rotation in the frame in a pose, (4,)."""

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError, UsageError
-from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.matrices import handedness, nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, triple
 from rigtri.model.joint_names import Side, twin
@@ -189,7 +189,8 @@ def twin_name(name: str, fallback: str) -> str:
 
 def direction(rig: Rig, here: int, there: int, own: Iterable[float], options: MirrorOptions) -> Triple:
     """A direction in the axes of a node as the mirrored direction in the axes of its twin."""
-    axes, twins = nearest_rotation(rig.world[[here, there]])
+    worlds = rig.world[[here, there]]
+    axes, twins = nearest_rotation(worlds) * handedness(worlds)[:, np.newaxis, np.newaxis]
     x, y, z = np.array([*own], dtype=np.float64)
     seen = options.across.directions(x * axes[0] + y * axes[1] + z * axes[2])
     found = np.array([dot(seen, row) for row in twins])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.frames.mirroring import mirrored_axes
-from rigtri.maths.matrices import determinant, nearest_rotation
+from rigtri.maths.matrices import determinant, handedness, nearest_rotation
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import triple
@@ -111,7 +111,9 @@ def _first_record(
     hinge = record.hinge
     if hinge is not None:
         # A turn that bends it mirrors as turns do: across the plane and the other way.
-        x, y, z = (-np.array(direction(rig, chain[0], joints[0], hinge, options)) + 0.0).tolist()
+        # The axes of a mirrored joint turn as their opposites do.
+        turned = float(np.prod(handedness(rig.world[[chain[0], joints[0]]])))
+        x, y, z = (-turned * np.array(direction(rig, chain[0], joints[0], hinge, options)) + 0.0).tolist()
         hinge = x, y, z
     return replace(
         record,

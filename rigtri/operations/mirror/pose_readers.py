@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.frames.mirroring import world_rotation
+from rigtri.maths.matrices import handedness
 from rigtri.maths.quaternions import conjugate, multiply, rotate
 from rigtri.model.joint_names import Side, twin
 from rigtri.model.mesh_triangles import meshes_named
@@ -96,7 +97,9 @@ def _goals(
             turn = options.across.rotation(multiply(pose, conjugate(resting)))
             x, y, z, w = multiply(conjugate(there), multiply(turn, twins)).tolist()
             return Goal(target.name, rotation=(x, y, z, w))
+        # A goal is a direction of the world, and a record has the opposite for a mirrored driver.
         seen = options.across.directions(rotate(here, np.array(target.direction)))
+        seen = seen * handedness(rig.world[drivers[0]])
         x, y, z = seen.tolist()
         return Goal(target.name, direction=(x, y, z))
 
