@@ -33,6 +33,8 @@ from rigtri.recognition.thumb_bends import (
 
 # Fingers that bend by more than this at rest (radians) say themselves about which axis they close.
 CURLED = radians_below(20)
+# … and so does one finger without a thumb that bends by more than this: nothing else shows where its palm is.
+LONE_CURLED = radians_below(10)
 # Of fingers whose own hinges agree to this part the common one counts.
 AGREEMENT = 0.7
 # No finger bends more than 60° aside of the line of the knuckles (a cosine): what looks so is noise.
@@ -216,7 +218,8 @@ class _PosedHand:
         across, natural = self._across, self.natural
         known = across is not None and self.is_left is not None and (self._is_apart or not self.guessed)
         aside = known and abs(self.curl.closes) < ASIDE
-        if curl.bend > CURLED and curl.agreement > AGREEMENT and not aside:
+        clear = LONE_CURLED if across is None else CURLED
+        if curl.bend > clear and curl.agreement > AGREEMENT and not aside:
             # Knuckles may be bent back more than fingers are bent, and a hand closes all the same.
             turned = known and not self.guessed and curl.closes < -BEYOND_SQUARE
             return Hinge("plane of the bent fingers", -curl.hinge if turned else curl.hinge)

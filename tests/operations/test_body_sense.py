@@ -149,6 +149,8 @@ HANDS = [
     Pose("blender", fingers=4, thumb=False, curl=25.0),
     # A clear bend goes before that.
     Pose("none", thumb=False, metacarpals=True, curl=50.0, palm=90.0, arms=75.0),
+    Pose(fingers=1, thumb=False, curl=12.0, palm=150.0),
+    Pose(fingers=1, thumb=False, curl=15.0, palm=90.0, arms=70.0, names="unreal"),
     # So does a thumb beside one finger, which begins nearer to the wrist.
     Pose("none", fingers=1, arms=10.0, palm=150.0),
     Pose("none", fingers=1, arms=130.0, palm=90.0, phalanges=2),
