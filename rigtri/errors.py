@@ -78,6 +78,19 @@ class NameNotFoundError(RigtriError):
         super().__init__(f"No {kind} {verb} '{name}'.{hint} {LIST_NAMES}")
 
 
+class InstanceNameError(NameNotFoundError):
+    """A joint or node of an instance that is read at another of the same prototype."""
+
+    def __init__(self, name: str, instance: str, first: str, there: str) -> None:
+        """instance and first: the two; there: how the node is called in the first."""
+        RigtriError.__init__(
+            self,
+            f"'{name}' is in an instance that shares its prototype with '{first}'. To edit all that "
+            f"share it: '{there}'; to edit '{instance}' alone, make it no instance first "
+            "(instanceable = false)",
+        )
+
+
 class AmbiguousNameError(RigtriError):
     """A name that several nodes share."""
 

@@ -7,8 +7,9 @@ from collections.abc import Collection, Iterable, Mapping
 from fnmatch import fnmatchcase
 from functools import cached_property
 
-from rigtri.errors import AmbiguousNameError, NameNotFoundError
+from rigtri.errors import AmbiguousNameError, InstanceNameError, NameNotFoundError
 from rigtri.maths.arrays import Booleans
+from rigtri.model.format_rules import FormatRules
 from rigtri.model.hierarchy import Hierarchy
 
 # A node with more nodes above it has its label for a path: the paths of a chain of n nodes
@@ -22,6 +23,7 @@ class NodeNames(Hierarchy, ABC):
     names: tuple[str, ...]
     labels: tuple[str, ...]
     humanoid: Mapping[str, int]
+    rules: FormatRules
 
     @property
     @abstractmethod
@@ -32,11 +34,6 @@ class NodeNames(Hierarchy, ABC):
     @abstractmethod
     def holders(self) -> frozenset[int]:
         """Nodes that are no step of a path."""
-
-    @property
-    @abstractmethod
-    def others(self) -> frozenset[int]:
-        """Nodes that a name which several share does not mean."""
 
     def path(self, node: int) -> str:
         """The names from the root down to a node, ``/root/hips/spine``; ``#index`` for a nameless one.
@@ -131,12 +128,23 @@ class NodeNames(Hierarchy, ABC):
         # A joint wins over a mesh node of the same name; nothing else is guessed.
         joints = [node for node in found if self.is_joint[node]]
         found = joints if len(joints) == 1 else found or self._by_address.get(name, [])
-        found = [node for node in found if node not in self.others] or found
+        found = [node for node in found if node not in self.rules.others] or found
         if not found:
+            self._check_instances(name)
             raise NameNotFoundError(kind, name, self._hints)
         if len(found) > 1:
             raise AmbiguousNameError(kind, name, [self.labels[node] for node in found])
         return found[0]
+
+    def _check_instances(self, name: str) -> None:
+        """InstanceNameError for a name in an instance, where it names a node of the one that is read."""
+        there = name
+        for node, first in self.rules.instances.items():  # the outer ones come first
+            label = self.labels[node]
+            if there.startswith(f"{label}/"):
+                there = f"{self.labels[first]}{there.removeprefix(label)}"
+                if self.has(there):
+                    raise InstanceNameError(name, label, self.labels[first], there)
 
     def has(self, name: str) -> bool:
         """Whether any node is called so, by name, label, path or VRM bone."""

@@ -323,6 +323,7 @@ class Rig(NodeNames):
 
     @property
     def others(self) -> frozenset[int]:
+        """Nodes that a name which several share does not mean."""
         return self.rules.others
 
     def with_parts(self, nodes: Iterable[int]) -> Rig:

@@ -113,8 +113,8 @@ def _converted(rig: Rig, options: FreezeOptions, report: Report) -> Rig:
     for rule in constraints_of(rig).values():
         if quarter and rule.skip and rig.parents[rule.child] < 0:
             raise GeometryError(
-                f"'{rig.title(rule.child)}' has channels that its constraint skips (--skip), along the "
-                "world's axes, and --up-axis would rotate those. Bake and strip first"
+                f"'{rig.title(rule.child)}' has channels that its constraint skips (constrain --skip), "
+                "along the world's axes, and --up-axis would rotate those. Bake and strip first"
             )
     for node, parent in rig.rules.unlisted.items() if quarter else ():
         raise GeometryError(

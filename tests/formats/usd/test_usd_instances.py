@@ -454,6 +454,17 @@ def test_joints_of_a_prim_that_another_is_composed_from_are_those_of_both(
         cli(*command[:1], source, "-o", out, *command[1:], "--name", "/World/A/Skel:a/b=elbow", code=0)
 
 
+def test_a_joint_of_an_instance_that_is_read_at_another_is_told_where(tmp_path: Path) -> None:
+    """Before: "No joint is named '/World/Two/Skel:a/b'", though OpenUSD shows it there."""
+    source, out = crowd(tmp_path), tmp_path / "out.usda"
+    words = ["add-socket", source, "-o", out, "--name", "grip", "--on"]
+    told = cli(*words, "/World/Two/Skel:a/b", code=4).stderr
+    assert "shares its prototype with '/World/One'" in told
+    assert "'/World/One/Skel:a/b'; to edit '/World/Two' alone, make it no instance" in told
+    assert "No joint is named" in cli(*words, "/World/Two/Skel:a/x", code=4).stderr
+    cli(*words, "/World/One/Skel:a/b", code=0)
+
+
 def test_joints_merged_in_agents_may_leave_others_another_rest_pose(tmp_path: Path) -> None:
     """Before, the rows of joints that go were missing in what the output shows: "cannot be edited"."""
     source, out = crowd(tmp_path), tmp_path / "out.usda"

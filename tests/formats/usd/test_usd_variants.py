@@ -614,3 +614,17 @@ def test_levels_of_detail_with_weights_of_their_own_get_other_names_and_a_root(t
         cli(edit[0], source, "-o", out, *edit[1:], code=0)
         for variant in ("high", "low"):
             assert apart(source, out, {"lod": variant}) < 1e-6
+
+
+def test_a_variant_that_an_edit_would_break_is_named(tmp_path: Path) -> None:
+    """Before, the error was about numbers that no file had: "4 items, but the animation has 6 joints"."""
+    scales = "half3[] scales.timeSamples = { 1: [(1, 1, 1), (2, 2, 2), (1, 1, 1)] }"
+    moving, still = animation(scales=scales), animation()
+    body = f'variantSet "c" = {{\n"moving" {{\n{moving}\n}}\n"still" {{\n{still}\n}}\n}}'
+    chosen = 'def SkelRoot "Root" (variants = {string c = "moving"}\nprepend variantSets = "c")'
+    source = save(tmp_path, scene(skeleton(), MESH, body).replace('def SkelRoot "Root"', chosen))
+    words = ["add-twist", source, "-o", tmp_path / "out.usda", "--joint", "a/b", "--to", "a/b/c"]
+    told = cli(*words, code=3).stderr
+    assert "In variant 'still' of" in told
+    assert "after this edit, </Root/Anim.scales> has 3 items" in told
+    assert "a file of its own" in told

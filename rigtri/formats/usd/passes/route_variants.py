@@ -188,7 +188,10 @@ class _Reorientation:
     def settings(self, variants: SkeletonVariants, state: VariantState) -> list[Setting]:
         """What must be set so that a state is reoriented, too."""
         variants.choose(state.chosen)
-        source = read_source(self.edit.source.path, ReadOptions(), variants.stage, one_state=True)
+        try:
+            source = read_source(self.edit.source.path, ReadOptions(), variants.stage, one_state=True)
+        except FileError as error:  # it was read before: what is wrong is what the edit would make of it
+            raise FileError(f"In {state.title}, after this edit, {error} {_APART}") from None
         _refuse_strange(variants, state, source)
         before = source.rig
         delta = self._deltas(source)
