@@ -21,6 +21,8 @@ _MANY = 64
 # Branches are two bodies side by side where the smaller one is so long a part of the other, both have limbs
 # that are so long a part of them, as fingers are not of an arm, and their planes are so far apart.
 _LIKE, _LIMB, _APART = 0.3, 0.3, 0.15
+# Or so long, in pairs at several joints: beside a long neck and tail legs are short.
+_SHORT = 0.2
 # Planes of one body lie alike up to this (a cosine, 20°).
 _TURNED = 0.94
 
@@ -112,5 +114,9 @@ def _stand_apart(tree: Tree, one: Sequence[int], other: Sequence[int]) -> bool:
 
 
 def _plane_of(tree: Tree) -> Plane | None:
-    pairs = [pair for pair in pairs_of(tree) if pair.reach > _LIMB * tree.span and len(pair.paths[0]) > 2]
+    known = [pair for pair in pairs_of(tree) if len(pair.paths[0]) > 2]
+    pairs = [pair for pair in known if pair.reach > _LIMB * tree.span]
+    if not pairs:
+        pairs = [pair for pair in known if pair.reach > _SHORT * tree.span]
+        pairs = pairs if len({pair.above for pair in pairs}) > 1 else []
     return plane_of(tree, pairs)

@@ -10,6 +10,7 @@ from rigtri.recognition.arms_legs import AGREED, Found
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.front_or_hind import head_end
+from rigtri.recognition.guessed_hierarchy import lost_third, named_twice, start_beside
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.inanimate import (
     bends_to_and_fro,
@@ -78,7 +79,7 @@ def unsure(draft: Draft, each: Found, why: str) -> Found:
 def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """The first doubt of a limb: of those of every limb, then of names or of shapes, whichever tell it."""
     if len(each.joints) != 3:
-        return _no_trunk(draft, each, found) or _no_bend(draft, each)
+        return _no_trunk(draft, each, found) or lost_third(draft, each) or _no_bend(draft, each)
     doubts = (*_OF_ANY, *(_OF_NAMES if _is_named(draft, each) else _OF_SHAPES))
     return next(filter(None, (doubt(draft, each, found) for doubt in doubts)), "")
 
@@ -280,7 +281,7 @@ def _is_alive(draft: Draft, body: Body | None) -> bool:
         return False
     paths = body.legs.pair.paths
     to_and_fro = all(bends_to_and_fro(draft.tree, path, draft.facing) for path in paths)
-    return to_and_fro and head_end(draft.tree, body, plane, draft.poses) != 0
+    return to_and_fro and head_end(draft.tree, body, plane, draft.poses, draft.shape.limbs) != 0
 
 
 def _by_words(each: Found) -> bool:
@@ -362,7 +363,12 @@ _OF_ANY = (
     _no_trunk,
     _no_body,
 )
-_OF_NAMES = (*_alone(_unnamed_between), _unlike_twin, *_alone(_counted, _one_of_several, split_bone))
+_OF_NAMES = (
+    *_alone(_unnamed_between),
+    _unlike_twin,
+    *_alone(_counted, _one_of_several, split_bone),
+    named_twice,
+)
 _OF_SHAPES = (
     upside_down,
     arm_as_leg,
@@ -379,5 +385,5 @@ _OF_SHAPES = (
         reaches_further,
         other_end,
     ),
-    *_alone(points_ahead, arm_on_the_ground, may_be_wings, may_be_a_thing),
+    *_alone(points_ahead, arm_on_the_ground, may_be_wings, start_beside, may_be_a_thing),
 )

@@ -15,7 +15,7 @@ from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import TIE
 from rigtri.recognition.pose_samples import Poses
-from rigtri.recognition.symmetry import Plane
+from rigtri.recognition.symmetry import Pair, Plane
 
 # Arms begin over the legs of one end of a trunk up to this part of it.
 _OVER = 0.3
@@ -31,13 +31,18 @@ def is_further(tree: Tree, body: Body, limbs: Limbs) -> bool:
 
     No leg hangs from an arm.
     """
+    return _are_over(tree, body, limbs) and limbs.quality > LEG and limbs.lead > TIE
+
+
+def _are_over(tree: Tree, body: Body, limbs: Limbs) -> bool:
+    """Whether a pair begins above the front legs, and is as long as arms are, wherever it bends."""
     front, hind = body.arms, body.legs
     if body.form != "quadruped" or not front or not hind or len(limbs.at) < 3 or limbs.kind == "other":
         return False
     if not all(are_disjoint(tree, pair, limbs) for pair in (front, hind)):
         return False
     high, least = (limbs.starts - front.starts).dot(body.up) > 0.0, SIMILAR * min(front.size, hind.size)
-    return high and limbs.quality > LEG and limbs.size > least and limbs.lead > TIE
+    return high and limbs.size > least
 
 
 def turned(
@@ -51,7 +56,7 @@ def turned(
     if not ways:
         return []
     best, *others = ways
-    led = head_end(tree, best, plane, poses) < 0
+    led = head_end(tree, best, plane, poses, limbs) < 0
     if not led and not any(_over_hind_legs(tree, best, each) for each in limbs):
         return list(ways)
     for other in others:
@@ -62,8 +67,10 @@ def turned(
     return list(ways)
 
 
-def head_end(tree: Tree, body: Body, plane: Plane, poses: Poses) -> int:
+def head_end(tree: Tree, body: Body, plane: Plane, poses: Poses, limbs: Sequence[Limbs]) -> int:
     """Where the head of a body on four legs is: 1 at its front ones, −1 at its hind ones, 0 unclear.
+
+    limbs: what may be one: the hands of a centaur are neither head nor tail.
 
     What names call arms is in front of what they call legs. A head has jaws and ears; where it has none, it
     is broader than a tail and hangs no lower. What is at one end alone is rather a head.
@@ -76,10 +83,11 @@ def head_end(tree: Tree, body: Body, plane: Plane, poses: Poses) -> int:
     ahead = front.starts - hind.starts
     ahead = ahead - body.up * ahead.dot(body.up)  # legs may begin at other heights
     back = -ahead
-    tips, others = (_tips(tree, _beyond(tree, body, plane, way, _FAR)) for way in (back, ahead))
+    aside = [each.pair for each in limbs if _are_over(tree, body, each)]
+    tips, others = (_tips(tree, _beyond(tree, body, plane, way, _FAR, aside)) for way in (back, ahead))
     if tips != others and max(tips, others) > 1:
         return -1 if tips > others else 1
-    one, other = (_beyond(tree, body, plane, way, _NEAR) for way in (back, ahead))
+    one, other = (_beyond(tree, body, plane, way, _NEAR, aside) for way in (back, ahead))
     if not one and not other:
         return 0
     high, low = (max((tree.at[node].dot(body.up) for node in end), default=-inf) for end in (one, other))
@@ -93,18 +101,21 @@ def _tips(tree: Tree, nodes: Sequence[int]) -> int:
     return sum(not tree.below[node] for node in nodes)
 
 
-def _beyond(tree: Tree, body: Body, plane: Plane, way: Vector, share: float) -> list[int]:
+def _beyond(
+    tree: Tree, body: Body, plane: Plane, way: Vector, share: float, aside: Sequence[Pair]
+) -> list[int]:
     """The joints of no leg that are beyond the legs of one end by a share of the trunk.
 
     Nor those of what begins beside the trunk: wings reach back as far as a tail does.
 
-    way: from the legs of the other end to these.
+    way: from the legs of the other end to these. aside: pairs that are left out, too.
     """
     pairs = [pair for pair in (body.legs, body.arms) if pair is not None]
     legs = {k for pair in pairs for path in pair.pair.paths for k in tree.branch(path[0])}
     start = max((pair.starts for pair in pairs), key=lambda place: place.dot(way))
     ends = [pair.pair.above for pair in pairs if pair.pair.above >= 0]
     trunk = {k for end in ends for k in tree.way(-1, end)}
+    legs.update(k for pair in aside for path in pair.paths for k in tree.branch(path[0]))
     long = _BESIDE * way.length
     for node in (k for over in trunk for k in tree.below[over] if k not in trunk | legs):
         if abs(plane.side_of(tree.at[node])) > long:

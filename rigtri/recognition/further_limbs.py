@@ -38,13 +38,28 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
             continue  # controls
         taken |= nodes
         for which, path in enumerate(limbs.pair.paths):
-            joints = _of_wing(draft, limbs, path) if wing else limbs.joints(which)
+            chain = _along_wing(draft, path) if wing else path
+            joints = _of_wing(draft, limbs, chain) if wing else limbs.joints(which)
             side = named_side(draft, path, limbs.pair.paths[1 - which]) or draft.side_of(path)
             bend = joints if len(joints) == 3 else ()
             kind: Kind = "wing" if wing else _kind(draft, body, limbs, size)
             words = (NAMES,) if wing else ("one more pair that bends in the middle",)
             sure = 0.6 if not wing or thing else 0.7 if limbs.is_noisy else 0.9
-            draft.add_chain(kind, kind, side, path, sure, words, bend)
+            draft.add_chain(kind, kind, side, chain, sure, words, bend)
+
+
+def _along_wing(draft: Draft, path: Sequence[int]) -> list[int]:
+    """The joints of a wing: not on into a feather where a joint beside it is called wing."""
+    names, below = draft.tree.rig.names, draft.tree.below
+    along: list[int] = []
+    for node in path:
+        if "feather" in roles_in_name(names[node]) and along:
+            roles = {k: roles_in_name(names[k]) for k in below[along[-1]]}
+            bones = [k for k, each in roles.items() if "wing" in each and "feather" not in each]
+            if bones:
+                return [*along, *draft.tree.paths[bones[0]]]
+        along.append(node)
+    return along
 
 
 def _of_wing(draft: Draft, limbs: Limbs, path: Sequence[int]) -> tuple[int, ...]:

@@ -362,7 +362,9 @@ def _hand_at(draft: Draft, node: int) -> _Hand | None:
     whole = [tree.branch(chain[0]) for chain in chains]
     lines = [all(len(tree.below[k]) < 2 for k in branch) for branch in whole]
     covered = 1 + sum(len(b if line else c) for b, line, c in zip(whole, lines, chains, strict=True))
-    named = [k for k in chains if any(_names_finger(tree.rig.names[joint]) for joint in k)]
+    # A word such as mid in one joint of several says where in its chain that is.
+    called = [[_names_finger(tree.rig.names[k]) for k in chain] for chain in chains]
+    named = [each for each in called if each[0] or (len(each) > 2 and all(each[1:]))]
     if len(named) < 3 and (_is_body_named(draft) or not _like_fingers(draft, node, chains)):
         return None
     why = NAMES if named else f"{len(chains)} short chains begin at it"

@@ -231,8 +231,12 @@ def _neighbours(tree: Tree) -> Tree:
     while left.any():
         reached = np.where(left, near, np.inf)
         nearest = int(np.argmin(reached))
-        if not np.isfinite(reached[nearest]):
-            break  # what is left has nothing to follow
+        if not np.isfinite(
+            reached[nearest]
+        ):  # the middle has no joint, as of a body that runs: sides follow, too
+            free = np.stack([dot(places[order] - place, places[order] - place) for place in places])
+            near, over = free.min(axis=1), np.array(order)[free.argmin(axis=1)]
+            nearest = int(np.argmin(np.where(left, near, np.inf)))
         left[nearest] = False
         order.append(nearest)
         above[nodes[nearest]] = nodes[int(over[nearest])]

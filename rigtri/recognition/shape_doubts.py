@@ -266,7 +266,7 @@ def other_end(draft: Draft, each: Found) -> str:
     mine, body, plane = each.pair, draft.shape.body, draft.shape.plane
     if mine is None or body is None or plane is None or mine not in (body.legs, body.arms):
         return ""
-    if head_end(draft.tree, body, plane, draft.poses):
+    if head_end(draft.tree, body, plane, draft.poses, draft.shape.limbs):
         return ""
     return "nothing shows which end of its trunk has the head"
 

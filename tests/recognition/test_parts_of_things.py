@@ -139,3 +139,13 @@ def test_wings_that_reach_back_are_no_head() -> None:
     dragon = rig_with([*HORSE, *both([*wings, *fingers])], named=False)
     (found,) = recognise(dragon).characters
     assert found.facing[2] > 0.9
+
+
+def test_joints_in_the_middle_of_chains_are_no_middle_fingers() -> None:
+    """Before, a working platform was surely a hand with four middle fingers, and auto built its rig."""
+    legs = line(
+        "scissor.L scissor_mid.L scissor_foot.L", "deck", (0.3, 0.9, 0.3), (0.3, 0.5, -0.3), (0.3, 0.05, 0.3)
+    )
+    rails = line("rail.L rail_mid.L rail_end.L", "deck", (0.3, 1.2, -0.3), (0.3, 1.6, -0.3), (0.3, 1.6, 0.3))
+    layout = recognise(rig_with([("deck", "", (0, 1, 0)), *both([*legs, *rails])]))
+    assert [chain.name for chain in layout.chains if chain.is_sure] == []
