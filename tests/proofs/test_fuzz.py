@@ -13,6 +13,8 @@ from fuzz import __main__ as program
 from fuzz import cases, commands, floor, gltf
 from gltf_files import character
 from places import SAMPLES
+from program import cli
+from usd_files import MESH, animation, save, scene, skeleton
 
 import rigtri
 from rigtri.formats import read
@@ -87,6 +89,17 @@ def test_twist_joints_that_a_skin_binds_elsewhere_explain_what_strip_refuses(tmp
     lost = np.tile(np.eye(4), (len(rig.skins[0].joints), 1, 1))
     (skin,) = rig.skins
     assert floor.binds_twist_joints_elsewhere(replace(rig, skins=(replace(skin, inverse_bind=lost),)))
+
+
+def test_dual_quaternions_are_compared_as_linear_skinning_also_below_an_added_root(tmp_path: Path) -> None:
+    bound = "rel skel:skeleton"
+    dual = MESH.replace(bound, f'uniform token primvars:skel:skinningMethod = "dualQuaternion"\n{bound}')
+    source, out = save(tmp_path, scene(skeleton(), animation(), dual)), tmp_path / "out.usda"
+    command = ["add-root", str(source), "-o", str(out), "--above", "a"]
+    cli(*command, code=0)
+    found = cases.Found(0, "verified", command=command)
+    cases._judge_closely(found, source, out, tmp_path, out.read_bytes())
+    assert found.kind == "verified", found.detail
 
 
 @pytest.mark.parametrize(("expected", "same"), [("", True), ("9412ba1e4c7f", True), ("0123456789ab", False)])
