@@ -83,7 +83,7 @@ def test_numbers_that_float32_cannot_distinguish_explain_one(
 
 def test_twist_joints_that_a_skin_binds_elsewhere_explain_what_strip_refuses(tmp_path: Path) -> None:
     options = {"joint": "forearm_L", "to": "hand_L", "split_weights": True}
-    rigtri.write(rigtri.add_twist(read(SAMPLES / "biped.glb").rig, **options), tmp_path / "a.glb")
+    rigtri.write(rigtri.add_twist(rigtri.read(SAMPLES / "biped.glb"), **options), tmp_path / "a.glb")
     rig = read(tmp_path / "a.glb").rig
     assert not floor.binds_twist_joints_elsewhere(rig)
     lost = np.tile(np.eye(4), (len(rig.skins[0].joints), 1, 1))
