@@ -112,7 +112,8 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
     # As it is bound, for up and ahead of a body may lean with how it rests.
     layout = recognise(at_rest(rig, found, _least(rig))[0])
     if not layout.characters:
-        raise GeometryError(f"No character is recognised here: {'; '.join(layout.remarks)}")
+        why = "; ".join(layout.remarks)
+        raise GeometryError(f"No character is recognised here: {why}. See with: rigtri recognise FILE")
     pose = cast(StandardPose, options.pose)
     for body in layout.characters:
         _warn_unsure(rig, body, report)

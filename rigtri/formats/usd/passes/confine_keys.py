@@ -111,7 +111,8 @@ def _refuse_controls(
             )
         placed = value.prim in made or (isinstance(value, Setting) and value.name.startswith("xformOp"))
         if rests and placed:
-            raise FileError(f"<{value.prim}> cannot be placed: {_why(rests)}")
+            new = "The new prim " if value.prim in made else ""
+            raise FileError(f"{new}<{value.prim}> cannot be placed: {_why(rests)}")
         if motion and not reshaped and isinstance(value, Setting) and value.samples:
             raise FileError(f"<{value.prim}> cannot get keys: {_why(motion)}")
 
