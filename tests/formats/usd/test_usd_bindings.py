@@ -139,6 +139,25 @@ def test_an_idle_clip_with_blend_shapes_is_no_motion_of_a_limb(tmp_path: Path) -
     cli("orient-joints", *arguments[1:4], "--pose", "Anim@3", "--overwrite", code=4)
 
 
+@pytest.mark.parametrize(
+    ("name", "why"), [("without scales", "has no scales"), ("not active", "is not active")]
+)
+def test_keys_of_controls_are_refused_where_the_animation_is_not_played(
+    name: str, why: str, tmp_path: Path
+) -> None:
+    """They would play what nobody has seen, or nothing; the error names what the animation needs."""
+    rigged, edited = tmp_path / "rigged.usda", tmp_path / "edited.usda"
+    cli("add-controls", save(tmp_path, CASES[name]), "-o", rigged, "--joints", "b", code=0)
+    stage = Usd.Stage.Open(str(rigged))
+    control = next(prim for prim in stage.Traverse() if prim.GetName() == "b_ctl")
+    turn = control.GetAttribute("xformOp:rotateXYZ")
+    for time, angle in ((1.0, 0.0), (5.0, 40.0)):
+        turn.Set((0.0, 0.0, angle), time)
+    stage.GetRootLayer().Export(str(edited))
+    error = cli("bake", edited, "--to", "joints", "-o", tmp_path / "out.usda", code=3).stderr
+    assert f"UsdSkel does not play </Root/Lib/Anim>, which {why}, so 'b' cannot get keys in it" in error
+
+
 def test_inspect_does_not_list_what_nothing_plays(tmp_path: Path) -> None:
     path = save(tmp_path, CASES["not active"])
     assert cli("inspect", path, "--json").json["clips"] == []

@@ -154,6 +154,9 @@ class _Plan:
         # Another animation that the same skeleton has in other instances keeps its own.
         others = {path for user in self.users for path in user.every_animation} - {self.animation.path}
         clips = [c for c in self.rig.clips if not others.intersection(parts(c.key))]
+        self._check_played(
+            [t for c in clips if not c.idle for t in c.tracks if t.key is None and t.node in nodes]
+        )
         fresh = [t for c in clips for t in c.tracks if t.key is None]
         resting = {id(t) for t in self.defaults.values() if self._has_default(t.path)}
         fresh = [t for t in fresh if id(t) not in resting]
@@ -164,6 +167,19 @@ class _Plan:
             check_no_spline(track, f"'{self.rig.title(track.node)}'")
             found[track.node, track.path] = track
         return found
+
+    def _check_played(self, fresh: Sequence[Track]) -> None:
+        """FileError where new motion would go into an animation that UsdSkel does not play."""
+        moved = next((track.node for track in fresh if track.path != "weights"), None)
+        if moved is None or not self.animation.idle:
+            return
+        path, lacks = self.animation.path, self.animation.lacks
+        why = f"has no {' and no '.join(lacks)}" if lacks else "is not active"
+        what = "Give it values there first" if lacks else "Activate it"
+        raise FileError(
+            f"UsdSkel does not play <{path}>, which {why}, so '{self.rig.title(moved)}' cannot get keys "
+            f"in it. {what}, or bind the skeleton to an animation of its own (skel:animationSource)."
+        )
 
     def _has_default(self, path: Path) -> bool:
         items = (item for name, item in self.animation.properties.items() if PROPERTIES[name] == path)
