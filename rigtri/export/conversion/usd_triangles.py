@@ -53,7 +53,7 @@ def read_faces(prim: Any, count: int, lose: Any) -> Faces | None:
     rows: list[Floats] = [corners[:, np.newaxis].astype(np.float64)]
     spread: dict[str, Floats] = {}
     for name, (values, interpolation) in given.items():
-        each = _by_corner(values, interpolation, corners, face_of, count)
+        each = _by_corner(values, interpolation, corners, face_of, (count, len(sizes)))
         if each is None:
             lose(f"{name} of mesh {prim.GetPath()}, which is not one for each {interpolation}")
             continue
@@ -125,16 +125,21 @@ def _values(prim: Any, lose: Any) -> tuple[dict[str, tuple[Floats, str]], dict[s
     return found, coordinates
 
 
-def _by_corner(values: Floats, spread: str, corners: Integers, face: Integers, count: int) -> Floats | None:
-    """A value for each corner; None where they are not as many as they should be."""
+def _by_corner(
+    values: Floats, spread: str, corners: Integers, face: Integers, counts: tuple[int, int]
+) -> Floats | None:
+    """A value for each corner; None where they are not as many as they should be, or spread in no known way.
+
+    counts: of points and faces.
+    """
     ways = {
         "constant": (1, np.zeros(len(corners), dtype=np.int64)),
-        "uniform": (int(face[-1]) + 1, face),
-        "vertex": (count, corners),
-        "varying": (count, corners),
+        "uniform": (counts[1], face),
+        "vertex": (counts[0], corners),
+        "varying": (counts[0], corners),
         "faceVarying": (len(corners), np.arange(len(corners))),
     }
-    many, index = ways[spread]
+    many, index = ways.get(spread, (-1, corners))
     return values[index] if len(values) == many else None
 
 

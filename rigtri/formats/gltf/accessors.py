@@ -216,7 +216,8 @@ class Accessors:
         if stride < size or offset + stride * (count - 1) + size > length:
             return None
         normalized, sparse = raw.get("normalized") is True, raw.get("sparse") is not None
-        return Layout(component, width, count, normalized, sparse, view, buffer, start + offset, stride)
+        step = stride if count > 1 else size  # of one element it says nothing, however large
+        return Layout(component, width, count, normalized, sparse, view, buffer, start + offset, step)
 
     def _lay(self, accessor: Value) -> Layout:
         raw = accessor.object()
@@ -244,7 +245,8 @@ class Accessors:
             accessor.fail(f"byteStride {stride} is less than the {layout.size} bytes of an element")
         if need > length:
             accessor.fail(f"needs {need} bytes of bufferView {layout.view}, which has {length}")
-        return layout._replace(buffer=buffer, start=start + offset, stride=stride)
+        step = stride if layout.rows > 1 else layout.size  # of one element it says nothing, however large
+        return layout._replace(buffer=buffer, start=start + offset, stride=step)
 
     def _view(self, index: int) -> tuple[int, int, int, int]:
         """Buffer, offset, length and stride (0: none) of a buffer view; buffer −1 for a compressed one."""

@@ -349,6 +349,14 @@ def test_colours_of_points_are_shown_where_usd_shows_them(material: str, shown: 
     assert ("COLOR_0" in gltf["meshes"][0]["primitives"][0]["attributes"]) == shown
 
 
+def test_colours_that_are_spread_in_no_known_way_are_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "in.usda"
+    _coloured(path, "vertex", [(1, 0, 0), (0, 1, 0), (0, 0, 1)], "none")
+    path.write_text(path.read_text("utf-8").replace('"vertex"', '"smooth"'), "utf-8")
+    ran = cli("convert", path, "-o", tmp_path / "odd.glb", code=0)
+    assert "COLOR_0 of mesh /leaf" in ran.stderr + ran.stdout
+
+
 @pytest.mark.parametrize(
     ("points", "normals", "target"),
     [

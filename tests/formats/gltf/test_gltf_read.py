@@ -59,6 +59,15 @@ def test_sparse_strided_and_empty_storage(tmp_path: Path) -> None:
     assert accessors.read(within).tolist() == rows[2:].tolist()
 
 
+@pytest.mark.parametrize("extended", [False, True])
+def test_a_stride_says_nothing_of_one_element(extended: bool, tmp_path: Path) -> None:
+    builder = Builder()
+    index = builder.accessor([[1.0, 2.0, 3.0]])
+    view = builder.gltf["bufferViews"][builder.gltf["accessors"][index]["bufferView"]]
+    view |= {"byteStride": 1 << 63} | ({"extensions": {"EXT_other": {}}} if extended else {})
+    assert opened(builder, tmp_path).accessors.read(index).tolist() == [[1.0, 2.0, 3.0]]
+
+
 def test_data_that_start_at_an_odd_offset_are_read(tmp_path: Path) -> None:
     builder = Builder()
     view = builder.view(b"x" + np.array([1.0, 2.0], dtype="<f4").tobytes())
