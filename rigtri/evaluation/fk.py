@@ -17,7 +17,7 @@ import numpy as np
 from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.zero_pose import ControlsAtZero, FkControl
-from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions
+from rigtri.maths.matrices import from_frame, handedness, inverse, multiply, transform_directions
 from rigtri.maths.quaternions import IDENTITY, conjugate, half_turn, rotate, to_axes, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
@@ -127,7 +127,9 @@ class Fk:
         rest: the joint's local parts while its channels are zero; the control stands on it, as below IK.
         """
         turn = rest.rotation if self._axes is None else product(rest.rotation, self._axes)
-        sizes = length(self._seen_from_parent[:3, :3])[:, np.newaxis]
+        seen = self._seen_from_parent
+        # Rotations are of axes that are not mirrored: where one of the two is, they point the other way.
+        sizes = length(seen[:3, :3])[:, np.newaxis] * handedness(seen)
         return from_frame(to_axes(turn) * sizes, np.zeros(3))
 
     def _rest_and_moves(self, posed: PoseCache) -> tuple[Parts, Floats]:

@@ -64,13 +64,13 @@ def test_a_control_with_the_bone_s_axes_moves_it_along_those() -> None:
 
 
 @pytest.mark.parametrize("frame", ["joint", "bone"])
-@pytest.mark.parametrize("scale", [0.01, 1.0, 3.0])
+@pytest.mark.parametrize("scale", [0.01, 1.0, 3.0, -1.0])
 def test_a_control_below_ik_moves_as_far_as_without(scale: float, frame: str) -> None:
-    """Also where the joint's parent has another unit, as below an armature in centimetres."""
+    """Also where the joint's parent has another unit, or is mirrored, as below a scaled armature."""
     step, _ = fk(frame, scale=scale)
     given = channels((0.5, 0.25, -1))
     on_its_own, on_the_joint = posed(step, given).part(step.joint), step.moved(step.rest, given)
-    assert_allclose(on_the_joint.translation, on_its_own.translation, atol=1e-9 / scale)
+    assert_allclose(on_the_joint.translation, on_its_own.translation, atol=1e-9 / abs(scale))
     assert_allclose(step.needed(step.rest, on_the_joint).translation, given.translation, atol=1e-9)
 
 
