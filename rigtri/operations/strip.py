@@ -29,17 +29,21 @@ from rigtri.operations.options.strip import StripOptions as StripOptions
 from rigtri.report import Report
 from rigtri.text import and_more
 
+# The kinds of constraints that files have; the others say what rigtri or a format does with a node.
+_OF_FILES = ("rotation", "roll", "aim")
+
 
 @operation(StripOptions)
 def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     """The rig without the nodes and metadata of rigtri; the axes of joints stay as they are.
 
     ``report.added`` is left empty; ``report.removed`` names every node and record that goes.
-    Raises GeometryError where a node of someone else is a child of one of ours, and where controls have
-    motion that the joints do not have.
+    Raises GeometryError where a node of someone else is a child of one of ours, where the file names one of
+    ours in what is not from rigtri, and where controls have motion that the joints do not have.
     """
     kept = _kept(rig, report) | _of_others(rig)
     gone = _gone(rig, kept)
+    _refuse_named(rig, gone)
     if not options.discard_motion:
         refuse_unbaked(rig)
     readers = [node for node in gone if rig.type_of(node) == "poseReader"]
@@ -169,3 +173,25 @@ def _gone(rig: Rig, kept: frozenset[int]) -> frozenset[int]:
                     "strip again"
                 )
     return gone
+
+
+def _refuse_named(rig: Rig, gone: frozenset[int]) -> None:
+    """GeometryError where something in the file that is not from rigtri names a node that goes."""
+    others = _others(rig)
+    for one in (each for each in others if each.kind in _OF_FILES):
+        for node in (one.node, one.source):
+            if node in gone:
+                raise _named_error(rig, node, f"the {one.kind} constraint of '{rig.title(one.node)}'")
+    for bone, node in rig.humanoid.items():
+        if node in gone:
+            raise _named_error(rig, node, f"the humanoid's {bone}")
+    ours = {one.source for one in rig.node_constraints if one not in others}
+    for node in sorted(rig.rules.named & gone - ours):
+        raise _named_error(rig, node, "an extension, such as springs, colliders or first person,")
+
+
+def _named_error(rig: Rig, node: int, what: str) -> GeometryError:
+    return GeometryError(
+        f"strip removes '{rig.title(node)}', but {what} needs it and is not from rigtri. In the program that "
+        "put that there, let it name a node that stays, or remove it; then strip again"
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from gltf_files import glb_bytes, glb_parts
 from places import USD, files_of_all_kinds, leave_out_refused
 from pxr import Usd, UsdGeom
 from second_opinions import khronos_errors
+from vrm_files import vrm_1
 
 from rigtri import diff, verify
 from rigtri.errors import DeviationError, FileError, GeometryError
@@ -172,6 +174,31 @@ def test_an_extension_that_may_hold_numbers_of_nodes_is_named(
     with pytest.raises(FileError, match=f"{name} may hold numbers of nodes"):
         edit(tmp_path / "built.glb", tmp_path / "bare.glb", stripped)
     assert not (tmp_path / "bare.glb").exists()
+
+
+def name_in_vrm(gltf: dict[str, Any], what: str, control: int) -> None:
+    """Let something of VRM that is not from rigtri name a control."""
+    constraint = {"specVersion": "1.0", "constraint": {"rotation": {"source": control}}}
+    if what == "rotation constraint":
+        gltf["nodes"][1].setdefault("extensions", {})["VRMC_node_constraint"] = constraint
+    elif what == "humanoid's jaw":
+        gltf["extensions"]["VRMC_vrm"]["humanoid"]["humanBones"]["jaw"] = {"node": control}
+    else:
+        gltf["extensions"]["VRMC_springBone"]["colliders"][0]["node"] = control
+
+
+@pytest.mark.parametrize("what", ["rotation constraint", "humanoid's jaw", "colliders"])
+def test_what_is_not_from_rigtri_and_needs_a_control_is_named(what: str, tmp_path: Path) -> None:
+    vrm_1().glb(tmp_path / "person.vrm")
+    built = tmp_path / "built.vrm"
+    edit(tmp_path / "person.vrm", built, controls)
+    gltf, binary = glb_parts(built)
+    ours = [k for k, node in enumerate(gltf["nodes"]) if node.get("name", "").endswith("_ctl")]
+    name_in_vrm(gltf, what, ours[-1])
+    built.write_bytes(glb_bytes(gltf, binary))
+    with pytest.raises(GeometryError, match=f"{gltf['nodes'][ours[-1]]['name']}.*{what}"):
+        edit(built, tmp_path / "bare.vrm", stripped)
+    assert not (tmp_path / "bare.vrm").exists()
 
 
 @pytest.mark.ci
