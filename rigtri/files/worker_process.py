@@ -50,6 +50,7 @@ _STARTS, _BETWEEN = 5, 0.1
 _LONGEST = 70
 
 _NO_MEMORY = "there is not enough memory for this file"
+_NO_FOLDER = "the working folder was removed, and no process can be started there; change to another folder"
 # How a child ends that has no memory left to report that.
 _EXHAUSTED = 125
 # M_TRIM_THRESHOLD, M_TOP_PAD and M_MMAP_THRESHOLD of mallopt(3), bytes each.
@@ -174,6 +175,10 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
 
     def _start(self) -> tuple[Any, Connection]:
         """A new child. FileError where none comes into being."""
+        try:
+            os.getcwd()  # multiprocessing tells it to the child
+        except FileNotFoundError as error:
+            raise FileError(_NO_FOLDER) from error
         place = root()
         _keep_sockets(place)
         for number in range(_STARTS):

@@ -96,6 +96,16 @@ def test_how_a_process_ended_is_reported_by_its_exit_code(
 
 
 @SERVED
+def test_a_working_folder_that_was_removed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    with WorkerProcess() as worker, pytest.raises(FileError, match="working folder was removed"):
+        worker("a file", os.getpid)
+
+
+@SERVED
 def test_where_no_process_can_be_started_that_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(_: object) -> None:
         raise EOFError("unexpected EOF")
