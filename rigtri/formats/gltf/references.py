@@ -118,7 +118,9 @@ def _named(value: Any, section: str) -> Iterator[int]:
                 if _refers(key, section):
                     yield below
             elif isinstance(below, list) and below and type(below[0]) in (int, float):
-                yield from below if type(below[0]) is int and _refers(key, section) else ()
+                if type(below[0]) is int and _refers(key, section):
+                    # 3.0 is the same number.
+                    yield from (int(k) for k in below if type(k) in (int, float) and k == k // 1)
             elif section == "accessors" and key == "attributes" and isinstance(below, dict):
                 yield from (k for k in below.values() if type(k) is int)
             elif section == "accessors" and key == "targets" and isinstance(below, list):

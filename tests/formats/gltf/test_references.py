@@ -10,10 +10,15 @@ from gltf_files import Builder, small
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
-from rigtri.formats.gltf.references import take_out
+from rigtri.formats.gltf.references import take_out, used_views
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
+
+
+def test_whole_numbers_of_a_list_refer_to_something_and_nothing_else_does() -> None:
+    found = used_views({"extensions": {"one": {"bufferViews": [2, 1.0, 0.5, "a", None, float("nan")]}}})
+    assert sorted(map(repr, found)) == ["1", "2"]
 
 
 def _to_mesh(builder: Builder) -> None:
