@@ -13,6 +13,7 @@ from rigtri.errors import FileError
 from rigtri.evaluation.timelines import as_played
 from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_cameras_lights import read_camera, read_light
+from rigtri.export.conversion.usd_deformation import lost_deformations
 from rigtri.export.conversion.usd_material_reader import MaterialReader, shows_colours
 from rigtri.export.conversion.usd_motion import PrimMotion, unit_rotations
 from rigtri.export.conversion.usd_triangles import Faces, colour_of, materials_of, read_faces, with_points
@@ -181,18 +182,11 @@ class _Reader:
                 )
 
     def _unsaid(self, prim: Any, mesh: Mesh) -> None:
-        if mesh.dual_quaternion:
-            self.scene.lose(f"dual-quaternion skinning of mesh {mesh.name}: it is skinned linearly")
         if UsdGeom.Mesh(prim).GetPointsAttr().GetNumTimeSamples() > 1:
             self.scene.lose(f"points of mesh {mesh.name} over time")
         shapes = [UsdSkel.BlendShape(one) for one in self._blend_shapes(prim)]
-        if any(shape.GetInbetweens() for shape in shapes):
-            far = max(map(_beside_the_line, shapes))
-            size = float(length(mesh.points.max(axis=0) - mesh.points.min(axis=0)))
-            self.scene.lose(
-                f"inbetweens of blend shapes of mesh {mesh.name}: at their weights they move points up to "
-                f"{far / size if size else far:.2g} of the mesh's size, which is not in the deviation"
-            )
+        for text in lost_deformations(mesh, shapes):
+            self.scene.lose(text)
 
     def _blend_shapes(self, prim: Any) -> list[Any]:
         """The prims of the blend shapes of a mesh."""
@@ -386,14 +380,3 @@ class _Reader:
                 return None
             times, values = times[:1], values[:1]
         return Track(track.node, track.path, track.interpolation, times.astype(np.float64), values)
-
-
-def _beside_the_line(shape: Any) -> float:
-    """How far inbetweens are from the straight way to their target, at most: there they are farthest."""
-    whole = np.array(at_start(shape.GetOffsetsAttr()) or (), dtype=np.float64).reshape(-1, 3)
-    most = 0.0
-    for one in shape.GetInbetweens():
-        offsets, weight = np.array(one.GetOffsets() or (), dtype=np.float64).reshape(-1, 3), one.GetWeight()
-        if len(offsets) == len(whole) and len(whole) and weight is not None:
-            most = max(most, float(length(offsets - weight * whole).max()))
-    return most

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from broken_usd import clean
 from gltf_files import glb_json
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdSkel
 
@@ -139,3 +140,15 @@ def test_what_is_not_read_is_reported_and_samples_stand_in_for_defaults(tmp_path
     assert gltf["cameras"][0]["perspective"]["yfov"] == pytest.approx(0.43012, abs=1e-4)
     (light,) = gltf["extensions"]["KHR_lights_punctual"]["lights"]
     assert light["intensity"] == pytest.approx(10.0 * 3.14159 * 0.25 * 0.01**2, 1e-3), "of centimetres"
+
+
+def test_weights_that_do_not_sum_to_one_are_reported_with_how_far_that_moves_points(tmp_path: Path) -> None:
+    """UsdSkel shows the points nearer to its origin, and glTF knows no such weights."""
+    weights = ("[1, 0, 0.5, 0.5, 1, 0]", "[0.7, 0, 0.35, 0.35, 1, 0]")
+    (tmp_path / "in.usda").write_text(clean().replace(*weights))
+    outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
+    told = [n.text for n in outcome.report.warnings if "that do not sum to 1" in n.text]
+    assert len(told) == 1
+    (tmp_path / "as_one.usda").write_text(clean())
+    outcome = rigtri.convert(tmp_path / "as_one.usda", tmp_path / "as_one.glb")
+    assert not [n for n in outcome.report.warnings if "that do not sum to 1" in n.text]
