@@ -34,6 +34,7 @@ from rigtri.maths.quaternions import from_axes, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, cube_root
 from rigtri.maths.vectors import length, triple
+from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import (
     PIVOTS,
@@ -276,6 +277,14 @@ def moved_controls(rig: Rig) -> frozenset[int]:
     controls = rig.nodes_of(ControlRecord.type)
     moved = {k for k in controls if not rig.is_joint[k] and not np.array_equal(rig.local[k], _WORLD)}
     return frozenset(moved | keyed.intersection((*controls, *rig.nodes_of(PoleVectorRecord.type))))
+
+
+def constrained_controls(rig: Rig) -> frozenset[int]:
+    """The controls whose axes constraints count from: drivers, children, those whose offset is one."""
+    rules = constraints_of(rig).values()
+    tied = {node for rule in rules for node in (rule.child, *rule.drivers, rule.up_object)}
+    controls = rig.nodes_of(ControlRecord.type)
+    return frozenset(node for node in controls if not tied.isdisjoint({node, int(rig.parents[node])}))
 
 
 def world_at_zero(rig: Rig, node: int, controls: set[int]) -> Floats:

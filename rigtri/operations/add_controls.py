@@ -16,7 +16,13 @@ import numpy as np
 
 from rigtri.errors import GeometryError, NoLimbError
 from rigtri.evaluation.sampling import world_of
-from rigtri.evaluation.zero_pose import SAME_POSITION, idle_ik, ik_obstacle, moved_controls
+from rigtri.evaluation.zero_pose import (
+    SAME_POSITION,
+    constrained_controls,
+    idle_ik,
+    ik_obstacle,
+    moved_controls,
+)
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.trigonometry import Floats
@@ -118,8 +124,8 @@ class _Builder:
         rules = Rules(limb_child=limb_children(self.tree, self.limbs))
         aims = aim_targets(self.tree, self.ref, self.tree.joints, rules)
         self.sizes = ControlSizes(self.tree, aims, self.ref.extent)
-        # Of earlier runs; what this run makes has neither keys nor been moved.
-        self.moved = moved_controls(rig)
+        # Of earlier runs; what this run makes has neither keys nor been moved, and nothing counts from it.
+        self.moved = moved_controls(rig) | constrained_controls(rig)
         self.axes = ControlAxes(self.tree, options, self.moved)
         self.bones = {node: bone for bone, node in rig.humanoid.items()}
         self.limb_sides: dict[int, Side] = {limb.start: limb.side for limb in self.limbs}

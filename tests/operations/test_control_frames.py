@@ -235,3 +235,17 @@ def test_offsets_stand_on_joints_whose_quaternions_rounding_has_made_longer() ->
                 axes = nearest_rotation(rig.normalised_world[joint])
                 assert np.abs(nearest_rotation(there) - axes).max() < 1e-14
     assert len(stored) > 20
+
+
+def test_controls_that_constraints_count_from_keep_their_axes_in_a_second_run() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    built = rigtri.add_controls(rig, chain=("forearm_L", "hand_L"), root_control=True)
+    names = {r.joint: built.names[k] for k, r in built.records(ControlRecord).items() if r.kind == "fk"}
+    child, driver = names["hand_L"], names["forearm_L"]
+    tied = rigtri.constrain(built, type="parent", child=child, driver=((driver, 1.0),))
+    again = rigtri.add_controls(tied, chain=("forearm_L", "hand_L"), root_control=True, frame="joint")
+    for name in (child, driver):
+        assert np.allclose(again.world[again.find(name)], tied.world[tied.find(name)], atol=1e-6)
+    # Without the constraint they get the axes of their joints.
+    free = rigtri.add_controls(built, chain=("forearm_L", "hand_L"), root_control=True, frame="joint")
+    assert not np.allclose(free.world[free.find(driver)], built.world[built.find(driver)], atol=1e-3)
