@@ -21,7 +21,7 @@ from rigtri.frames import Mirror
 from rigtri.frames.mirroring import Across, mirrored_axes
 from rigtri.maths.matrices import from_frame, nearest_rotation
 from rigtri.maths.matrices import multiply as matmul
-from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes, unit
+from rigtri.maths.quaternions import from_axes, from_axis_angle, multiply, to_axes, unit
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
@@ -213,6 +213,27 @@ def test_check_finds_the_convention_of_a_symmetric_body(
     assert found.worse() == []
     other = "behavior" if expected != "behavior" else "orientation"
     assert len(asymmetry(rig, mode=other).worse()) > 10
+
+
+def test_check_finds_the_convention_that_noise_hides_where_one_pair_keeps_another_exactly() -> None:
+    """Of a body that was measured, no pair is exact but one whose axes are those of the world."""
+    rig = orient_joints(posed_body(Pose(knee=5.0, elbow=5.0)).rig, preset="article")
+    rotation, (kept, there) = (
+        rig.rotation.copy(),
+        (rig.find(f"mixamorig:{side}ToeBase") for side in ("Left", "Right")),
+    )
+    for joint in (k for k in range(len(rig)) if "Right" in rig.names[k]):
+        rotation[joint] = multiply(from_axis_angle([0.6, 0.0, 0.8], np.radians(0.6)), rotation[joint])
+    bare = replace(rig, rotation=rotation)
+    for joint in (kept, there):
+        above = nearest_rotation(bare.world[int(rig.parents[joint])])
+        rotation[joint] = from_axes(above.T)
+    found = asymmetry(replace(rig, rotation=rotation), options=MirrorOptions(pose="nodes"))
+    assert found.mode == "y-reversed"
+    assert found.keeping <= 1
+    worst = sorted(pair.degrees for pair in found.worse())
+    assert worst[-1] > 90.0
+    assert worst[-3] < 5.0
 
 
 def test_check_lists_the_worst_pair_first_and_rounding_orders_none() -> None:

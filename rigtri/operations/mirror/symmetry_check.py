@@ -29,6 +29,8 @@ from rigtri.operations.rigtri_nodes import find
 
 # Degrees that tools leave of symmetric axes.
 DEGREES = 0.1
+# Degrees by which noise of a millimetre or two turns axes that are aimed. Conventions are 90° or more apart.
+_NOISE = 10.0
 # Angles that differ by less are equal: rounding must not order pairs.
 _SAME_DEGREES = 1e-3
 # Nodes of ours that stand somewhere, and those whose axes say something.
@@ -118,7 +120,7 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Conventio
         kept = max(by_mode, key=lambda each: _fit(by_mode[each]))
         compared += by_mode[kept]
         modes += [kept] if group else []
-    keeping, with_axes = _fit(compared)[0], len(compared)
+    keeping, with_axes = _keeping(compared), len(compared)
     placed = {node: there for node, there in standing.items() if kinds[node] not in _WITH_AXES}
     compared += _compared(rig, placed, rest, ref.extent, options, None)
     missing = ((node, twin(rig.names[node])) for node in alone)
@@ -129,10 +131,17 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Conventio
     return Asymmetry(tuple(compared), tuple(titles), plane, at, better, kept, keeping, with_axes)
 
 
-def _fit(pairs: Sequence[Pair]) -> tuple[int, float]:
-    """How well a convention fits: the pairs that keep it, and how far off most are."""
+def _fit(pairs: Sequence[Pair]) -> tuple[int, int, float]:
+    """How well a convention fits: the pairs that keep it but for noise, those that keep it, and how far off
+    most are."""
     degrees = [pair.degrees for pair in pairs]
-    return sum(each <= DEGREES for each in degrees), -float(np.median(degrees or [0.0]))
+    near = sum(each <= _NOISE for each in degrees)
+    return near, _keeping(pairs), -float(np.median(degrees or [0.0]))
+
+
+def _keeping(pairs: Sequence[Pair]) -> int:
+    """How many pairs keep the convention that they were compared by."""
+    return sum(pair.degrees <= DEGREES for pair in pairs)
 
 
 def _is_bone(tree: Skeleton, joint: int) -> bool:
