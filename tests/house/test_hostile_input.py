@@ -402,6 +402,26 @@ def test_a_crate_whose_sample_times_are_not_in_order_is_refused(tmp_path: Path) 
     assert "the times of its samples are not in order" in error_of(tmp_path / "odd.usdc")
 
 
+@pytest.mark.parametrize("kind", [46, 49, 58])
+def test_a_crate_whose_attribute_has_a_value_of_metadata_is_refused(kind: int, tmp_path: Path) -> None:
+    """A list of layer offsets, for one: pxr has no Python object for it and ends in a TypeError."""
+    content = bytearray(crate(tmp_path))
+    (times,) = [m.start() for m in re.finditer(re.escape(struct.pack("<Qdd", 2, 1.0, 5.0)), content)]
+    at = content.index(struct.pack("<Q", 2), times + 24)
+    assert content[at + 14] == 17  # after the number of samples the first: a quatf[]
+    content[at + 14] = kind
+    (tmp_path / "odd.usdc").write_bytes(content)
+    assert f"an attribute has a value of type {kind}" in error_of(tmp_path / "odd.usdc")
+
+
+def test_a_crate_whose_attribute_has_metadata_as_its_default_is_refused(tmp_path: Path) -> None:
+    layer = Sdf.Layer.CreateNew(str(tmp_path / "odd.usdc"))
+    prim = Sdf.PrimSpec(layer, "Root", Sdf.SpecifierDef)
+    Sdf.AttributeSpec(prim, "x", Sdf.ValueTypeNames.Double3).SetInfo("default", Sdf.TokenListOp())
+    layer.Save()
+    assert "an attribute has a value of type 32" in error_of(tmp_path / "odd.usdc")
+
+
 def test_joints_that_are_no_tokens_are_refused_or_ignored_by_name(tmp_path: Path) -> None:
     for block in (skeleton(joints="int[] joints = [1, 2, 3]"), skeleton(joints="custom strong joints = 3")):
         assert error_of(save(tmp_path, scene(block, animation(), MESH), f"{len(block)}.usda"))

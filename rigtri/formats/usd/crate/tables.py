@@ -47,6 +47,9 @@ _ITEM = np.array([_SIZES.get(kind, 0) for kind in range(256)])
 _COUNTED = {31: 12, 40: 4, 41: 4, 45: 8, 48: 8, 49: 16, 50: 4, 58: 8}
 # Lists of edits: a byte whose bits are the lists that follow, then each with its count.
 _LISTS = {32: 4, 33: 4, 34: 4, 35: 8, 36: 4, 37: 8, 38: 4, 39: 8, 54: 8, 55: 8}
+# Types of metadata alone: lists of edits, vectors of the file, words of Sdf, samples, payloads, relocates.
+# For some of them as the value of an attribute pxr has no Python object.
+_OF_METADATA = np.isin(np.arange(256), [*_LISTS, *range(40, 51), 52, 58])
 
 T = TypeVar("T")
 Integers = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
@@ -71,6 +74,7 @@ class _Crate:
             raise ValueError("it is cut off in its first bytes")
         _, *numbers = _BOOTSTRAP.unpack_from(content)
         self.version = (numbers[0], numbers[1], numbers[2])
+        self.default = -1  # which token names the value of an attribute
         self.sections = self._table_of_contents(numbers[8])
 
     def check(self) -> None:
@@ -125,6 +129,8 @@ class _Crate:
             raise ValueError("it is shorter than it claims")
         if text.count(0) != count or (text and text[-1]):
             raise ValueError(f"it claims {count} tokens and has {text.count(0)}")
+        at = (b"\0" + text).find(b"\0default\0")
+        self.default = text.count(0, 0, at) if at >= 0 else -1
         return count
 
     def _strings(self, at: int, end: int) -> Integers:
@@ -139,7 +145,9 @@ class _Crate:
         values = lz4.unpacked(bytes(packed), 8 * count) if count else b""
         if len(values) != 8 * count:
             raise ValueError("it has fewer values than it claims")
-        _check_values(self.content, np.frombuffer(values, dtype="<u8"), self.version, tokens, strings)
+        words = np.frombuffer(values, dtype="<u8")
+        _check_kinds(words[names == self.default])
+        _check_values(self.content, words, self.version, tokens, strings)
         return count
 
     def _field_sets(self, at: int, end: int, fields: int) -> Integers:
@@ -335,7 +343,15 @@ def _check_samples(content: memoryview, at: int, version: tuple[int, int, int], 
     count = _number(content, start)
     _fits(content, start + 8, count, 8)
     values = np.frombuffer(content[start + 8 : start + 8 + 8 * count], dtype="<u8")
-    _check_each(content, values[values >> np.uint64(48) & np.uint64(0xFF) != _TIME_SAMPLES], version, seen)
+    _check_kinds(values)
+    _check_each(content, values, version, seen)
+
+
+def _check_kinds(values: Words) -> None:
+    """ValueError for the value of an attribute that is of no type that attributes have."""
+    kinds = values >> np.uint64(48) & np.uint64(0xFF)
+    if (wrong := kinds[_OF_METADATA[kinds]]).size:
+        raise ValueError(f"an attribute has a value of type {int(wrong[0])}, which is of metadata alone")
 
 
 def _check_times(content: memoryview, at: int) -> None:
