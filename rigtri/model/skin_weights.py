@@ -101,7 +101,7 @@ def limited(
     off = plain & (np.abs(total - one) > (0.5 if full else SAME)) if limit.normalise else over
     moved = over | off | ((weights[:, width:] != 0).any(axis=1) & plain)
     once = weights.copy()
-    once[over | off] = _added_up(joints[over | off], weights[over | off])
+    once[over | off] = added_up(joints[over | off], weights[over | off])
     order = np.argsort(-np.abs(once), axis=1, kind="stable")
     rows = np.arange(len(joints))[:, np.newaxis]
     most, heavy = joints[rows, order], once[rows, order]
@@ -131,6 +131,18 @@ def within(weights: Floats, full: int) -> Floats:
     return fitting
 
 
+def added_up(joints: Integers, weights: Floats) -> Floats:
+    """Weights (v, k) with all that a point has of a joint in the first place that names it."""
+    found = weights.copy()
+    for first in range(joints.shape[1] - 1):
+        again = (joints[:, first + 1 :] == joints[:, first, np.newaxis]) & (found[:, first, np.newaxis] != 0)
+        if again.any():
+            rest = found[:, first + 1 :]
+            found[:, first] += _total(np.where(again, rest, 0.0))
+            rest[again] = 0.0
+    return found
+
+
 def _whole(weights: Floats, total: Floats) -> Floats:
     """Weights (v, k) as whole numbers that sum to ``total`` (v,), each less than 1 from what it was.
 
@@ -144,18 +156,6 @@ def _whole(weights: Floats, total: Floats) -> Floats:
 def _total(weights: Floats) -> Floats:
     """What the weights (v, k) of each point sum to, (v,), added from left to right."""
     return weights.cumsum(axis=1)[:, -1] if weights.shape[1] else np.zeros(len(weights))
-
-
-def _added_up(joints: Integers, weights: Floats) -> Floats:
-    """Weights (v, k) with all that a point has of a joint in the first place that names it."""
-    found = weights.copy()
-    for first in range(joints.shape[1] - 1):
-        again = (joints[:, first + 1 :] == joints[:, first, np.newaxis]) & (found[:, first, np.newaxis] != 0)
-        if again.any():
-            rest = found[:, first + 1 :]
-            found[:, first] += _total(np.where(again, rest, 0.0))
-            rest[again] = 0.0
-    return found
 
 
 def _width(weights: Floats) -> int:

@@ -22,6 +22,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, normalise
 from rigtri.model.animation import Clip
 from rigtri.model.mesh import Mesh
+from rigtri.model.skin_weights import added_up
 
 # A matrix that translation, rotation and scale give back to this share of its largest number is theirs:
 # exporters that multiply in float32 leave as much.
@@ -164,8 +165,11 @@ class GltfWriter:
         return found
 
     def _influences(self, mesh: Mesh) -> dict[str, int]:
-        """Joints and weights in sets of four, weights summing to 1, the largest first."""
-        weights = normalised_weights(mesh.weights)
+        """Joints and weights in sets of four, weights summing to 1, the largest first.
+
+        A joint that a point names twice, as USD allows, is there once.
+        """
+        weights = normalised_weights(added_up(mesh.joints, mesh.weights))
         order = np.argsort(-np.abs(weights), axis=1, kind="stable")
         weights = np.take_along_axis(weights, order, axis=1)
         joints = np.take_along_axis(mesh.joints, order, axis=1)

@@ -64,6 +64,49 @@ def test_a_stage_in_gltf_looks_the_same(path: Path, suffix: str, tmp_path: Path)
     assert outcome.verification.deviation <= TOLERANCE
 
 
+@pytest.mark.parametrize(
+    ("joints", "weights"),
+    [
+        ("1, 1, 1, 2, 2, 1", "0.5, 0.5, 0.25, 0.75, 1, 0"),
+        ("1, 1, 0, 2, 1, 0, 0, 0, 0, 2, 1, 0, 0, 1, 2", ".1, .2, .3, .2, .2, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0"),
+        ("1, 1, 2, 2, 1, 1", "0, 0, 0.5, 0.5, 0, 0.5"),
+        ("2, 1, 2, 1, 2, 1, 0, 0, 0, 0, 0, 0, 0, 1, 2, 0, 1, 2", ".1, " * 6 + ".3, " * 6 + ".2, " * 6),
+        ("0, " * 27, "0.1, " * 27),
+    ],
+    ids=["once again", "five", "without any", "six of two joints", "nine of one"],
+)
+def test_a_joint_that_a_point_names_twice_is_there_once(joints: str, weights: str, tmp_path: Path) -> None:
+    """The validator's rules: weights of a point sum to 1, and no joint is there twice or without weight."""
+    mesh = MESH.replace("[1, 0, 0.5, 0.5, 1, 0] (elementSize = 2", f"[{weights}] (elementSize = {{}}")
+    mesh = mesh.replace("[0, 1, 1, 2, 2, 1] (elementSize = 2", f"[{joints}] (elementSize = {{}}")
+    width = len([one for one in joints.split(",") if one.strip()]) // 3
+    source = save(
+        tmp_path, scene(skeleton(), animation(), mesh.replace("elementSize = {}", f"elementSize = {width}"))
+    )
+    rigtri.convert(source, tmp_path / "out.glb")
+    gltf, content = read_glb(tmp_path / "out.glb")
+    attributes = gltf["meshes"][0]["primitives"][0]["attributes"]
+    sets = range(sum(name.startswith("JOINTS") for name in attributes))
+    named = np.concatenate([_accessor(gltf, content, attributes[f"JOINTS_{k}"], "<u2") for k in sets], axis=1)
+    weigh = np.concatenate(
+        [_accessor(gltf, content, attributes[f"WEIGHTS_{k}"], "<f4") for k in sets], axis=1
+    )
+    assert (np.abs(weigh.sum(axis=1) - 1.0) <= 2e-7 * np.count_nonzero(weigh, axis=1)).all()
+    for own, share in zip(named.tolist(), weigh.tolist(), strict=True):
+        live = [joint for joint, weight in zip(own, share, strict=True) if weight]
+        assert len(set(live)) == len(live)
+        assert not any(joint for joint, weight in zip(own, share, strict=True) if not weight)
+
+
+def _accessor(gltf: dict[str, Any], content: bytes, number: int, kind: str) -> Any:
+    """Rows of four numbers of an accessor that begins where its view does."""
+    accessor = gltf["accessors"][number]
+    view = gltf["bufferViews"][accessor["bufferView"]]
+    assert "byteOffset" not in accessor
+    found = np.frombuffer(content, kind, 4 * accessor["count"], view.get("byteOffset", 0))
+    return found.reshape(-1, 4)
+
+
 def test_each_file_is_measured_by_its_own_method_of_skinning(tmp_path: Path) -> None:
     bound = "rel skel:skeleton = </Root/Skel>"
     method = f'{bound}\n    uniform token primvars:skel:skinningMethod = "dualQuaternion"'
