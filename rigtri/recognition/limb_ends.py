@@ -90,7 +90,9 @@ def has_thumb(tree: Tree, path: Sequence[int]) -> bool:
     hand = path[branches(tree, path)[0]]
     chains = [tree.paths[k] for k in tree.below[hand] if len(tree.paths[k]) > 1]
     thumb = thumb_of(tree, hand, chains, _SPREAD) if len(chains) > 2 else -1
-    return thumb >= 0 and not _is_within_row(tree, chains, thumb, joint=1)
+    # Beside a row that is aslant, as of curled fingers, a thumb may begin to stand apart at its end.
+    least = min(map(len, chains), default=0)
+    return thumb >= 0 and not all(_is_within_row(tree, chains, thumb, joint=k) for k in (1, least - 1))
 
 
 def _ways_on(tree: Tree, node: int) -> list[int]:

@@ -65,12 +65,23 @@ def test_paws_are_no_hands(toes: int) -> None:
         assert not any(chain.kind in ("hand", "finger") for chain in found.chains)
 
 
-def test_hands_on_the_ground_are_hands_where_a_thumb_stands_apart() -> None:
-    """Who is bound on all fours, and has the names of a person, has arms."""
+@pytest.mark.parametrize("late", [False, True])
+def test_hands_on_the_ground_are_hands_where_a_thumb_stands_apart(late: bool) -> None:
+    """Who is bound on all fours, and has the names of a person, has arms.
+
+    late: the thumb leaves the row of the fingers beyond its second joint, as beside curled fingers.
+    """
     hands = with_paws(HORSE, 4)
-    for side, x in (("L", 0.1), ("R", -0.1)):
-        hands.append((f"thumb.{side}", f"finger.{side}", (x + 0.01, 0.07, 0.68)))
-        hands.append((f"thumb_end.{side}", f"thumb.{side}", (x - 0.03 if x > 0 else x + 0.03, 0.05, 0.68)))
+    thumb = [(0.19, 0.07, 0.64), (0.15, 0.06, 0.66), (0.09, 0.05, 0.68)]
+    thumb = thumb if late else [(0.11, 0.07, 0.68), (0.07, 0.05, 0.68)]
+    for side, sign in (("L", 1), ("R", -1)):
+        over = f"finger.{side}"
+        for k, (x, y, z) in enumerate(thumb):
+            hands.append((f"thumb{k}.{side}", over, (sign * x, y, z)))
+            over = f"thumb{k}.{side}"
+        for k in range(4 if late else 0):
+            name, _, (x, y, z) = next(joint for joint in hands if joint[0] == f"finger{k}_end.{side}")
+            hands.append((f"finger{k}_tip.{side}", name, (x, y - 0.02, z + 0.03)))
     hands = [
         (name, over.replace("finger.", "hand."), at) for name, over, at in hands if "finger." not in name
     ]
