@@ -30,6 +30,8 @@ _MANY, _PER_KEY = 10_000, 100
 _ANIMATED = ("translations", "rotations", "scales", "blendShapeWeights")
 # Quaternions whose product is above this are less than 0.51° apart: OpenUSD goes straight between them.
 _STRAIGHT = 0.99999
+# So many radians off the arcs between orient samples need no word: what a conversion may be off.
+EVEN = 1e-5
 _SETTERS: Mapping[Path, Callable[[Floats], Any]] = {
     "translation": values.vectors,
     "rotation": lambda rows: values.quaternions(unit(rows)),

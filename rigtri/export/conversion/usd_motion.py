@@ -1,28 +1,31 @@
 """How prims move between the samples of their ops, computed by USD itself.
 
 USD interpolates ops: the three angles of an Euler rotation, the sixteen numbers of a matrix. glTF goes in
-straight lines and along arcs. So prims whose ops do otherwise get as many keys as follow them.
+straight lines and along arcs. So prims whose ops do otherwise get as many keys as follow them. Quaternions go
+along arcs, as UsdAttribute has them, not as OpenUSD's UsdGeomXformable bends slow ones (docs/usd.md).
 
 Source: UsdGeomXformable (GetLocalTransformation); UsdAttribute (interpolation).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from pxr import UsdGeom
+from pxr import Gf, UsdGeom
 
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sorted_unique
+from rigtri.export.conversion.usd_clips import EVEN, unevenness
 from rigtri.formats.usd.composition.stage import quiet
-from rigtri.formats.usd.reading.xform_hierarchy import read_transform
+from rigtri.formats.usd.reading.xform_hierarchy import read_transform, value_numbers
 from rigtri.maths.matrices import SKEW, compose, decompose, skew
-from rigtri.maths.quaternions import angle_between, norm, normalise, slerp
+from rigtri.maths.quaternions import angle_between, make_continuous, norm, normalise, slerp, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Track
+from rigtri.text import and_more
 from rigtri.verification.compare.across_formats import PlayedClip, in_a_step
 
 # How far keys may be off between two of them: radians, and shares of where the prim goes or, where that is
@@ -38,12 +41,14 @@ _PARTS = (3, 7)  # where rotation and scale begin among ten numbers
 class PrimMotion:
     """Where prims are at any time. prims: by node; codes: by node, pairs of seconds and time codes of keys.
 
-    sheared: nodes whose ops go through shear, which no translation, rotation and scale show.
+    sheared: nodes whose ops go through shear, which no translation, rotation and scale show. uneven: how far,
+    in radians, OpenUSD turns those with orient ops beside the arcs, by node.
     """
 
     prims: dict[int, Any] = field(default_factory=dict)
     codes: dict[int, tuple[Floats, Floats]] = field(default_factory=dict)
     sheared: set[int] = field(default_factory=set)
+    uneven: dict[int, float] = field(default_factory=dict)
 
     def follow(self, prims: Mapping[int, Any], tracks: Sequence[Track], sizes: Floats) -> list[Track]:
         """The tracks of prims, by node, with keys between the samples where ops go other ways than tracks.
@@ -55,6 +60,7 @@ class PrimMotion:
             mine = [track for track in tracks if track.node == node]
             if mine[0].interpolation != "STEP":
                 self.prims[node] = prim
+                self.uneven[node] = max(map(_unevenness, _turning(prim)), default=0.0)
                 if read_transform(prim, node, mine[0].interpolation) is None:
                     mine = self._sampled(prim, mine, float(sizes[node]))
             found += mine
@@ -106,6 +112,18 @@ class PrimMotion:
 
         return PlayedClip(name, tuple(tracks), places=places)
 
+    def lost(self, labels: Sequence[str]) -> Iterator[str]:
+        """What glTF cannot say of the motion, in words; labels: paths of prims, by node."""
+        sheared = sorted(f"<{labels[node]}>" for node in self.sheared)
+        if sheared:
+            yield f"the shear that matrices of {and_more(sheared, 3)} go through between samples"
+        slow = sorted(f"<{labels[node]}>" for node, off in self.uneven.items() if off > EVEN)
+        if slow:
+            yield (
+                f"how OpenUSD plays slow rotations of {and_more(slow, 3)}, less than 0.51° between samples: "
+                f"up to {max(self.uneven.values()):.1e} rad off their arcs, which are written"
+            )
+
     def note(self, track: Track, seconds: Floats) -> None:
         """Keep which time codes are which seconds."""
         if track.node in self.prims:
@@ -127,6 +145,39 @@ def unit_rotations(tracks: Sequence[Track]) -> tuple[tuple[Track, ...], float]:
 
 def _locals(prim: Any, times: Floats) -> Floats:
     """The matrices of a prim, (f, 4, 4), at time codes."""
-    place: Callable[[float], Any] = UsdGeom.Xformable(prim).GetLocalTransformation
+    xformable = UsdGeom.Xformable(prim)
+    place: Callable[[float], Any] = xformable.GetLocalTransformation
+
+    def along_arcs(time: float) -> Any:
+        found = Gf.Matrix4d(1.0)
+        for op in xformable.GetOrderedXformOps():
+            found = _along_arcs(op, time) * found
+        return found
+
+    if _turning(prim):
+        place = along_arcs
     with quiet(f"<{prim.GetPath()}>: USD cannot read how it moves"):
         return np.array([place(time) for time in times.tolist()], dtype=np.float64)
+
+
+def _turning(prim: Any) -> list[Any]:
+    """The orient ops of a prim that have several samples."""
+    with quiet(f"<{prim.GetPath()}>: USD cannot read how it moves"):
+        ops = UsdGeom.Xformable(prim).GetOrderedXformOps()
+    kind = UsdGeom.XformOp.TypeOrient
+    return [op for op in ops if op.GetOpType() == kind and op.GetNumTimeSamples() > 1]
+
+
+def _along_arcs(op: Any, time: float) -> Any:
+    """The matrix of an op at a time code; quaternions between two samples lie on their arc."""
+    turn = op.Get(time) if op.GetOpType() == UsdGeom.XformOp.TypeOrient else None
+    if turn is None:
+        return op.GetOpTransform(time)
+    matrix = Gf.Matrix4d().SetRotate(Gf.Quatd(turn).GetNormalized())
+    return matrix.GetInverse() if op.IsInverseOp() else matrix
+
+
+def _unevenness(op: Any) -> float:
+    """How far OpenUSD plays an orient op beside its arcs, in radians."""
+    rows = np.stack([value_numbers(op.Get(time)) for time in op.GetTimeSamples()])
+    return unevenness(make_continuous(unit(rows))) if np.isfinite(rows).all() else 0.0

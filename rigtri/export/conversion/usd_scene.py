@@ -309,9 +309,8 @@ class _Reader:
 
     def _say_how_it_is_played(self, clip: Clip) -> None:
         motion = self.motion
-        if motion.sheared:
-            names = sorted(f"<{self.scene.rig.labels[node]}>" for node in motion.sheared)
-            self.scene.lose(f"the shear that matrices of {and_more(names, 3)} go through between samples")
+        for words in motion.lost(self.scene.rig.labels):
+            self.scene.lose(words)
         if motion.codes:
             meant = motion.played(clip.name, clip.tracks, upright=True)
             was = self.scene.played.get(clip.name, (clip, clip if motion.sheared else None))[1]

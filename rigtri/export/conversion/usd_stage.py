@@ -44,8 +44,6 @@ from rigtri.text import and_more
 # How far a baked camera or light may be off between samples, as a share of how far it is from the origin, or
 # of the size of the model.
 BAKED = 1e-6
-# So many radians off the arcs between orient samples need no word: what a conversion may be off.
-EVEN = 1e-5
 
 
 @dataclass(frozen=True)
@@ -165,7 +163,7 @@ class _Writer:
         for node in set(nodes).intersection(self.scene.extras):
             extras = values.dictionary({"of": self.scene.extras[node]})["of"]
             self.stage.GetPrimAtPath(paths[node]).SetCustomDataByKey("extras", extras)
-        slow = [rig.title(node) for node, off in uneven.items() if off > EVEN]
+        slow = [rig.title(node) for node, off in uneven.items() if off > usd_clips.EVEN]
         if slow:
             self.scene.lose(
                 f"slow rotations of {and_more(slow, 3)}, less than 0.51° between keys: OpenUSD plays them "

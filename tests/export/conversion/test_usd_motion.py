@@ -60,3 +60,23 @@ def test_shear_between_samples_is_reported_and_measured(tmp_path: Path) -> None:
     assert outcome.verification.deviation < 1e-5
     assert outcome.verification.motion is not None
     assert 1e-3 < outcome.verification.motion.deviation < 0.2
+
+
+@pytest.mark.parametrize(("degrees", "slow"), [(0.4, True), (30.0, False)])
+def test_rotations_that_openusd_plays_unevenly_go_along_arcs_and_are_listed(
+    degrees: float, slow: bool, tmp_path: Path
+) -> None:
+    stage, moved = _stage(tmp_path / "in.usda")
+    op = moved.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
+    for k in range(3):
+        op.Set(Gf.Rotation(Gf.Vec3d(0, 1, 0), k * degrees).GetQuat(), 24 * k)
+    stage.Save()
+    outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
+    lost = [notice.text for notice in outcome.report.warnings if notice.code == "lost"]
+    assert any("slow rotations of </set/moved>" in text for text in lost) == slow
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-6
+    rig = rigtri.read(tmp_path / "out.glb")
+    there = worlds(rig, Motion(rig, rig.clips[0]).locals_at(np.array([0.25, 1.75])))[:, rig.find("moved")]
+    angles = np.degrees(np.arctan2(there[:, 2, 0], there[:, 2, 2]))
+    assert angles == pytest.approx([0.25 * degrees, 1.75 * degrees], abs=1e-5)
