@@ -13,7 +13,18 @@ from crowds import ACTOR, HERO, TURNS, alike, bound, contents, crowd, instance, 
 from program import cli
 from pxr import Sdf, Usd, UsdSkel, UsdUtils
 from test_usd_keys import SHAPES, WEIGHTS
-from usd_files import MESH, animation, deviation, read, save, scene, skeleton, skinned, write
+from usd_files import (
+    MESH,
+    animation,
+    deviation,
+    moments,
+    read,
+    save,
+    scene,
+    skeleton,
+    skinned,
+    write,
+)
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition import layers
@@ -476,4 +487,34 @@ def test_joints_merged_in_agents_may_leave_others_another_rest_pose(tmp_path: Pa
     skeletons = [stage.GetPrimAtPath(f"/World/{agent}/Skel") for agent in ("One", "Two", "Three")]
     assert {tuple(each.GetAttribute("joints").Get()) for each in skeletons} == {("a", "a/b/c")}
     assert {len(each.GetAttribute("restTransforms").Get()) for each in skeletons} == {2}
+    assert deviation(source, out) < 1e-6
+
+
+def test_a_crowd_is_read_where_it_is_skinned_though_a_first_instance_is_no_skel_root(tmp_path: Path) -> None:
+    """Blender writes collection instances as Xforms beside the SkelRoot: UsdSkel skins that one alone."""
+    save(tmp_path, ACTOR, "parts/actor.usda")
+    still = instance("Still", "./parts/actor.usda").replace('def "Still"', 'def Xform "Still"')
+    moved = instance("Moved", "./parts/actor.usda", x=4.0)
+    source = save(tmp_path, shot(still, moved, head="    metersPerUnit = 1\n"), "shot.usda")
+    out = tmp_path / "out.usda"
+    cli("freeze", source, "--unit", "0.01", "-o", out, code=0)
+    assert prototypes(source) == prototypes(out) == 1
+    one, other = (Usd.Stage.Open(str(path)) for path in (source, out))
+    for time in moments(one):
+        before, after = skinned(one, time), skinned(other, time)
+        assert before.keys() == after.keys() == {"/World/Moved/Skin"}
+        for path, points in before.items():
+            assert np.abs(points * 100.0 - after[path]).max() < 1e-3
+
+
+def test_instances_inside_others_are_read_in_the_one_that_is_read(tmp_path: Path) -> None:
+    save(tmp_path, ACTOR, "parts/actor.usda")
+    inner = instance("Inner", "./actor.usda")
+    team = f'#usda 1.0\ndef Xform "Root"\n{{\n{inner}}}\n'
+    save(tmp_path, team, "parts/team.usda")
+    still = instance("Still", "./parts/team.usda").replace('def "Still"', 'def Xform "Still"')
+    moved = instance("Moved", "./parts/team.usda", x=4.0).replace('def "Moved"', 'def SkelRoot "Moved"')
+    source, out = save(tmp_path, shot(still, moved), "shot.usda"), tmp_path / "out.usda"
+    cli("orient-joints", source, "-o", out, code=0)
+    assert prototypes(source) == prototypes(out) == 2
     assert deviation(source, out) < 1e-6

@@ -1,10 +1,10 @@
 """Instances that share a prototype with a skeleton or an animation: one of them stands for all.
 
 What lies below instances of one prototype is the same in each, and an edit of one is an edit of all
-(`opinions.instance_edits`). So it is read once, from the first; the others differ by where they stand,
-and by the animations that their skeletons inherit from above.
+(`opinions.instance_edits`). So it is read once, from the first whose meshes are skinned, if they are in
+any; the others differ by where they stand, and by the animations that their skeletons inherit from above.
 
-Source: OpenUSD glossary, "Instancing".
+Source: OpenUSD glossary, "Instancing"; UsdSkel (meshes are skinned below a SkelRoot alone).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
 _SKEL = ("Skeleton", "SkelAnimation")
 # The custom data of the classes through which prototypes are edited: what a later edit may write into.
@@ -31,18 +31,19 @@ class SharedInstances:
 
     def __init__(self, stage: Any) -> None:
         self._stage = stage
-        self._first: dict[Any, Any] = {}  # by prototype, the path of its first instance
-        self._below: dict[Any, list[tuple[Any, Any]]] = {}  # the skeletons of a first instance
+        self._first = self._read_instances()  # by prototype, the path of the instance that is read
+        self._below: dict[Any, list[tuple[Any, Any]]] = {}  # the skeletons of an instance that is read
         self._twins: dict[Any, Any] = {}
         self.skeletons: dict[str, list[Any]] = {}
-        every: list[tuple[Any, Any]] = []
-        for prim in self._walk():
-            if prim.GetPath() in self._twins:
-                every += self._skeletons_of(prim.GetPath(), every)
-            elif prim.GetTypeName() == "Skeleton":
-                every.append((prim.GetPath(), prim.GetPath()))
-        for path, first in every:
-            self.skeletons.setdefault(str(first), []).append(stage.GetPrimAtPath(path))
+        walked = [
+            prim.GetPath()
+            for prim in self._walk()
+            if prim.GetPath() in self._twins or prim.GetTypeName() == "Skeleton"
+        ]
+        # Each at its own place comes before its twins.
+        for path in sorted(walked, key=self._twins.__contains__):
+            for place, first in self._skeletons_at(path, walked):
+                self.skeletons.setdefault(str(first), []).append(stage.GetPrimAtPath(place))
 
     def prims(self) -> Iterator[Any]:
         """Every prim in order, in instances too, without what lies below those that are not read."""
@@ -103,15 +104,36 @@ class SharedInstances:
                 if at not in holds:
                     below = Usd.PrimRange(prototype, Usd.TraverseInstanceProxies())
                     holds[at] = any(one.GetTypeName() in _SKEL for one in below)
-                first = self._first.setdefault(at, prim.GetPath())
+                first = self._first[at]
                 if holds[at] and first != prim.GetPath():
                     self._twins[prim.GetPath()] = first
                     walk.PruneChildren()
             yield prim
 
-    def _skeletons_of(self, twin: Any, known: list[tuple[Any, Any]]) -> list[tuple[Any, Any]]:
-        """The skeletons below an instance that is not read, and those that are read in their place."""
-        first = self._twins[twin]
+    def _read_instances(self) -> dict[Any, Any]:
+        """By prototype the path of the instance that is read: the first below a SkelRoot, or of all."""
+        found: dict[Any, tuple[Any, bool]] = {}
+        walk = iter(Usd.PrimRange(self._stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()))
+        for prim in walk if self._stage.GetPrototypes() else ():
+            if not prim.IsInstance():
+                continue
+            at = prim.GetPrototype().GetPath()
+            skinned = bool(UsdSkel.Root.Find(prim))
+            if at in found and found[at][1] >= skinned:
+                walk.PruneChildren()
+                continue
+            if at in found:  # nor is what is inside the one that was taken before
+                left = found[at][0]
+                found = {each: one for each, one in found.items() if not one[0].HasPrefix(left)}
+            found[at] = prim.GetPath(), skinned
+        return {at: path for at, (path, _) in found.items()}
+
+    def _skeletons_at(self, path: Any, walked: list[Any]) -> list[tuple[Any, Any]]:
+        """The skeletons at a path, or below an instance that is not read, each with the one that is read."""
+        first = self._twins.get(path)
+        if first is None:
+            return [(path, path)]
         if first not in self._below:
-            self._below[first] = [entry for entry in known if entry[0].HasPrefix(first)]
-        return [(path.ReplacePrefix(first, twin), read) for path, read in self._below[first]]
+            below = (one for one in walked if one.HasPrefix(first))
+            self._below[first] = [each for one in below for each in self._skeletons_at(one, walked)]
+        return [(place.ReplacePrefix(first, path), read) for place, read in self._below[first]]
