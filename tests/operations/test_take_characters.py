@@ -55,6 +55,16 @@ def exported(rig: Rig) -> Rig:
     return replace(rig, names=tuple(names))
 
 
+def test_characters_below_prims_without_a_type_are_paired_by_the_paths_of_prims(tmp_path: Path) -> None:
+    """Such prims have no transform, so they are no nodes, and both characters stand at one path of nodes."""
+    save(tmp_path, scene(skeleton(), animation(), MESH), "hero.usda")
+    both = "".join(f'def "{k}"\n{{\ndef "Hero" (references = @./hero.usda@)\n{{\n}}\n}}\n' for k in "AB")
+    rig = read(save(tmp_path, f"#usda 1.0\n{both}", "shot.usda")).rig
+    found = pairs(rig, rig)
+    assert found.of == {node: node for node in range(len(rig))}
+    assert not found.unclear
+
+
 def test_nodes_of_two_characters_are_paired_below_what_has_one_name(shot: Rig) -> None:
     edited = exported(shot)
     assert edited.names != shot.names

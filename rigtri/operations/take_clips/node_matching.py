@@ -224,7 +224,7 @@ def _spelled(rig: Rig, spell: Callable[[str], str]) -> dict[str, list[int]]:
 
 
 def _paired(rig: Rig, other: Rig, ours: Sequence[int], theirs: Sequence[int]) -> dict[int, int]:
-    """One of each; of several those that are joints, or what stands at the same path.
+    """One of each; of several those that are joints, or what stands at the same path, of nodes or of prims.
 
     A mesh in USD stands below a prim of its name, which has the motion, and a joint below a
     skeleton of its name.
@@ -241,6 +241,10 @@ def _paired(rig: Rig, other: Rig, ours: Sequence[int], theirs: Sequence[int]) ->
             same = there.get(path, [])
             if len(nodes) == len(same) == 1:
                 found[nodes[0]] = same[0]
+                continue
+            # Prims that are no nodes (without a type, Scopes) are in the paths of prims, but not of nodes.
+            prims = {other.labels[node]: node for node in same if other.labels[node].startswith("/")}
+            found |= {node: prims[rig.labels[node]] for node in nodes if rig.labels[node] in prims}
     ours, theirs = _topmost(rig, ours), _topmost(other, theirs)
     return {ours[0]: theirs[0]} if not found and len(ours) == len(theirs) == 1 else found
 
