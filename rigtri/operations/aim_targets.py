@@ -250,7 +250,7 @@ def chain_children(tree: Skeleton, ref: ReferencePose, characters: Iterable[Char
     """For each joint of a sure finger or foot the next one, however far that is bent.
 
     And for the last of each finger, hand, foot and head the one that says where it ends, if any. A head on
-    four legs goes on from the neck to its nose.
+    four legs, or between wings, goes on from the neck to its nose or beak.
     """
     found: dict[int, int] = {}
     for character in characters:
@@ -261,7 +261,7 @@ def chain_children(tree: Skeleton, ref: ReferencePose, characters: Iterable[Char
             # What is below a palm or ankle may be anything.
             called = chain.kind in ("hand", "foot") and len(chain.joints) == 1
             ends = _end_joints(tree, ref, last, called=called) if last in tree.below else []
-            if not ends and chain.kind == "head" and _is_on_all_fours(character):
+            if not ends and chain.kind == "head" and _looks_along_its_head(character):
                 ends = [k for k in tree.below.get(last, ()) if "muzzle" in roles_in_name(tree.rig.names[k])]
             ends = [k for k in ends if _distance(ref, last, k) > ZERO_LENGTH * ref.extent]
             if len(ends) == 1:
@@ -269,11 +269,14 @@ def chain_children(tree: Skeleton, ref: ReferencePose, characters: Iterable[Char
     return found
 
 
-def _is_on_all_fours(character: Character) -> bool:
-    """Whether a trunk lies, as far as what carries it tells: four legs or more, and no arms (a centaur)."""
+def _looks_along_its_head(character: Character) -> bool:
+    """Whether a head goes on ahead from the neck: that of a bird, or on a trunk that lies.
+
+    As far as what carries it tells: four legs or more, or wings, and no arms (a centaur's, an angel's).
+    """
     kinds = [chain.kind for chain in character.chains]
-    many = character.form == "creature" and kinds.count("leg") >= 4 and "arm" not in kinds
-    return character.form == "quadruped" or many
+    many = "wing" in kinds or (character.form == "creature" and kinds.count("leg") >= 4)
+    return character.form == "quadruped" or (many and "arm" not in kinds)
 
 
 def _end_joints(tree: Skeleton, ref: ReferencePose, joint: int, *, called: bool) -> list[int]:

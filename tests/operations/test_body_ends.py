@@ -237,3 +237,21 @@ def test_a_nose_does_not_tilt_a_head_that_stands_upright() -> None:
     (x, y, z), out = head[2], orient_joints(rig_with([*MAN, ("nose", "head", (0.0, head[2][1], 0.2))]))
     way = np.array((x, y, z)) - above[2]
     np.testing.assert_allclose(aim(out, out.names.index("head")), normalise(way), atol=1e-6)
+
+
+@pytest.mark.parametrize("arms", [False, True])
+def test_the_head_of_a_bird_aims_at_its_beak_and_that_of_an_angel_goes_on_as_the_neck(arms: bool) -> None:
+    """Before, a bird's head had the axes of a person's, which stands upright."""
+    above, head = (next(joint for joint in MAN if joint[0] == name) for name in ("neck", "head"))
+    limbs = ("upper_arm", "forearm", "hand")
+    joints = [joint for joint in MAN if arms or not joint[0].startswith((*limbs, "finger", "thumb"))]
+    joints.append(("beak", "head", (0.0, head[2][1], 0.2)))
+    span = [(x, above[2][1] - 0.1, z) for x, z in ((0.15, -0.1), (0.5, -0.2), (0.9, -0.1))]
+    over = next(joint for joint in MAN if joint[0].startswith("upper_arm."))[1]
+    over = next(joint for joint in MAN if joint[0] == over)[1] if over.startswith("clavicle") else over
+    joints += both(line("wing1.L wing2.L wing3.L", over, *span))
+    out = orient_joints(rig := rig_with(joints))
+    assert any(chain.kind == "wing" for chain in recognise(rig).characters[0].chains)
+    at = dict(zip(rig.names, rig.world[:, 3, :3], strict=True))
+    start, end = ("neck", "head") if arms else ("head", "beak")
+    np.testing.assert_allclose(aim(out, rig.names.index("head")), normalise(at[end] - at[start]), atol=1e-6)
