@@ -43,12 +43,16 @@ DRAWS = 3
 BOUND_NEAR = 1e-3
 
 
-def explains(document: Document) -> bool:
-    """Whether the last bits of the numbers in a file are so large that no result can be exact enough."""
+def explains(document: Document, *, own_nodes: bool = False) -> bool:
+    """Whether the last bits of the numbers in a file are so large that no result can be exact enough.
+
+    own_nodes: also those of what rigtri has added, which is compared where a command moves joints.
+    """
     if _flat(document.rig):
         return True
     for draw in range(DRAWS):
-        found = self_check(document, _Shaken(document, np.random.default_rng(draw)))
+        shaken = _Shaken(document, np.random.default_rng(draw))
+        found = self_check(document, shaken, own_nodes=own_nodes)
         if not found.largest_deviation <= ENOUGH:
             return True
     return False

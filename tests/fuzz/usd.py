@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import shutil
 import struct
+import tempfile
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +18,8 @@ from fuzz import raw
 
 # pxr's threads would fight over the machine with the other children.
 Work.SetConcurrencyLimit(1)
+# So many copies are read to see whether pxr reads one as it reads another; some look alike by chance.
+COPIES = 8
 
 WORDS = [
     "Skeleton",
@@ -426,6 +430,33 @@ def read_plainly(path: Path) -> None:
         stage.GetRootLayer().ExportToString()
     except (Tf.ErrorException, RuntimeError, TypeError):
         return  # an exception is no crash
+
+
+def is_read_otherwise(source: Path) -> bool:
+    """Whether pxr alone reads copies of a file as different texts.
+
+    Where the integers of a damaged crate end early, OpenUSD gives what was in memory before, in each layer
+    something else.
+    """
+    texts: set[str] = set()
+    layers = []  # held, so that the next one lies elsewhere in memory
+    with tempfile.TemporaryDirectory() as folder:
+        for number in range(COPIES):
+            copy = Path(folder, f"{number}{source.suffix}")
+            shutil.copyfile(source, copy)
+            _fill_free_memory(number)
+            try:
+                layers.append(Sdf.Layer.FindOrOpen(str(copy)))
+                texts.add(layers[-1].ExportToString())
+            except Tf.ErrorException:
+                return False
+    return len(texts) > 1
+
+
+def _fill_free_memory(byte: int) -> None:
+    """Blocks of many sizes, full of one byte, that are free again: what is not written shows them."""
+    blocks = [bytes([byte]) * (1 << bits) * part for bits in range(6, 17) for part in range(4, 8)]
+    del blocks
 
 
 def top(source: Path) -> str:

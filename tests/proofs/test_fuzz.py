@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import struct
 from dataclasses import replace
 from pathlib import Path
 from random import Random
@@ -10,10 +12,11 @@ from random import Random
 import numpy as np
 import pytest
 from fuzz import __main__ as program
-from fuzz import cases, commands, floor, gltf
+from fuzz import cases, commands, floor, gltf, usd
 from gltf_files import character
 from places import SAMPLES
 from program import cli
+from pxr import Sdf
 from usd_files import MESH, animation, save, scene, skeleton
 
 import rigtri
@@ -79,6 +82,33 @@ def test_numbers_that_float32_cannot_distinguish_explain_one(
     joint = biped.gltf["skins"][0]["joints"][0]
     biped.gltf["nodes"][joint][what] = values
     assert floor.explains(read(gltf.pack(biped, tmp_path, Random(1))))
+
+
+def test_a_crate_whose_integers_end_early_is_read_otherwise_each_time_by_pxr_alone(tmp_path: Path) -> None:
+    sound, early = tmp_path / "sound.usdc", tmp_path / "early.usdc"
+    layer = Sdf.Layer.CreateNew(str(sound))
+    prim = Sdf.PrimSpec(layer, "Root", Sdf.SpecifierDef)
+    numbers = [k * k * (-1) ** k for k in range(500)]  # packed in so many bytes each that 700 seem possible
+    Sdf.AttributeSpec(prim, "x", Sdf.ValueTypeNames.IntArray).default = numbers
+    layer.Save()
+    early.write_bytes(sound.read_bytes().replace(struct.pack("<Q", 500), struct.pack("<Q", 700), 1))
+    assert usd.is_read_otherwise(early)
+    assert not usd.is_read_otherwise(sound)
+
+
+def test_rotations_of_own_nodes_that_are_far_off_unit_explain_one_where_these_are_compared(
+    tmp_path: Path,
+) -> None:
+    """OpenUSD plays them as they are stored: a quaternion of 1e9 makes what it turns 1e18 times as large."""
+    path = tmp_path / "a.usda"
+    rigtri.write(rigtri.add_controls(rigtri.read(SAMPLES / "biped.usda"), joints=["head"]), path)
+    assert not floor.explains(read(path), own_nodes=True)
+    text, keys = path.read_text("utf-8"), "orient.timeSamples = { 0: (1, 0, 0, 0), 5: (1e9, 1, 0, 0) }"
+    text, count = re.subn(r"(quatd xformOp:)orient = .*", rf"\g<1>{keys}", text)
+    assert count == 1
+    path.write_text(text, "utf-8")
+    assert not floor.explains(read(path))
+    assert floor.explains(read(path), own_nodes=True)
 
 
 def test_twist_joints_that_a_skin_binds_elsewhere_explain_what_strip_refuses(tmp_path: Path) -> None:
