@@ -93,7 +93,8 @@ def moved_otherwise(rig: Rig, timeline: Timeline, nodes: frozenset[int]) -> dict
         keyed = [np.isin(times, track.times) for track in moving if track.node in line]
         at_once = np.logical_and.reduce([np.ones(len(times), dtype=bool), *keyed])
         # Of an export without a key a frame too few keys are shared to tell by them.
-        enough = 2 * at_once.sum() >= max((rows.sum() for rows in keyed), default=0)
+        shared, most = np.count_nonzero(at_once), max(map(np.count_nonzero, keyed), default=0)
+        enough = 2 * shared >= most
         off[node] = _deviation(kept, posed, node, size, at_once if enough else np.ones_like(at_once))
     return off
 
