@@ -24,6 +24,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_root import AddRootOptions as AddRootOptions
 from rigtri.operations.prune_joints import weighted_joints
 from rigtri.operations.rigtri_nodes import given_name
+from rigtri.recognition.one_character import listed
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
@@ -121,9 +122,9 @@ def _start(rig: Rig) -> int:
     """The first joint of the body: its hips, where they are known."""
     layout = recognise(rig)
     if len(layout.characters) != 1:
-        count = len(layout.characters)
-        found = f"There are {count} characters here: take one with --character, or name"
-        found = found if count else "No character is recognised here: name"
+        found = "No character is recognised here: name"
+        if count := len(layout.characters):
+            found = f"There are {count} characters here, {listed(rig)}: take one with --character, or name"
         raise GeometryError(f"{found} the joint below the root with --above")
     (body,) = layout.characters
     joints = [part.joint for part in body.parts if rig.is_joint[part.joint]]

@@ -41,7 +41,7 @@ from rigtri.operations.rename_joints import set_aside
 from rigtri.recognition.humanoid_order import ABOVE, below_others, misplaced
 from rigtri.recognition.layout import Character
 from rigtri.recognition.naming_schemes import own_table
-from rigtri.recognition.one_character import titles
+from rigtri.recognition.one_character import listed
 from rigtri.recognition.recognise import recognise
 from rigtri.recognition.written_names import written_names
 from rigtri.report import Report
@@ -140,9 +140,8 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     steps = steps_of(options, skeleton)
     bodies = recognise(rig).characters
     if len(bodies) > 1:
-        found = titles(rig)  # one skin may hold two of them
-        names = and_more(found if len(found) > 1 else [rig.title(body.root) for body in bodies], 6)
-        raise GeometryError(f"There are {len(bodies)} characters here, {names}: take one with --character")
+        text = f"There are {len(bodies)} characters here, {listed(rig)}: take one with --character"
+        raise GeometryError(text)
     if rig.rules.orient_locked:
         if skeleton.axes != "vrm":
             ways = " or ".join(_ALONG_WORLD)

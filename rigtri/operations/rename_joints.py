@@ -17,6 +17,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.rename_joints import RenameJointsOptions as RenameJointsOptions
 from rigtri.operations.rigtri_nodes import given_name, readdressed
 from rigtri.recognition.layout import CONFIDENT, Part
+from rigtri.recognition.one_character import listed
 from rigtri.recognition.recognise import recognise
 from rigtri.recognition.written_names import are_synonyms, written_chains, written_names
 from rigtri.report import Report
@@ -194,8 +195,10 @@ def _bones(rig: Rig) -> list[Part]:
     layout = recognise(rig)
     found = [part for character in layout.characters for part in character.parts if part.bone]
     if not found:
-        why = "; ".join(layout.remarks) or "no joint is recognised"
-        raise GeometryError(f"No character is recognised here: {why}. Give names with --name or --map")
+        why = f"No character is recognised here: {'; '.join(layout.remarks) or 'no joint is recognised'}"
+        if layout.characters:
+            why = f"No bone of the characters here, {listed(rig)}, is recognised"
+        raise GeometryError(f"{why}. Give names with --name or --map")
     return found
 
 

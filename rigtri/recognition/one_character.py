@@ -19,6 +19,7 @@ from rigtri.model.characters import characters
 from rigtri.model.metadata import ConstraintRecord, ConstraintWeightRecord
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
+from rigtri.text import and_more
 
 Nodes = frozenset[int]
 
@@ -62,6 +63,14 @@ def titles(rig: Rig) -> list[str]:
     """What the characters of a rig are called, as `named` takes them."""
     groups = [frozenset(nodes) for nodes in characters(rig)]
     return [_title(rig, group, groups) for group in groups]
+
+
+def listed(rig: Rig) -> str:
+    """The characters that are recognised in a rig, by their names, for a message."""
+    found = titles(rig)
+    # One skin may hold two of them.
+    several = found if len(found) > 1 else [rig.title(body.root) for body in recognise(rig).characters]
+    return and_more(several, 6)
 
 
 def _title(rig: Rig, group: Nodes, groups: Collection[Nodes]) -> str:

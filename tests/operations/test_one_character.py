@@ -15,7 +15,7 @@ from pairs import PAIR, pair
 from places import SAMPLES, ci, slow
 from program import cli
 from rigs import rig_of
-from usd_files import deviation, save
+from usd_files import MESH, animation, deviation, save, scene, skeleton
 
 from rigtri import add_controls, bake, constrain, snap, strip, take_clips
 from rigtri.errors import GeometryError, UsageError
@@ -28,6 +28,7 @@ from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.recognition.one_character import _of_others, named, within
+from rigtri.recognition.recognise import recognise
 
 
 def built(rig: Rig) -> list[list[str]]:
@@ -255,6 +256,20 @@ def test_several_characters_are_conformed_one_at_a_time(tmp_path: Path) -> None:
     cli("conform", path, "-o", tmp_path / "out.gltf", "--to", "unity", "--character", "B", code=0)
     names = read(tmp_path / "out.gltf").rig.names
     assert names.count("LeftHand") == names.count("hand_L") == 1
+
+
+def test_characters_are_listed_where_one_is_to_be_named_or_none_has_a_bone(tmp_path: Path) -> None:
+    out = tmp_path / "out.usda"
+    printed = cli("add-root", pair(SAMPLES, tmp_path, "usda"), "-o", out, code=5).output
+    assert "There are 2 characters here, A, B: take one" in " ".join(printed.split())
+    limb = scene(skeleton(), animation(), MESH)
+    limb = limb.replace('"a", "a/b", "a/b/c"', '"Shoulder", "Shoulder/Elbow", "Shoulder/Elbow/Hand"')
+    save(tmp_path, limb, "limb.usda")
+    both = "".join(f'def "{k}" (references = @./limb.usda@)\n{{\n}}\n' for k in "AB")
+    stage = save(tmp_path, f"#usda 1.0\n{both}", "shot.usda")
+    assert len(recognise(read(stage).rig).characters) == 2
+    printed = cli("rename-joints", stage, "--to", "unreal", "-o", out, code=5).output
+    assert "No bone of the characters here, A, B, is recognised" in " ".join(printed.split())
 
 
 @pytest.mark.parametrize("suffix", ["gltf", slow("usda")])
