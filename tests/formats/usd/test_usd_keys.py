@@ -496,6 +496,27 @@ def test_a_scale_that_does_not_move_gets_no_samples(tmp_path: Path) -> None:
     assert samples_of(out, "scales") == [1.0, 5.0]
 
 
+def test_scales_that_stay_keep_their_samples_as_openusd_rounds_half_floats_between(tmp_path: Path) -> None:
+    """0.9243 between two samples of 0.9243 is 0.9238: fewer samples, or one more in front, would show it."""
+    rows = {3: 0.9243, 4: 0.9243, 5: 0.9243, 6: 1.2}
+    lines = "".join(f"{t}: [(1, 1, 1), ({s}, {s}, {s}), (1, 1, 1)],\n" for t, s in rows.items())
+    path = source(tmp_path, scales=f"half3[] scales.timeSamples = {{\n{lines}}}")
+    document = read(path)
+    tracks = [
+        t for clip in document.rig.clips for t in clip.tracks if t.path == "scale" and len(t.times) == 4
+    ]
+    assert len(tracks) == 3
+    fewer = np.array([1.0, 5.0, 6.0])
+    thin = [replace(track, key=None, times=fewer, values=track.values[[0, 2, 3]]) for track in tracks]
+    out = write(document, played(document.rig, *thin), tmp_path / "out.usda")
+    assert samples_of(out, "scales") == [3, 4, 5, 6]
+    assert deviation(path, out) < 1e-6
+    # Other values need the old times no more.
+    moved = [replace(track, values=track.values * 1.5) for track in thin]
+    out = write(document, played(document.rig, *moved), tmp_path / "moved.usda")
+    assert samples_of(out, "scales") == [1, 5, 6]
+
+
 def test_default_values_are_looked_up_once_for_an_animation(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -226,7 +226,35 @@ class _Plan:
                 distinct[id(item.times)] = item.times
         if not distinct:
             return item.times if item is not None else np.zeros(0)
-        return sorted_unique(np.concatenate([*distinct.values()]))
+        times = sorted_unique(np.concatenate([*distinct.values()]))
+        if item is None or not len(item.times) or item.samples.dtype != np.float16 or name != "scales":
+            return times
+        return self._times_of_halves(item, times)
+
+    def _times_of_halves(self, item: Property, times: Floats) -> Floats:
+        """The times of an array of half floats, (k,), as it had them where it plays as before.
+
+        Between two samples OpenUSD rounds to half floats twice, so that even what stays is off by one in
+        eleven bits: a sample that goes would be, and so would all before the first that another comes before.
+        """
+        old, same = item.times, np.ones(len(item.times), dtype=bool)
+        tracks: list[Track] = []
+        for column, nodes in enumerate(self.rows.values()):
+            mine = [t for node in nodes if (t := self.tracks.get((node, "scale"))) is not None]
+            if column < len(self.kept):
+                stored = item.samples[:, self.kept[column]]
+                for track in mine:
+                    same &= (_halves(track, old) == stored).all(axis=1)
+            tracks += mine
+        same &= (old >= times[0]) & (old <= times[-1])
+        if not same.any():
+            return times
+        times = sorted_unique(np.concatenate([times, old[same]]))
+        for end, outside in ((old[0], times[times < old[0]]), (old[-1], times[times > old[-1]])):
+            every = (_halves(track, np.append(outside, end)) for track in tracks)
+            if all((rows == rows[-1]).all() for rows in every):
+                times = times[~np.isin(times, outside)]
+        return times
 
     def _differs(self, name: str, times: Floats) -> bool:
         item = self.animation.properties.get(name)
@@ -271,6 +299,11 @@ class _Plan:
         every: Floats = getattr(self.source.rig, PROPERTIES[name])
         nothing = np.array(NOTHING[name], dtype=np.float64)
         return np.array([every[nodes[0]] if nodes else nothing for nodes in self.rows.values()])
+
+
+def _halves(track: Track, times: Floats) -> Any:
+    """The values of a track at some times, (k, c), as half floats."""
+    return _exactly(without_steps(track), times).astype(np.float16)
 
 
 def _blank(source: Source, skeleton: str) -> Animation:
