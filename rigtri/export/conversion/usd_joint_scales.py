@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rigtri.evaluation.sampling import sample
 from rigtri.maths.matrices import from_frame, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
@@ -25,11 +26,24 @@ HELD = 5e-6
 _SAME = 1e-6
 
 
-def half_scales(rig: Rig, joints: Collection[int], clip: Clip) -> list[int]:
-    """Joints that a clip moves whose scales a half float does not hold."""
+def half_scales(
+    rig: Rig, joints: Collection[int], clip: Clip, played: Mapping[int, Track] | None = None
+) -> list[int]:
+    """Joints that a clip moves whose scales a half float does not hold.
+
+    played: how those of joints play that a SkelAnimation holds, by joint: at the keys of others, too.
+    """
     moved = {track.node for track in clip.tracks if track.path != "weights"}
-    scales = {track.node: track.values for track in clip.tracks if track.path == "scale"}
-    return [n for n in joints if n in moved and not _held(np.asarray(scales.get(n, rig.scale[n])))]
+    scales = {track.node: track for track in clip.tracks if track.path == "scale"}
+
+    def held(node: int) -> bool:
+        track = scales.get(node)
+        if track is None:
+            return _held(rig.scale[node])
+        shared = played is None or node not in played or _held(sample(track, played[node].times))
+        return shared and _held(np.asarray(track.values))
+
+    return [node for node in joints if node in moved and not held(node)]
 
 
 def with_half_scales(

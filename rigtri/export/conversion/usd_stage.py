@@ -249,7 +249,8 @@ class _Writer:
             found: dict[str, str] = {}
             known: dict[Any, str] = {}
             spare = ""
-            self.result.halves.append(set(half_scales(rig, self.joints, clip)))
+            played = usd_clips.played_scales(rig, self.skeletons, clip)
+            self.result.halves.append(set(half_scales(rig, self.joints, clip, played)))
             for skeleton in self.skeletons:
                 shapes = self.primitives.shapes_of(skeleton)
                 word, spare = spare or names.unique(title, "clip"), ""
@@ -302,7 +303,7 @@ class _Writer:
         """The joints that half floats do not hold in the first clip, and how scales of joints play there."""
         clip = self.rig.clips[0]
         played = usd_clips.played_scales(self.rig, self.skeletons, clip)
-        return half_scales(self.rig, self.joints, clip), played
+        return half_scales(self.rig, self.joints, clip, played), played
 
     def _bake(self, prim: Any, node: int) -> None:
         rig = self.scene.rig

@@ -316,6 +316,24 @@ def test_scales_that_half_floats_do_not_hold_are_measured(samples: Path, tmp_pat
     assert TOLERANCE < motion.deviation < 1e-3
 
 
+def test_scales_that_half_floats_hold_at_their_own_keys_are_measured_at_those_of_all(
+    tmp_path: Path,
+) -> None:
+    """All joints of a Skeleton share the times of their samples: 0.3 of the way from 1 to 1.25 is 1.075."""
+    b = small(2)
+    keys = ([0.0, 1.0], [1.0, 1.25]), ([0.0, 0.3, 1.0], [1.0, 1.5, 1.0])
+    b.gltf["animations"] = [{"samplers": [], "channels": []}]
+    clip = b.gltf["animations"][0]
+    for number, (joint, (times, sizes)) in enumerate(zip(b.gltf["skins"][0]["joints"], keys, strict=True)):
+        rows = [[size] * 3 for size in sizes]
+        clip["samplers"].append({"input": b.accessor(times), "output": b.accessor(rows)})
+        clip["channels"].append({"sampler": number, "target": {"node": joint, "path": "scale"}})
+    outcome = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usdc")
+    assert outcome.verification is not None
+    assert outcome.verification.motion is not None
+    assert outcome.verification.deviation <= 1e-6 < TOLERANCE < outcome.verification.motion.deviation
+
+
 def test_a_camera_goes_with_its_joint_whose_scale_is_a_half_float(samples: Path, tmp_path: Path) -> None:
     gltf, binary = glb_parts(samples / "biped.glb")
     gltf["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]
