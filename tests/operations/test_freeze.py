@@ -388,3 +388,12 @@ def test_a_node_with_a_skinned_mesh_and_a_camera_is_frozen(own: dict[str, Any], 
     node = next(n for n in range(len(before)) if before.names[n] == body["name"])
     assert np.abs(after.world[node, 3, :3] - before.world[node, 3, :3]).max() < 1e-5
     assert np.abs(np.linalg.norm(after.world[after.is_joint, :3, :3], axis=-1) - 1.0).max() < 1e-6
+
+
+@pytest.mark.parametrize("more", [[], ["--unit", "0.01"]])
+@pytest.mark.parametrize("blocks", [[], [re.sub(r"point3f\[\] points = .*", "", MESH)]])
+def test_a_skeleton_without_points_is_frozen(blocks: list[str], more: list[str], tmp_path: Path) -> None:
+    """There is no geomBindTransform to hold the size, and nothing to bind in it."""
+    large = "float3 xformOp:scale = (100, 100, 100)\nuniform token[] xformOpOrder = ['xformOp:scale']"
+    path = save(tmp_path, scene(large, skeleton(), animation(), *blocks))
+    cli("freeze", path, "-o", tmp_path / "out.usda", *more, code=0)

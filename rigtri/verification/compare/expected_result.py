@@ -75,10 +75,11 @@ class ExpectedResult:
         redrawn = frozenset(old[rig.keys[node]] for node in rig.pending.shapes if rig.keys[node] in old)
         keyed = _keyed(before, rig, written.rig)
         if not self.reposed:
-            if keyed is before and not redrawn:
+            sizes = rig.pending.bind_sizes
+            if keyed is before and not redrawn and not sizes:
                 return self.source, written
-            same = range(len(before))
-            return PosedView(self.source, keyed, written, keyed.keys, same, redrawn), written
+            same, bound = range(len(before)), _bound_in(keyed, sizes)
+            return PosedView(self.source, bound, written, keyed.keys, same, redrawn), written
         # Nodes that the edit has added have no keys: nobody looks for them, as after any other edit.
         now = dict(zip(before.keys, keyed.keys, strict=True))
         keys = tuple(now.get(key) for key in rig.keys)
