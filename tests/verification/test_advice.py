@@ -104,6 +104,9 @@ def test_scales_that_half_floats_round_too_much_are_named_the_most_telling_first
         )
 
     assert rough_scales(rig, scaled(2, 1), 1e-4) == [1, 2]
+    a, b, c, *rest = rig.keys
+    behind = replace(scaled(2), keys=(a, c, b, *rest))  # as where a step has put a node among those before
+    assert rough_scales(rig, behind, 1e-4) == [1]
     assert rough_scales(rig, scaled(3), 1e-4) == []  # moves nothing
     assert rough_scales(rig, scaled(1), 0.5) == []
     assert rough_scales(scaled(1), scaled(1), 1e-4) == [1]

@@ -92,15 +92,17 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
     Source: UsdSkelAnimation, `scales` are half3[].
     """
     known = {id(track) for clip in before.clips for track in clip.tracks}
+    there = {key: node for node, key in enumerate(before.keys) if key is not None}
     off = np.zeros(len(before))
     for track in (
         t for clip in after.clips for t in clip.tracks if after.rules.raw_quaternions and id(t) not in known
     ):
-        if track.path == "scale" and track.node < len(before) and before.is_joint[track.node]:
+        node = there.get(after.keys[track.node], -1) if track.path == "scale" else -1
+        if node >= 0 and before.is_joint[node]:
             values = key_values(track)
             apart = np.abs(values - values.astype(np.float16).astype(np.float64))
             share = apart / np.maximum(np.abs(values), np.finfo(np.float64).tiny)
-            off[track.node] = max(off[track.node], float(share.max(initial=0.0)))
+            off[node] = max(off[node], float(share.max(initial=0.0)))
     if not off.any():
         return []
     try:
