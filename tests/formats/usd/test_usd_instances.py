@@ -518,3 +518,21 @@ def test_instances_inside_others_are_read_in_the_one_that_is_read(tmp_path: Path
     cli("orient-joints", source, "-o", out, code=0)
     assert prototypes(source) == prototypes(out) == 2
     assert deviation(source, out) < 1e-6
+
+
+def test_meshes_shared_by_instances_are_edited_once_where_all_of_them_get_the_same(tmp_path: Path) -> None:
+    """Blender shares the mesh of a character that it scatters; each instance is bound to its skeleton."""
+    mesh = MESH.replace("    rel skel:skeleton = </Root/Skel>\n", "")
+    save(tmp_path, f'#usda 1.0\ndef Xform "Root"\n{{\n{mesh}\n}}\n', "parts/hero.usda")
+    bind = "rel skel:skeleton = </Root/Skel>"
+    two = [instance(name, x=x, more=bind) for name, x in (("One", 0.0), ("Two", 3.0))]
+    source = save(tmp_path, scene(skeleton(), animation(), *two, head="    metersPerUnit = 1\n"), "shot.usda")
+    out = tmp_path / "out.usda"
+    cli("freeze", source, "--unit", "0.01", "-o", out, code=0)
+    assert prototypes(source) == prototypes(out) == 1
+    one, other = (Usd.Stage.Open(str(path)) for path in (source, out))
+    for time in moments(one):
+        before, after = skinned(one, time), skinned(other, time)
+        assert before.keys() == after.keys() == {"/Root/One/Skin", "/Root/Two/Skin"}
+        for path, points in before.items():
+            assert np.abs(points * 100.0 - after[path]).max() < 1e-3

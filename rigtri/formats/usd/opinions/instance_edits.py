@@ -15,12 +15,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import numpy as np
 from pxr import Sdf, Tf, Usd
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.shared_instances import CLASS, is_own_class
-from rigtri.formats.usd.opinions.edits import Edit, free_path
+from rigtri.formats.usd.opinions.edits import Edit, Setting, free_path
 
 
 def instance_of(stage: Any, path: Any) -> Any:
@@ -38,7 +39,32 @@ def apply_edits(stage: Any, edits: Sequence[Edit], layer: Any) -> None:
     held = {id(edit) for edit in inside}
     _make(stage, [edit for edit in edits if id(edit) not in held], layer)
     if inside:
-        _Classes(stage, inside, layer).write()
+        _Classes(stage, _each_once(stage, inside), layer).write()
+
+
+def _each_once(stage: Any, edits: Sequence[Edit]) -> list[Edit]:
+    """The edits without those that say in another instance of a prim what one says of it already.
+
+    A prototype of meshes alone is read at each instance, for each may be bound to a skeleton of its own.
+    """
+    found, known = list[Edit](), dict[Any, Setting]()
+    for edit in edits:
+        prim = stage.GetPrimAtPath(edit.prim)
+        if isinstance(edit, Setting) and prim and prim.IsInstanceProxy():
+            first = known.setdefault((prim.GetPrimInPrototype().GetPath(), edit.name), edit)
+            if first.prim != edit.prim and _says_the_same(first, edit):
+                continue
+        found.append(edit)
+    return found
+
+
+def _says_the_same(one: Setting, other: Setting) -> bool:
+    first, second = one.arrays(), other.arrays()
+    return (
+        one.samples.keys() == other.samples.keys()
+        and first.keys() == second.keys()
+        and all(np.array_equal(values, second[time]) for time, values in first.items())
+    )
 
 
 def _make(stage: Any, edits: Sequence[Edit], layer: Any) -> None:
