@@ -59,6 +59,36 @@ def character(seed: int = 0) -> Held:
     return Held(rig, _meshes(random))
 
 
+def many(count: int) -> Held:
+    """Characters beside each other, each with a clip that moves it alone."""
+    size, found = len(NAMES), [character(seed) for seed in range(count)]
+    rigs = [held.rig for held in found]
+    rig = rig_of(
+        [f"{name}{k}" for k in range(count) for name in NAMES],
+        [parent + (size * k if parent >= 0 else 0) for k in range(count) for parent in PARENTS],
+        np.concatenate([one.translation for one in rigs]),
+        np.concatenate([one.rotation for one in rigs]),
+        attachment=np.concatenate(
+            [np.where(one.attachment < 0, -1, one.attachment + size * k) for k, one in enumerate(rigs)]
+        ),
+    )
+    skins = [
+        replace(one.skins[0], joints=one.skins[0].joints + size * k, key=k) for k, one in enumerate(rigs)
+    ]
+    clips = [
+        Clip(f"clip {k}", tuple(replace(t, node=t.node + size * k) for t in one.clips[0].tracks), key=k)
+        for k, one in enumerate(rigs)
+    ]
+    drawn = [
+        replace(
+            mesh, name=f"{mesh.name}{k}", node=mesh.node + size * k, skin=None if mesh.skin is None else k
+        )
+        for k, held in enumerate(found)
+        for mesh in held.drawn
+    ]
+    return Held(replace(rig, skins=tuple(skins), clips=tuple(clips)), tuple(drawn))
+
+
 def _tracks(random: np.random.Generator) -> tuple[Track, ...]:
     times, own = np.array([0.0, 0.5, 1.25, 2.0]), np.array([0.25, 1.0])
     steps = unit(random.normal(size=(4, 4)))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from characters import ARM, CAMERA, HAND, HIPS, SPINE, SWORD, Held, character, stored, with_track
+from characters import ARM, CAMERA, HAND, HIPS, NAMES, SPINE, SWORD, Held, character, many, stored, with_track
 from morphs import arm
 from numpy.testing import assert_allclose
 from rigs import chain, random_rig, random_turns, rig_of
@@ -325,6 +325,50 @@ def test_only_the_branch_that_changed_is_evaluated(monkeypatch: pytest.MonkeyPat
     assert not replace(result, poses=1).identical
     assert not replace(result, changed=("node a",)).identical
     assert not seen
+
+
+@BOTH
+def test_what_a_clip_does_not_move_is_where_it_is_at_rest(
+    compare: Compare, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a crowd each clip moves one of many: the result is that of posing all of them."""
+    before, at = many(3), len(NAMES) + ARM
+    others = (
+        replace(before, rig=nudged(before.rig, at)),
+        replace(before, rig=with_track(before.rig, at, "rotation", interpolation="LINEAR")),
+        opened_again(turned(before)),
+    )
+    found = [compare(before, after) for after in others]
+    assert found[0].deviation > 1e-3 < found[1].deviation
+    monkeypatch.setattr(
+        "rigtri.verification.compare.deviation._moved", lambda rig, _: np.ones(len(rig), dtype=bool)
+    )
+    for now, after in zip(found, others, strict=True):
+        plain = compare(before, after)
+        assert now.worst == plain.worst
+        assert now.poses == plain.poses
+        for mine, theirs in ((now.per_clip, plain.per_clip), (now.per_mesh, plain.per_mesh)):
+            assert mine.keys() == theirs.keys()
+            assert_allclose([*mine.values()], [*theirs.values()], atol=1e-12)
+
+
+def test_a_character_is_posed_in_its_own_clips_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each clip of a crowd costs what one character does, however many there are."""
+    posed: list[int] = []
+    plain = Motion.locals_at
+
+    def counting(self: Motion, times: object, *, normalised: bool = True) -> object:
+        posed.append(len(self.rig))
+        return plain(self, times, normalised=normalised)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Motion, "locals_at", counting)
+    most = []
+    for count in (2, 8):
+        before = many(count)
+        self_check(before, opened_again(turned(before)))
+        most.append(max(posed))
+        posed.clear()
+    assert most[0] == most[1] < 3 * len(NAMES)
 
 
 def test_blocks_of_times_do_not_change_the_result(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,7 @@ specification; what viewers that do not normalise show is kept apart (docs/exact
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import field, replace
 from itertools import chain
 
@@ -48,6 +48,7 @@ class Deviation:
     """The largest distances of ``probes`` so far, as shares of ``sizes``: of the rows of each, (r,).
 
     owners, clips: the largest of each, NaN where none could be measured.
+    rest: of each row of each probe at rest, (r,) each.
     distance: the one that is the largest share, in file units. size: that of what it is of.
     """
 
@@ -60,12 +61,17 @@ class Deviation:
     poses: int = 0
     owners: dict[str, float] = field(default_factory=dict)
     clips: dict[str, float] = field(default_factory=dict)
+    rest: list[Floats] = field(default_factory=list)
 
-    def add(self, poses: SampledPoses, clip: str) -> None:
+    def add(self, poses: SampledPoses, clip: str, part: _Part | None = None) -> None:
+        """Measure all probes, or those of a part; first of all at rest, which is no clip."""
         self.poses += len(poses.times)
-        for probe, size in zip(self.probes, self.sizes, strict=True):
+        probes, sizes = (self.probes, self.sizes) if part is None else (part.probes, part.sizes)
+        for probe, size in zip(probes, sizes, strict=True):
             shares = probe.distances(poses) / size[:, np.newaxis]
             rows = np.fmax.reduce(shares, axis=1)
+            if not clip:
+                self.rest.append(rows)
             for owner, row in zip(probe.owners, rows.tolist(), strict=True):
                 if owner:
                     self.owners[owner] = float(np.fmax(self.owners.get(owner, np.nan), row))
@@ -78,6 +84,73 @@ class Deviation:
                 self.size = float(size[int(row)])
                 self.distance = largest * self.size
                 self.worst = Worst(probe.titles[int(row)], clip, float(poses.times[time]))
+
+    def add_still(self, clip: str, part: _Part) -> None:
+        """What a clip does not move is where it is at rest."""
+        for rows, live in zip(self.rest, part.live, strict=True):
+            held = float(np.fmax.reduce(rows[~live], initial=np.nan))
+            self.clips[clip] = float(np.fmax(self.clips.get(clip, np.nan), held))
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """What of two rigs a clip moves: ``rig`` places it, the first ``count`` nodes are those of the first.
+
+    probes, sizes: what is to be measured, in terms of ``rig``. live: which rows of all probes
+    that is, (r,) each.
+    """
+
+    rig: Rig
+    count: int
+    probes: Sequence[Probe]
+    sizes: Sequence[Floats]
+    live: Sequence[Booleans]
+
+    @classmethod
+    def of(cls, found: Deviation, both: Rig, count: int, clip: Clip) -> _Part:
+        """In a crowd each clip moves one character of many."""
+        moved = _moved(both, clip)
+        weighed = {track.node for track in clip.tracks if track.path == "weights"}
+        live = [_live(probe, moved, count, weighed) for probe in found.probes]
+        if all(rows.all() for rows in live):
+            return cls(both, count, found.probes, found.sizes, live)
+        probes: list[Probe] = []
+        sizes: list[Floats] = []
+        for probe, size, rows in zip(found.probes, found.sizes, live, strict=True):
+            if rows.any():
+                probes.append(probe.part(rows) if isinstance(probe, FramePoints) else probe)
+                sizes.append(size[rows])
+        points = [probe for probe in probes if isinstance(probe, FramePoints)]
+        if len(points) < len(probes):
+            return cls(both, count, probes, sizes, live)
+        nodes = [side + behind for p in points for side, behind in zip(p.nodes, (0, count), strict=True)]
+        used = np.concatenate([np.zeros(0, dtype=np.int64), *nodes])
+        rig, place = _part_of(replace(both, clips=(clip,)), used)
+        first = int(np.count_nonzero(place[:count] >= 0))
+        points = [replace(p, nodes=(place[p.nodes[0]], place[p.nodes[1] + count] - first)) for p in points]
+        return cls(rig, first, points, sizes, live)
+
+
+def _moved(rig: Rig, clip: Clip) -> Booleans:
+    """Which nodes a clip moves, (n,), with all below them."""
+    found = np.zeros(len(rig), dtype=bool)
+    for column in clip.columns:
+        if column.path != "weights":
+            found[column.nodes] = True
+    for level in rig.levels[1:]:
+        found[level] |= found[rig.parents[level]]
+    return found
+
+
+def _live(probe: Probe, moved: Booleans, count: int, weighed: Collection[int]) -> Booleans:
+    """Which rows of a probe a clip moves, (r,). weighed: the nodes whose morph weights it drives."""
+    if isinstance(probe, FramePoints):
+        return np.asarray(moved[probe.nodes[0]] | moved[probe.nodes[1] + count])
+    if not isinstance(probe, MeshPoints):
+        return np.ones(len(probe.titles), dtype=bool)
+    (mine, theirs), (mesh, other) = probe.nodes, probe.meshes
+    held = bool(moved[mine].any() or moved[theirs + count].any())
+    return np.array([held or mesh.node in weighed or other.node + count in weighed])
 
 
 def measure(
@@ -98,12 +171,14 @@ def measure(
     found.add(SampledPoses(still[:, :count], still[:, count:], (None, None), np.zeros(1)), "")
     block = min(max(map(_times_at_once, (before, after))), _times_of_points(found.probes))
     for clip, *clips in counted([*zip(both.clips, before.clips, after.clips, strict=True)], "clips"):
-        motion, times = sampling.Motion(both, clip), _moments(clip)
+        part, times = _Part.of(found, both, count, clip), _moments(clip)
+        motion = sampling.Motion(part.rig, part.rig.clips[0] if part.rig is not both else clip)
         for start in counted(range(0, len(times), block), "moments"):
             some = times[start : start + block]
-            worlds = sampling.worlds(both, motion.locals_at(some, normalised=normalised))
-            poses = SampledPoses(worlds[:, :count], worlds[:, count:], (clips[0], clips[1]), some)
-            found.add(poses, clip.name)
+            worlds = sampling.worlds(part.rig, motion.locals_at(some, normalised=normalised))
+            sides = worlds[:, : part.count], worlds[:, part.count :]
+            found.add(SampledPoses(*sides, (clips[0], clips[1]), some), clip.name, part)
+        found.add_still(clip.name, part)
     return found
 
 

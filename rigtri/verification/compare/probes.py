@@ -7,6 +7,7 @@ in the other: rows at times. Verification only, so matrix products are BLAS's.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -66,6 +67,17 @@ class FramePoints:
     @property
     def placed(self) -> Integers:
         return self.nodes[0]
+
+    def part(self, rows: Booleans) -> FramePoints:
+        """Some rows, (r,), alone."""
+        some = np.flatnonzero(rows)
+        return replace(
+            self,
+            nodes=(self.nodes[0][some], self.nodes[1][some]),
+            points=(self.points[0][some], self.points[1][some]),
+            titles=[self.titles[row] for row in some.tolist()],
+            owners=[self.owners[row] for row in some.tolist()],
+        )
 
     def apart(self, poses: SampledPoses) -> Floats:
         """The points' differences, (r, k, 3, f): one matrix product a row and side."""
@@ -133,6 +145,15 @@ class MeshPoints:
     @property
     def placed(self) -> Integers:
         return np.array([placing_node(self.rigs[0], self.meshes[0])])
+
+    @property
+    def nodes(self) -> tuple[Integers, Integers]:
+        """The nodes whose frames move the points, in each rig."""
+        mine, theirs = (
+            np.array([mesh.node]) if mesh.skin is None else rig.skins[mesh.skin].joints
+            for rig, mesh in zip(self.rigs, self.meshes, strict=True)
+        )
+        return mine, theirs
 
     def distances(self, poses: SampledPoses) -> Floats:
         sides = zip(self.meshes, self.rigs, (poses.before, poses.after), poses.clips, strict=True)
