@@ -12,9 +12,9 @@ from body_files import AXES, FINGERS, backwards, rolled, with_poles
 from broken_vrm import avatar_0
 from places import SAMPLES, one_in, samples_of_all_kinds
 from posed_bodies import Pose, posed_body, poses
-from recognition_bodies.skeletons import MAN, TRUNK, line, rig_with
+from recognition_bodies.skeletons import HORSE, MAN, TRUNK, line, rig_with
 
-from rigtri import mirror, orient_joints
+from rigtri import add_polevector, mirror, orient_joints
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
@@ -256,3 +256,42 @@ def copies(rig: Rig, count: int) -> Rig:
             replace(skin, joints=skin.joints + k * len(rig)) for k in range(count) for skin in rig.skins
         ),
     )
+
+
+@pytest.mark.parametrize(
+    ("joint", "degrees", "expected", "text"),
+    [
+        ("spine2", 90.0, "axes.trunk", "is rolled by 90° against 'spine1'"),
+        ("shin.L", 90.0, "axes.hinge", "rolled by 90° against that of 'thigh.L'"),
+        ("forearm.R", 90.0, "axes.hinge", "rolled by 90° against that of 'upper_arm.R'"),
+        ("thigh.R shin.R", 180.0, "axes.flex", "'shin.L' by +y, 'shin.R' by -y"),
+    ],
+)
+def test_the_axes_of_an_animal_are_judged_as_those_of_a_person(
+    joint: str, degrees: float, expected: str, text: str
+) -> None:
+    """Before, nothing was found on four legs but hands."""
+    rig = orient_joints(rig_with(HORSE))
+    assert rules(rig) == set()
+    turn = np.tile(IDENTITY, (len(rig), 1))
+    for name in joint.split():
+        turn[rig.find(name)] = from_axis_angle([1.0, 0.0, 0.0], np.radians(degrees))
+    found = {rule: words for rule, _, words in reversed(list(axis_findings(reframe(rig, turn))))}
+    assert text in found[expected]
+
+
+def test_a_pole_ahead_of_the_elbow_of_a_nearly_straight_front_leg_is_named() -> None:
+    """Its elbow bends back, as that of an arm. Before, poles of animals were not looked at."""
+    joints = {name: (name, above, at) for name, above, at in HORSE}
+    for side, sign in (("L", 1.0), ("R", -1.0)):
+        (_, _, (x, high, z)), (_, _, (_, low, ahead)) = joints[f"upper_arm.{side}"], joints[f"hand.{side}"]
+        half = (sign * abs(x), 0.5 * (high + low), 0.5 * (z + ahead) - 0.01)
+        joints[f"forearm.{side}"] = (f"forearm.{side}", f"upper_arm.{side}", half)
+    rig = add_polevector(orient_joints(rig_with([*joints.values()])), limbs="auto")
+    assert rules(rig) == set()
+    (pole,) = (k for k in rig.metadata if rig.names[k].startswith("forearm.L"))
+    translation = rig.translation.copy()
+    translation[pole, 2] += 2.0 * (rig.world[rig.find("forearm.L"), 3, 2] - rig.world[pole, 3, 2])
+    (found,) = axis_findings(replace(rig, translation=translation))
+    assert found[:2] == ("axes.pole", pole)
+    assert "behind the elbow" in found[2] or "to which it bends at 'forearm.L'" in found[2]

@@ -55,6 +55,8 @@ ALONG = cosine_below(35)
 # A thumb closes over the palm in many ways: by so much (a cosine) at least.
 THUMB = cosine_below(75)
 _BENDS = {"arm": "elbow", "leg": "knee"}
+# Bodies whose trunk and limbs have one sense.
+_BODIES = ("biped", "quadruped")
 # A signed axis of a joint: 0 to 2, and 1 or −1.
 Signed = tuple[int, float]
 Found = tuple[str, int, str]
@@ -79,7 +81,7 @@ def axis_findings(rig: Rig) -> Iterator[Found]:
         seen = _Seen(tree, character, known[0] if known else None, ref.world, ref.other, limbs)
         if not seen.parallel:
             yield from seen.findings()
-        if character.form == "biped":
+        if character.form in _BODIES:
             yield from pole_findings(rig, character, limbs)
 
 
@@ -126,7 +128,12 @@ class _Seen:
     def limbs(self) -> list[Limb]:
         """The sure arms and legs."""
         return [
-            Limb(*chain.bend, kind="arm" if chain.kind == "arm" else "leg", side=chain.side)
+            Limb(
+                *chain.bend,
+                kind="arm" if chain.kind == "arm" else "leg",
+                side=chain.side,
+                front=chain.is_front,
+            )
             for chain in self.chains.values()
             if chain.kind in _BENDS and len(chain.bend) == 3
         ]
@@ -182,7 +189,7 @@ class _Seen:
         if len(closing) > 1 and all(closing.values()) and not set.intersection(*closing.values()):
             what = ", ".join(f"'{self.rig.title(joint)}' by {_text(axes)}" for joint, axes in closing.items())
             yield "axes.hands", next(iter(closing)), f"no one axis and sign closes both hands: {what}"
-        if self.character.form == "biped":
+        if self.character.form in _BODIES:
             rolled = [*self._trunk(off)]
             yield from rolled
             yield from self._limbs(off)
@@ -350,7 +357,7 @@ class _Seen:
             if axes is not None:
                 flexing.append((limb, axes))
                 foot = self.chains.get(f"{limb.side} foot") if limb.kind == "leg" else None
-                if foot and len(foot.joints) > 1:
+                if foot and len(foot.joints) > 1 and foot.joints[0] == limb.end:
                     ankle, toes = foot.joints[:2]
                     yield from self._rolled(ankle, toes, FLEXES, axes, "bends the knee")
         common = set.intersection(*(axes for _, axes in flexing)) if flexing else set()
@@ -359,8 +366,14 @@ class _Seen:
             if clavicle is not None:
                 yield from self._rolled(clavicle, limb.start, FLEXES, common, "bends the elbow")
         if flexing and not common:
-            what = ", ".join(f"{limb.side} {_BENDS[limb.kind]} by {_text(axes)}" for limb, axes in flexing)
+            what = ", ".join(f"{self._joint_of(limb)} by {_text(axes)}" for limb, axes in flexing)
             yield "axes.flex", flexing[0][0].middle, f"no one axis and sign bends all limbs: {what}"
+
+    def _joint_of(self, limb: Limb) -> str:
+        """What bends, in words: an animal has two knees on each side."""
+        if self.character.form == "biped":
+            return f"{limb.side} {_BENDS[limb.kind]}"
+        return f"'{self.rig.title(limb.middle)}'"
 
     def _flexing(self, limb: Limb, aim: Signed) -> set[Signed] | None:
         """The axes of the middle joint about which a positive rotation bends the limb; None: nobody knows."""

@@ -44,7 +44,7 @@ def pole_findings(rig: Rig, character: Character, known: list[Limb]) -> Iterator
             side = perpendicular(ref.position(pole) - b, normalise(c - a))
             off = float(np.degrees(angle(side, found.direction)))
             if length(side) > 0.1 * length(c - a) and off > POLE:
-                where = "ahead of the knee" if limb.kind == "leg" else "behind the elbow"
+                where = "behind the elbow" if limb.bends_back else "ahead of the knee"
                 where = where if found.source == "facing" else "to which it bends at"
                 text = f"the pole vector of the nearly straight {limb.side} {limb.kind} is {off:.0f}° off"
                 yield "axes.pole", pole, f"{text} the side {where} '{rig.title(limb.middle)}'"
