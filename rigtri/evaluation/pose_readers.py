@@ -148,6 +148,17 @@ def _blended(reader: PoseReader, rotation: Floats) -> Floats:
     return np.asarray(found / np.maximum(total, 1.0)[..., np.newaxis])
 
 
+def basis(reader: PoseReader) -> tuple[Floats, Floats | None]:
+    """How far each pose of an rbf reader reaches, (t,), in radians; for Gaussian ones also what the values
+    at all poses are multiplied by, (t, t), so that each is 1 alone at its own."""
+    poses = poses_of(reader)
+    apart = _distances(reader, poses[:, np.newaxis], poses)
+    radius = radii(apart)
+    if reader.kernel == "linear":
+        return radius, None
+    return radius, _solve_rows(_kernel(reader, apart / radius), np.eye(len(poses)))
+
+
 def poses_of(reader: PoseReader) -> Floats:
     """The rotations of a reader's targets, (t, 4)."""
     return np.array([target.rotation for target in reader.targets], dtype=np.float64)

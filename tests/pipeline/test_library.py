@@ -178,7 +178,7 @@ def test_what_a_page_or_a_script_lacks_is_reported_in_its_report(tmp_path: Path)
     assert [notice.code for notice in report.warnings][-1] == "no-joints"
     with pytest.raises(UsageError, match="not both"):
         rigtri.view(BIPED, clip="walk", at="walk@1")
-    with pytest.raises(GeometryError, match="no controls, constraints or twist joints"):
+    with pytest.raises(GeometryError, match="no controls, constraints, twist joints, rivets or pose readers"):
         rigtri.export_blender(BIPED)
     with pytest.raises(FileError, match="There is no file"):
         rigtri.spec_init(tmp_path / "none.glb")

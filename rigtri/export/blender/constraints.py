@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.evaluation.constraint_solver import nearest_rotation_of
 from rigtri.evaluation.twist_joints import TwistJoint
 from rigtri.export.blender.controls import middle
-from rigtri.export.blender.plan import Plan, Share, frame
+from rigtri.export.blender.plan import Plan, Share, frame, left_out
 from rigtri.maths.matrices import from_frame, multiply, orthonormal_axes, transform_directions
 from rigtri.maths.quaternions import conjugate, rotate, to_axes
 from rigtri.maths.quaternions import multiply as product
@@ -31,7 +31,7 @@ def follow(plan: Plan, rule: Constraint, report: Report) -> None:
     if not rule.active or not rule.sets:
         return
     if any(0 < len(rule.skip & set(group)) < 3 for group in _GROUPS.values()):
-        _left_out(report, f"the {rule.kind} constraint of '{child}', of which some axes are skipped")
+        left_out(report, f"the {rule.kind} constraint of '{child}', of which some axes are skipped")
         return
     mixed = set(rule.drivers) if rule.weight_nodes else set(np.flatnonzero(rule.weights).tolist())
     if len(mixed) > 2 and rule.kind in ("parent", "orient"):
@@ -206,20 +206,12 @@ def _turn_about(
     plan.constrain(plan.node(child), "COPY_ROTATION", own, label, share=share)
 
 
-def _left_out(report: Report, what: str) -> None:
-    report.warn("blender-left-out", f"The script leaves out {what}: Blender has nothing equivalent")
-
-
-def left_out(plan: Plan, report: Report) -> None:
+def without_equivalent(plan: Plan, report: Report) -> None:
     """Warnings for what rigtri has noted that no constraint of Blender's can do."""
     rig = plan.rig
     for node, note in sorted(rig.metadata.items()):
         title, kind = rig.title(node), note.get("type")
-        if kind == "poseReader":
-            _left_out(report, f"the pose reader '{note.get('name', title)}'")
-        elif kind == "rivet":
-            _left_out(report, f"the rivet '{note.get('name', title)}', which follows a mesh")
-        elif kind == "control" and note.get("soft"):
-            _left_out(report, f"the softness of '{title}'; its limb snaps straight")
+        if kind == "control" and note.get("soft"):
+            left_out(report, f"the softness of '{title}'; its limb snaps straight")
         if kind == "control" and note.get("stretch"):
-            _left_out(report, f"the stretch of '{title}'; its limb ends where it is straight")
+            left_out(report, f"the stretch of '{title}'; its limb ends where it is straight")

@@ -10,6 +10,7 @@ Source: docs/blender.md.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -23,12 +24,22 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.model.animation import Track, off_rest
 from rigtri.model.constraints import Constraint
-from rigtri.model.metadata import PIVOTS, ControlRecord, OffsetRecord, PoleVectorRecord
+from rigtri.model.metadata import (
+    PIVOTS,
+    ControlRecord,
+    OffsetRecord,
+    PoleVectorRecord,
+    PoseReaderRecord,
+    RivetRecord,
+)
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import sure_limbs
+from rigtri.report import Report
 
 # The metadata that identifies a node, whatever Blender calls it.
 _TELLING = ("type", "kind", "joint", "chain", "child")
+# What Blender puts behind a name that is taken.
+_NUMBER = re.compile(r"\.\d{3,}$")
 # An influence; or weight nodes, of which the last one's share of all is the influence.
 Share = float | list[str]
 # Bones of the control armature, and for each kind the channels that mean nothing: they are locked.
@@ -43,9 +54,9 @@ _KINDS = {PoleVectorRecord.type: "pole", ControlRecord.type: "fk"}
 @dataclass(eq=False)
 class Plan:
     """The lists, as they grow. limbs: the IK ends by name, in the order of their switches. weights: those of
-    weight nodes at rest. group: the node above all controls; carrier: the one that it is a child of,
-    where controls are bones of an armature of their own;
-    apart: clips move the armature, and not the controls, which so are bones of another.
+    weight nodes at rest. values: numbers that drivers compute; drivers: what such a number drives. group: the
+    node above all controls; carrier: the one that it is a child of, where controls are bones of an armature
+    of their own; apart: clips move the armature, and not the controls, which so are bones of another.
     """
 
     rig: Rig
@@ -58,6 +69,8 @@ class Plan:
     triangles: list[dict[str, Any]] = field(default_factory=list)
     controls: list[dict[str, Any]] = field(default_factory=list)
     weights: dict[str, float] = field(default_factory=dict)
+    values: list[dict[str, Any]] = field(default_factory=list)
+    drivers: list[dict[str, Any]] = field(default_factory=list)
     group: str = ""
     carrier: str = ""
     apart: bool = False
@@ -73,16 +86,48 @@ class Plan:
             note = rig.metadata.get(node, {})
             self.nodes.append(
                 {
-                    "name": named(rig, node),
+                    "name": self._name(node),
+                    "others": self._others(node),
                     "title": rig.title(node),
                     "above": _above(rig, node),
                     "joint": bool(rig.is_joint[node]),
+                    "mesh": node in self._meshes,
                     "note": {key: _plain(note[key]) for key in _TELLING if key in note},
                     "world": flat(self.reference.world[node]),
                     "stands": self._stands(node),
                 }
             )
         return self._words[node]
+
+    @cached_property
+    def _meshes(self) -> set[int]:
+        """The nodes that rivets and pose readers need as meshes."""
+        records = self.rig.records(RivetRecord), self.rig.records(PoseReaderRecord)
+        names = {record.mesh for record in records[0].values()}
+        names |= {output.mesh for record in records[1].values() for output in record.outputs}
+        return {node for name in names if name and (node := self.rig.known(name)) is not None}
+
+    def _name(self, node: int) -> str:
+        """What a node is called in Blender: one with a mesh, and without a name, as its mesh."""
+        if not self.rig.names[node] and node in self._meshes:
+            return next(mesh.name.rpartition("/")[0] for mesh in self.rig.meshes if mesh.node == node)
+        return named(self.rig, node)
+
+    def _others(self, node: int) -> list[str]:
+        """The names of other nodes that are the same but for a number at the end, as of copies in Blender."""
+        name = _NUMBER.sub("", self.rig.names[node])
+        return sorted(
+            other
+            for other in self._numbered.get(name, ())
+            if name and other != self.rig.names[node] and not self.rig.is_joint[node]
+        )
+
+    @cached_property
+    def _numbered(self) -> dict[str, set[str]]:
+        found: dict[str, set[str]] = {}
+        for name in self.rig.names:
+            found.setdefault(_NUMBER.sub("", name), set()).add(name)
+        return found
 
     def _stands(self, node: int) -> list[list[float]]:
         """Where a first joint stands at rest and in the bind pose, 16 numbers each; nothing for others."""
@@ -138,6 +183,26 @@ class Plan:
         self.sockets.append(about | {"child": control})
         return f"s{len(self.sockets) - 1}"
 
+    def on_vertices(self, name: str, mesh: str, vertices: list[int], count: int) -> str:
+        """A new socket that rides on a vertex of a deformed mesh, or on three of them, with y along their
+        normal and x along the first edge. count: how many vertices the mesh has in Blender."""
+        word = self.socket(name, mesh, np.eye(4), bone=False)
+        self.sockets[-1]["vertices"] = vertices
+        self.sockets[-1]["count"] = count
+        return word
+
+    def value(self, name: str, expression: str, inputs: dict[str, Any]) -> str:
+        """A new number that a driver computes. inputs: of each variable of the expression the word of a
+        value, or that of a socket and a part of its rotation, seen from what it rides on."""
+        self.values.append({"name": name, "expression": expression, "inputs": inputs})
+        return f"v{len(self.values) - 1}"
+
+    def drive(self, on: str, channel: str, value: str, *, index: int = 0, **more: Any) -> None:
+        """Let a value be a channel of a socket or node: ``location``, ``rotation_euler``, ``scale``,
+        ``shape`` (a shape key) or ``property``."""
+        about = {"on": on, "channel": channel, "value": value, "index": index}
+        self.drivers.append(about | more)
+
     def ride(self, name: str, on: str, node: int) -> str:
         """A socket that stands where a node does, in its axes, and rides on something else."""
         stand = self.reference.world[node]
@@ -186,10 +251,17 @@ class Plan:
             "triangles": self.triangles,
             "controls": self.controls,
             "weights": self.weights,
+            "values": self.values,
+            "drivers": self.drivers,
             "group": self.group,
             "carrier": self.carrier,
             "apart": self.apart,
         }
+
+
+def left_out(report: Report, what: str, why: str = "Blender has nothing equivalent") -> None:
+    """Warn of something that the script does not set up."""
+    report.warn("blender-left-out", f"The script leaves out {what}: {why}")
 
 
 def flat(matrix: Floats) -> list[float]:

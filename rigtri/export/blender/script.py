@@ -19,10 +19,12 @@ from rigtri.evaluation.rig_space import shearing_node
 from rigtri.evaluation.solver import Solver, refuse_cycles
 from rigtri.evaluation.timelines import timelines
 from rigtri.evaluation.twist_joints import twist_joints
-from rigtri.export.blender.constraints import follow, left_out, twist
+from rigtri.export.blender.constraints import follow, twist, without_equivalent
 from rigtri.export.blender.control_keys import control_keys
 from rigtri.export.blender.controls import controls, pole_expression
 from rigtri.export.blender.plan import Plan, armature_of
+from rigtri.export.blender.readers import readers
+from rigtri.export.blender.rivets import rivets
 from rigtri.files.input_stream import opened
 from rigtri.formats import GLTF_SUFFIXES, ReadOptions, read
 from rigtri.maths.matrices import determinant, skew
@@ -81,10 +83,10 @@ def blender_setup(
     """
     report = report if report is not None else Report()
     plan = planned(rig, report)
-    if not plan.constraints:
+    if not plan.constraints and not plan.drivers:
         raise GeometryError(
-            "The file has no controls, constraints or twist joints of rigtri's to set up in Blender; "
-            "add some first: rigtri add-controls IN -o OUT --whole-character"
+            "The file has no controls, constraints, twist joints, rivets or pose readers of rigtri's to "
+            "set up in Blender; add some first: rigtri add-controls IN -o OUT --whole-character"
         )
     keys = {} if gltf else control_keys(plan)
     up = "y" if np.argmax(np.abs(rig.rules.up)) == 1 else "z"
@@ -115,7 +117,9 @@ def planned(rig: Rig, report: Report) -> Plan:
             report.warn("blender-left-out", text, joint=rig.title(rule.child))
         else:
             follow(plan, rule, report)
-    left_out(plan, report)
+    rivets(plan, report)
+    readers(plan, report, solver)
+    without_equivalent(plan, report)
     _warn_still(rig, solver, report)
     _warn_sheared(rig, report)
     if plan.apart:

@@ -35,10 +35,14 @@ MARK = "rigtri_setup"
 PREFIX = "rigtri "
 CHARACTER = "rigtri_character"
 DRIVE, SWITCH = "rigtri_drive", "rigtri_ik"
-# What an imported control was called before its bone took the name.
-NAME = "rigtri_name"
+# What an imported control was called before its bone took the name. Rivets of USD have a "rigtri_name".
+NAME = "rigtri_called"
 GROUPS = {"root": "Root", "ik": "IK", "pole": "IK", "fk": "FK", "offset": "Offsets"}
 GROUPS |= {"heel": "IK", "tip": "IK", "ball": "IK"}
+# Of the object whose properties are the weights of pose readers: what these drive.
+DRIVEN = "rigtri_driven"
+# How the axes of a rivet lie in those of Blender's triangle, which have z along the normal.
+ON_TRIANGLE = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 # How much turns of bones may differ from those of the file's joints, in the numbers of a matrix.
 SAME = 1e-2
 # How far, as a share of a straight limb, its target may be from where it rests by Blender's rounding.
@@ -180,7 +184,9 @@ def objects_for(about: dict[str, Any]) -> list[Any]:
     found = found or [thing for thing in things if object_called(thing, about["name"])]
     children = [each["name"] for each in RIG["nodes"] if each["above"] == [about["name"], *about["above"]]]
     tests = [
+        lambda thing: (thing.type == "MESH") == about["mesh"],
         lambda thing: object_called(thing, about["name"]),
+        lambda thing: name_of(thing) not in about["others"],
         lambda thing: below(line(thing), about["above"]),
         # Groups of several files have one name, and import selects what it has imported last.
         lambda thing: any(called(name_of(child), name, 63) for child in thing.children for name in children),
@@ -288,6 +294,8 @@ def remove(nodes: list[Any], owner: Any) -> int:
     collections = made_for(owner)
     every = {thing for collection in collections for thing in collection.objects}
     made = {thing for thing in every if MARK in thing}
+    for thing in made:
+        release(thing)
     count = len(made) + (remove_bones(owner) if owner in {thing for thing, _ in filter(None, nodes)} else 0)
     for thing in {thing for thing, _ in filter(None, nodes)}:
         for constrained in (thing, *(thing.pose.bones if thing.pose else ())):
@@ -309,6 +317,28 @@ def remove(nodes: list[Any], owner: Any) -> int:
     return count
 
 
+def release(holder: Any) -> None:
+    """Take the drivers off what the values of an object drive, and give it back what it had."""
+    for about in json.loads(holder.get(DRIVEN, "[]")):
+        thing = holder[f"{DRIVEN} {about['of']}"]
+        if thing is None:  # deleted since
+            continue
+        if about["shape"]:
+            keys = thing.data.shape_keys
+            block = keys.key_blocks.get(about["shape"]) if keys else None
+            if block is not None:
+                block.driver_remove("value")
+                block.slider_min = about["low"]
+                block.value = about["before"]
+            continue
+        thing.driver_remove(about["path"], about["index"])
+        if about["index"] >= 0:
+            thing.location[about["index"]] = about["before"]
+        for constraint in thing.constraints:
+            if constraint.name in about["muted"]:
+                constraint.mute = False
+
+
 def remove_bones(rig: Any) -> int:
     """Take the bones of controls out of an armature; how many they were."""
     names = [bone.name for bone in rig.data.bones if MARK in bone] if rig.type == "ARMATURE" else []
@@ -325,9 +355,9 @@ def remove_bones(rig: Any) -> int:
 
 def give_back(thing: Any) -> None:
     """Show an imported control again, under its own name."""
-    thing.name = name_of(thing)
+    thing.name = str(thing.get(NAME, thing.name.removeprefix(PREFIX)))
     thing.hide_viewport = thing.hide_render = thing.hide_select = False
-    del thing[NAME]
+    thing.pop(NAME, None)
     bpy.context.scene.collection.objects.link(thing)
 
 
@@ -704,6 +734,7 @@ class Setup:
         self.solver: Any = None
         if RIG["bones"]:
             self.solver = self.bones()
+        self.lost: set[Any] = set()
         self.sockets = [self.empty(about) for about in RIG["sockets"]]
         for about, thing in zip(RIG["sockets"], self.sockets, strict=True):
             self.hang(about, thing)
@@ -711,6 +742,8 @@ class Setup:
             self.triangle(about, self.target(about["target"]), self.target(about["pole"]))
         for about in RIG["constraints"]:
             self.constrain(about)
+        if RIG["values"]:
+            self.compute()
         if self.solver:
             self.settle()
 
@@ -971,6 +1004,9 @@ class Setup:
 
     def hang(self, about: dict[str, Any], thing: Any) -> None:
         """Let a socket stand in its place and ride on what it is to ride on."""
+        if "vertices" in about:
+            self.pin(about, thing)
+            return
         place = self.socket_stand(about)
         if not about["on"]:
             thing.matrix_world = place
@@ -987,8 +1023,99 @@ class Setup:
             frame = frame @ Matrix.Translation(Vector((0, parent.data.bones[bone].length, 0)))
         thing.matrix_parent_inverse = frame.inverted_safe() @ place
 
+    def pin(self, about: dict[str, Any], thing: Any) -> None:
+        """Let a socket ride on a vertex of a mesh, or turn as a triangle of three does."""
+        mesh, _ = self.target(about["on"])
+        found = len(mesh.data.vertices) if mesh.type == "MESH" else 0
+        if found != about["count"]:
+            text = f"{mesh.name!r} has {found} vertices, and {about['count']} in the file"
+            print(f"rigtri: warning: {text}: what is riveted to it stays", file=sys.stderr)
+            self.lost |= {thing} if MARK in thing else set()
+            return
+        one, *others = about["vertices"]
+        thing.parent, thing.parent_type = mesh, "VERTEX_3" if others else "VERTEX"
+        thing.parent_vertices = (one, *others) if others else (one, 0, 0)
+        if others:
+            thing.matrix_parent_inverse = ON_TRIANGLE @ object_axes()
+
+    # -- pose readers
+
+    def compute(self) -> None:
+        """Let drivers compute the values of the plan, each a property of one object, and drive others."""
+        self.values = self.added("readers")
+        self.values.rotation_mode = "QUATERNION"
+        names = [
+            f"{k} {about['name']}".encode()[:60].decode("utf-8", "ignore")
+            for k, about in enumerate(RIG["values"])
+        ]
+        self.paths = [f'["{bpy.utils.escape_identifier(name)}"]' for name in names]
+        for name in names:
+            self.values[name] = 0.0
+        for about, path in zip(RIG["values"], self.paths, strict=True):
+            driver = self.values.driver_add(path).driver
+            driver.type = "SCRIPTED"
+            for letter, source in about["inputs"].items():
+                if isinstance(source, str):
+                    self.by_switches(driver, [(letter, self.values, self.paths[int(source[1:])])])
+                    continue
+                variable = driver.variables.new()
+                variable.name, variable.type = letter, "TRANSFORMS"
+                seen = variable.targets[0]
+                seen.id, seen.transform_type = self.target(source[0])[0], source[1]
+                seen.transform_space, seen.rotation_mode = "LOCAL_SPACE", "QUATERNION"
+            driver.expression = about["expression"]
+        driven = [one for about in RIG["drivers"] if (one := self.driven(about)) is not None]
+        for one in driven:
+            thing = one.pop("thing")
+            one["of"] = thing.name
+            self.values[f"{DRIVEN} {thing.name}"] = thing
+        self.values[DRIVEN] = json.dumps(driven)
+
+    def driven(self, about: dict[str, Any]) -> dict[str, Any] | None:
+        """Let a value drive something; how what this script has not made is given back."""
+        thing, bone = self.target(about["on"])
+        index, channel = about["index"], about["channel"]
+        before: dict[str, Any] = {"thing": thing, "shape": "", "path": channel, "index": index, "muted": []}
+        if channel == "shape":
+            keys = thing.data.shape_keys
+            blocks = keys.key_blocks if keys else ()
+            block = next((one for one in blocks if about["key"] and one.name == about["key"]), None)
+            if block is None and len(blocks) == about["count"] + 1:
+                block = blocks[about["number"] + 1]  # the first is the mesh without any
+            if block is None:
+                text = f"{thing.name!r} has no shape key for {about['key'] or about['number']}"
+                print(f"rigtri: warning: {text}: no pose reader drives it", file=sys.stderr)
+                return None
+            before |= {"shape": block.name, "low": block.slider_min, "before": block.value}
+            block.slider_min, block.slider_max = (
+                min(block.slider_min, about["low"]),
+                max(block.slider_max, 1.0),
+            )
+            curve = block.driver_add("value")
+        elif channel == "property":
+            owner = thing.pose.bones[bone] if bone else thing
+            owner[about["key"]] = 0.0
+            path = f'["{bpy.utils.escape_identifier(about["key"])}"]'
+            curve = owner.driver_add(path)
+            before |= {"path": curve.data_path, "index": -1}
+        else:
+            if about["on"][0] == "s" and channel == "rotation_euler":
+                thing.rotation_mode = "XYZ"
+            caches = [one for one in thing.constraints if one.type == "TRANSFORM_CACHE" and not one.mute]
+            for cache in caches:
+                cache.mute = True
+            before |= {"before": getattr(thing, channel)[index], "muted": [one.name for one in caches]}
+            curve = thing.driver_add(channel, index)
+        curve.driver.type = "SCRIPTED"
+        self.by_switches(curve.driver, [("a", self.values, self.paths[int(about["value"][1:])])])
+        curve.driver.expression = "a"
+        return before if about["on"][0] == "n" else None
+
     def constrain(self, about: dict[str, Any]) -> None:
         thing, bone = self.target(about["on"])
+        if self.target(about["target"])[0] in self.lost:
+            self.lost |= {thing} if MARK in thing else set()
+            return
         owner = thing.pose.bones[bone] if bone else thing
         constraint = owner.constraints.new(about["type"])
         constraint.name = about["name"]

@@ -7,7 +7,7 @@ nearest node above that is matched.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TypeVar
@@ -117,15 +117,26 @@ class MorphPairs:
         names = targets.names or tuple(f"#{k}" for k in range(len(targets.rest)))
         return [names[k] for k in changed if names[k] not in kept]
 
-    def merged(self, home: int, track: Track, was: Track | None, ours: Callable[[Floats], Floats]) -> Track:
+    def merged(
+        self,
+        home: int,
+        track: Track,
+        was: Track | None,
+        ours: Callable[[Floats], Floats],
+        kept: Collection[int] = (),
+    ) -> Track:
         """A track of the other file's weights as one of the mesh ``home``, which is one of `homes`.
 
-        What the other file lacks stays as in ``was``, or as it rests. ours: its times as those of ``was``.
+        What the other file lacks stays as in ``was``, or as it rests, and so do the columns ``kept``. ours:
+        its times as those of ``was``.
         """
         rest, names, others = self.ours[home].rest, self.ours[home].names, self.theirs[track.node].names
-        if not names or not others or names == others:
-            return replace(track, node=home, key=None)
         columns = [others.index(name) if name in others else -1 for name in names]
+        if not names or not others or names == others:
+            if not kept:
+                return replace(track, node=home, key=None)
+            columns = list(range(len(rest)))
+        columns = [-1 if own in kept else column for own, column in enumerate(columns)]
         shape = (*track.values.shape[:-1], len(rest))
         values = np.zeros(shape)
         base = sample(was, ours(track.times)) if was is not None else np.tile(rest, (len(track.times), 1))

@@ -28,8 +28,10 @@ from rigtri.operations.take_clips.bind_space import SHORT
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.crowds import refuse_lost_instances
+from rigtri.operations.take_clips.driven_channels import Driven, driven_channels
 from rigtri.operations.take_clips.generated_names import span
 from rigtri.operations.take_clips.ik_switches import (
+    Switches,
     as_switched,
     follow_controls,
     switches_of,
@@ -99,9 +101,9 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     bodies = checked_bodies(both, every, report)
     axes, moved = AxesEvidence(bodies), set[int]()
     taken_all, changed = set[str](), set[str]()
-    follow = follow_controls(rig) if switched.on and not switched.off else frozenset[int]()
+    follow, driven = _moved_in_blender(rig, switched)
     for taken in counted(every, "clips"):
-        taking = _Taking(rig, bodies, taken, options.tolerance, follow, report)
+        taking = _Taking(rig, bodies, taken, options.tolerance, follow, driven, report)
         if taking.is_a_pose():
             report.warn(
                 "no-length",
@@ -123,6 +125,12 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     return rig
 
 
+def _moved_in_blender(rig: Rig, switched: Switches) -> tuple[frozenset[int], Driven]:
+    """What controls, readers and rivets move in a file that the script of export-blender was at work in."""
+    follow = follow_controls(rig) if switched.on and not switched.off else frozenset[int]()
+    return follow, driven_channels(rig) if switched.on | switched.off else Driven()
+
+
 def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
     """Warn of controls that were posed without keys, which the script of export-blender lets move joints."""
     controls = {n: of[n] for n in rig.nodes_of("control") if n in of}
@@ -137,7 +145,8 @@ def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) 
 class _Taking:
     """One clip that is taken.
 
-    follow: what only follows controls in EDITED, and is not taken where nobody has edited one.
+    follow: what only follows controls in EDITED, and is not taken where nobody has edited one; driven: what
+    pose readers and rivets drive there, which is not taken.
     """
 
     def __init__(
@@ -147,10 +156,11 @@ class _Taking:
         taken: Taken,
         tolerance: float,
         follow: frozenset[int],
+        driven: Driven,
         report: Report,
     ) -> None:
         self.rig, self.both, self.taken, self.report = rig, bodies.both, taken, report
-        self.follow, self.bodies = follow, bodies
+        self.follow, self.driven, self.bodies = follow, driven, bodies
         self.seen = Comparison(bodies, taken, tolerance)
         self.clock, self.transfer = self.seen.clock, self.seen.transfer
         self.thin = tolerance
@@ -202,7 +212,7 @@ class _Taking:
         ]
         if played and (home is not None or self.changed):
             splines = {name for name, *_ in self.splines}
-            left = self.follow | {n for n in self.both.of if self.rig.names[n] in splines}
+            left = self.follow | self.driven.nodes | {n for n in self.both.of if self.rig.names[n] in splines}
             check = MotionCheck(self.seen, self.bodies, rig, played[-1].clip, left)
             refuse_other_motion(check, self.kept, self.report)
             before = home.clip if home is not None else Clip("", ())
@@ -234,7 +244,8 @@ class _Taking:
 
     def _take(self, node: int) -> None:
         moved = self.transfer.of(node)
-        fresh = [now for track in moved.tracks if (now := self._fresh(track)) is not None]
+        tracks = [track for track in moved.tracks if (node, track.path) not in self.driven.channels]
+        fresh = [now for track in tracks if (now := self._fresh(track)) is not None]
         if fresh and moved.sampled:
             self.sampled.append(self.rig.names[node])
         self.changed += fresh
@@ -331,7 +342,8 @@ class _Taking:
         shapes, made = self.seen.shapes, dict[int, Track]()
         for track in (track for track in self.taken.clip.tracks if track.path == "weights"):
             for home in shapes.homes.get(track.node, ()):
-                merged = shapes.merged(home, track, self._old(home, "weights"), self.clock.times)
+                kept, old = self.driven.morphs.get(home, ()), self._old(home, "weights")
+                merged = shapes.merged(home, track, old, self.clock.times, kept)
                 if home not in made:
                     made[home] = merged
                     self._add(self._fresh(merged))

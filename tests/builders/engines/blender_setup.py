@@ -6,6 +6,10 @@ scale; IK is off in those of ``only_fk``), and what the script has made is taken
 ``points|WORD``, the vertices of all meshes in the world as imported, set up, set up again and removed;
 ``joints|POSE``, world matrices of the bones, posed, and ``joints|rest``, while IK is off; ``names`` of the
 bones; ``counts`` of things after each;
+``objects|POSE``, world matrices of the objects that are named by ``objects``, and ``weights|POSE``, of each
+of ``weights`` the value of a shape key, ``MESH/NUMBER``, the x of an object's location, ``NODE``, or a value
+of a control, ``NODE:KEY``, posed;
+``slow``, how many drivers need Python;
 ``clip|NAME|SHARE|WORD``, the vertices of clips before the script, and after it while nothing drives.
 """
 
@@ -60,6 +64,35 @@ def joints():
     bpy.context.view_layer.update()
     seen = skeleton().evaluated_get(bpy.context.evaluated_depsgraph_get())
     return np.array([np.array(seen.matrix_world @ bone.matrix) for bone in seen.pose.bones if is_joint(bone)])
+
+
+def objects(names):
+    bpy.context.view_layer.update()
+    graph = bpy.context.evaluated_depsgraph_get()
+    things = [bpy.data.objects[name].evaluated_get(graph) for name in names]
+    return np.array([np.array(thing.matrix_world) for thing in things])
+
+
+def weights(names):
+    bpy.context.view_layer.update()
+    graph = bpy.context.evaluated_depsgraph_get()
+    found = []
+    for name in names:
+        if ":" in name:  # a control's value
+            bone, key = name.split(":")
+            found.append(skeleton().evaluated_get(graph).pose.bones[bone][key])
+            continue
+        thing, *key = name.split("/")
+        seen = bpy.data.objects[thing].evaluated_get(graph)
+        found.append(seen.data.shape_keys.key_blocks[1 + int(key[0])].value if key else seen.location[0])
+    return np.array(found)
+
+
+def need_python():
+    owners = [*bpy.data.objects, *bpy.data.shape_keys]
+    curves = [c for one in owners if one.animation_data for c in one.animation_data.drivers]
+    driven = [curve.driver for curve in curves if curve.driver.type == "SCRIPTED"]
+    return sum(not (driver.is_simple_expression and driver.is_valid) for driver in driven)
 
 
 def is_joint(bone):
@@ -145,12 +178,15 @@ def work(job):
         found[f"points|{word}"] = vertices()
         counts.append(count())
     found["names"] = np.array([bone.name for bone in skeleton().pose.bones if is_joint(bone)])
+    found["slow"] = np.array(need_python())
     switch(0.0)
     found["joints|rest"] = joints()
     for number, controls in enumerate(job.get("poses", ())):
         before = pose(controls, Path(job["source"]).suffix in (".glb", ".gltf", ".vrm"))
         switch(0.0 if number in job.get("only_fk", ()) else 1.0)
         found[f"joints|{number}"] = joints()
+        found[f"objects|{number}"] = objects(job.get("objects", ()))
+        found[f"weights|{number}"] = weights(job.get("weights", ()))
         for thing, basis in before:
             thing.matrix_basis = basis
     switch(1.0)
