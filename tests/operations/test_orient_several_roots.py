@@ -10,6 +10,8 @@ from recognition_bodies.skeletons import MAN, Joint, line, rig_with
 
 from rigtri.operations.add_controls import add_controls
 from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
 
@@ -125,6 +127,22 @@ def test_a_flat_skeleton_that_is_no_character_is_not_left_as_it_is_without_a_wor
     (note,) = (note for note in notes.warnings if note.code == "no-hierarchy")
     assert "9 joints" in note.text
     assert np.array_equal(made.world, rig_with(flat, named=False).world)
+
+
+def test_a_flat_body_that_is_not_sure_is_not_left_as_it_is_without_a_word() -> None:
+    """Joints far from where a body has them. Before, all kept their axes, and only their number was said."""
+    noise = np.random.default_rng(1)
+    (hips, _, at), *others = (joint for joint in with_fingers() if joint[0] != "root")
+    moved = [(name, hips, noise.normal(place, 0.15).tolist()) for name, _, place in others]
+    rig, notes = (
+        rig_with([(hips, "", at), *((name, hips, (x, y, z)) for name, _, (x, y, z) in moved)]),
+        Report(),
+    )
+    (character,) = recognise(rig).characters
+    assert character.confidence < CONFIDENT
+    made = orient_joints(rig, report=notes)
+    assert np.array_equal(made.world, rig.world)
+    assert [note.code for note in notes.warnings] == ["no-hierarchy"]
 
 
 def test_joints_side_by_side_of_which_nothing_tells_the_order_keep_their_axes_with_a_warning() -> None:

@@ -70,6 +70,8 @@ def warn_unsure(
     for character in layout.characters:
         joints = {part.joint for part in character.parts}
         if joints.isdisjoint(targets.joints):
+            if not targets.joints:
+                _warn_side_by_side(targets, joints, report, wording)
             continue
         _warn_side_by_side(targets, joints, report, wording)
         if character.is_mirrored:
