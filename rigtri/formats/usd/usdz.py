@@ -19,6 +19,7 @@ from pathlib import Path, PurePosixPath
 from rigtri.errors import FileError
 from rigtri.files.mapped_file import load
 from rigtri.model.dataclass import dataclass
+from rigtri.text import display_name
 
 ALIGNMENT = 64
 # The id under which USD keeps its padding in an extra field.
@@ -148,21 +149,21 @@ def _entry(content: bytes, offset: int, limit: int) -> tuple[Entry, int]:
     end = after + name_size + extra_size + comment_size
     name = raw_name.decode("utf-8" if flags & _UTF8 else "cp437")
     if method == 0 and packed != size:
-        raise ValueError(f"'{name}' has two sizes, {packed} and {size} bytes; the directory is damaged")
+        raise ValueError(f"{_title(name)} has two sizes, {packed} and {size} bytes; the directory is damaged")
     if flags & _ENCRYPTED:
-        raise ValueError(f"'{name}' is encrypted")
+        raise ValueError(f"{_title(name)} is encrypted")
     _, _, _, local_method, _, _, _, local_packed, _, local_name_size, local_extra_size = _LOCAL.unpack_from(
         content, local
     )
     named = local + _LOCAL.size
     if content[named : named + local_name_size] != raw_name:
-        raise ValueError(f"'{name}' has another name in its own header")
+        raise ValueError(f"{_title(name)} has another name in its own header")
     # USD goes by these, other programs by the directory; they must not see different files.
     if local_method != method or (local_packed != packed and not flags & _DESCRIPTOR):
-        raise ValueError(f"'{name}' has another size in its own header")
+        raise ValueError(f"{_title(name)} has another size in its own header")
     start = named + local_name_size + local_extra_size
     if start + packed > limit:
-        raise ValueError(f"'{name}' ends outside the package")
+        raise ValueError(f"{_title(name)} ends outside the package")
     extra = content[named + local_name_size : start]
     comment = content[end - comment_size : end]
     return (
@@ -177,28 +178,37 @@ def _check(path: str, entries: list[Entry]) -> None:
     if not entries:
         raise FileError(f"{path}: the package is empty.")
     if PurePosixPath(entries[0].name).suffix.lower() not in (".usd", ".usda", ".usdc"):
-        raise FileError(f"{path}: the package starts with '{entries[0].name}', not with a USD layer.")
+        raise FileError(f"{path}: the package starts with {_title(entries[0].name)}, not with a USD layer.")
     if entries[0].method:
         raise FileError(
-            f"{path}: '{entries[0].name}' is compressed, which .usdz forbids; pack it again without."
+            f"{path}: {_title(entries[0].name)} is compressed, which .usdz forbids; pack it again without."
         )
     names = [entry.name for entry in entries]
     links = {e.name for e in entries if e.made_by >> 8 == _UNIX and (e.external >> 16) & 0o170000 == 0o120000}
     for name in names:
         parts = name.replace("\\", "/").split("/")
         if "\0" in name:
-            raise FileError(f"{path}: entry '{name}' has a zero byte in its name, which no file can have.")
+            raise FileError(
+                f"{path}: entry {_title(name)} has a zero byte in its name, which no file can have."
+            )
         if name in links:
-            raise FileError(f"{path}: entry '{name}' is a link, which no package may have; pack its target.")
+            raise FileError(
+                f"{path}: entry {_title(name)} is a link, which no package may have; pack its target."
+            )
         if name.startswith(("/", "\\")) or ".." in parts or ":" in parts[0]:
-            raise FileError(f"{path}: entry '{name}' leads outside the package.")
+            raise FileError(f"{path}: entry {_title(name)} leads outside the package.")
     if len(set(names)) != len(names):
         double = next(name for name in names if names.count(name) > 1)
-        raise FileError(f"{path}: two entries are named '{double}'.")
+        raise FileError(f"{path}: two entries are named {_title(double)}.")
     ordered = sorted(entries, key=lambda entry: entry.start)
     for one, other in pairwise(ordered):
         if one.start + one.size > other.start:
-            raise FileError(f"{path}: entries '{one.name}' and '{other.name}' overlap.")
+            raise FileError(f"{path}: entries {_title(one.name)} and {_title(other.name)} overlap.")
+
+
+def _title(name: str) -> str:
+    """An entry's name as people are told it: a damaged directory holds any, up to 65,535 characters."""
+    return f"'{display_name(name)}'"
 
 
 def _without_padding(extra: bytes) -> bytes:

@@ -57,6 +57,8 @@ def opened(path: Path, *, empty: bool = False) -> Iterator[sqlite3.Connection]:
 
     empty: it may have no tables yet.
     """
+    if path.is_dir():
+        raise FileError(f"{path} is a folder and no manifest")
     if not path.is_file():
         raise FileError(f"There is no manifest {path}")
     with sqlite_errors(path):
@@ -126,8 +128,13 @@ def stored(text: str) -> dict[str, Any]:
     except (ValueError, TypeError, RecursionError):
         found = None
     if not isinstance(found, dict):
-        raise sqlite3.DatabaseError(f"a value in it is damaged. {_WITHOUT}")
+        raise damaged()
     return found
+
+
+def damaged() -> sqlite3.DatabaseError:
+    """The error for a value that no batch has written."""
+    return sqlite3.DatabaseError(f"a value in it is damaged. {_WITHOUT}")
 
 
 @contextmanager

@@ -17,10 +17,15 @@ from rigtri.maths.ranking import first_largest
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.axis_summary import angles, names
 from rigtri.pipeline.batch.file_task import STATUSES, missing
-from rigtri.pipeline.batch.manifest_lookup import NAME, opened, stored
+from rigtri.pipeline.batch.manifest_lookup import NAME, damaged, opened, stored
 
 # Axes of one skeleton that are nearer than this, in degrees, are the same: what files store is rounded.
 SAME = 0.1
+# What SQLite holds in columns that are summed, sorted or shown; it takes any type in each.
+_TYPES = {
+    "file": str, "output": str, "example": str, "kind": str, "reason": str, "code": str, "status": str,
+    "deviation": float, "seconds": float,
+}  # fmt: skip
 
 
 def summarise(paths: Sequence[Path], *, most: int = 10, within: float = SAME) -> dict[str, Any]:
@@ -108,15 +113,19 @@ class _Part:
         ]
 
 
-def _here(folder: str, name: str) -> str:
+def _here(folder: str, name: Any) -> Any:
     """A file's name as it is seen from here; the whole path of what does not lie below this folder."""
-    if urls.is_url(name):
+    if not isinstance(name, str) or urls.is_url(name):
         return name
     return os.path.normpath(os.path.join(folder, name)).removeprefix(os.path.join(os.getcwd(), ""))
 
 
 def _rows(base: sqlite3.Connection, query: str, values: tuple[Any, ...] = ()) -> list[dict[str, Any]]:
-    return [dict(row) for row in base.execute(query, values)]
+    rows = [dict(row) for row in base.execute(query, values)]
+    for row in rows:
+        if not all(isinstance(value, _TYPES.get(name, object) | None) for name, value in row.items()):
+            raise damaged()
+    return rows
 
 
 def _missing(errors: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import zipfile
 from pathlib import Path
@@ -103,6 +104,15 @@ def test_odd_packages_are_refused_with_a_reason(tmp_path: Path) -> None:
     late = pack(tmp_path / "late.usdz", ("a.png", PICTURE), ("hero.usda", LAYER))
     assert "starts with 'a.png'" in error_of(late)
     assert "is empty" in error_of(pack(tmp_path / "empty.usdz"))
+
+
+def test_a_long_name_of_an_entry_is_cut_where_it_is_told(tmp_path: Path) -> None:
+    name = "x" * 60_000 + ".png"
+    said = error_of(pack(tmp_path / "a.usdz", (name, PICTURE), ("hero.usda", LAYER)))
+    assert len(said) < 300 + len(str(tmp_path))
+    said = error_of(pack(tmp_path / "b.usdz", ("hero.usda", LAYER), (f"../{name}", PICTURE)))
+    assert re.search(r"entry '\.\./x+….*' leads outside", said)
+    assert len(said) < 300 + len(str(tmp_path))
 
 
 def test_encrypted_and_overlapping_entries_are_refused(tmp_path: Path) -> None:

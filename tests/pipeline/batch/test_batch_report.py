@@ -193,6 +193,21 @@ def test_a_manifest_with_damaged_values_is_an_error_of_that_file(
         summarise([path]) if table == "runs" else known(path, tmp_path)
 
 
+@pytest.mark.parametrize("column", ["source", "output", "deviation", "seconds"])
+def test_a_report_of_damaged_values_is_an_error_of_that_file(column: str, tmp_path: Path) -> None:
+    path = wrote(tmp_path, {"a.glb": ok(1e-7, 1.0)})
+    with closing(sqlite3.connect(path)) as base, base:
+        base.execute(f"UPDATE files SET {column}=?", (b"\xff\0bad",))
+    with pytest.raises(FileError, match=r"rigtri-batch\.sqlite: the manifest cannot be used: .* is damaged"):
+        summarise([path])
+
+
+def test_a_folder_in_place_of_a_manifest_is_said(tmp_path: Path) -> None:
+    (tmp_path / "rigtri-batch.sqlite").mkdir()
+    with pytest.raises(FileError, match=r"rigtri-batch\.sqlite is a folder and no manifest"):
+        summarise([tmp_path])
+
+
 def known(path: Path, folder: Path) -> None:
     """Ask a manifest for a file as a run does."""
     with Manifest(path) as manifest:
