@@ -75,6 +75,7 @@ from rigtri.progress import counted
 from rigtri.recognition.limbs import Limb, built_limbs, forward, named_limbs, upright, with_recognised
 from rigtri.recognition.one_character import bodies, within
 from rigtri.report import Report
+from rigtri.text import and_more
 
 # What a control is below, its place, (3,), and its drawing.
 Seat = tuple[int, Floats, Drawing]
@@ -334,11 +335,23 @@ class _Builder:
                     self.rig = stand(self.rig, node, there[3, :3], orthonormal_axes(there))
             self.new.stood(self.rig)
 
+    def _warn_keyed_pole(self, limb: Limb) -> None:
+        """Warn of a pole vector with keys, which did nothing while its limb had no IK control."""
+        pole = find(self.rig, PoleVectorRecord, chain=self._chain(limb))
+        clips = [clip.name for clip in self.rig.clips if any(track.node == pole for track in clip.tracks)]
+        if pole is not None and clips:
+            title = self.rig.title(pole)
+            moved = "its limb has an IK control now, and IK moves it there"
+            text = f"'{title}' has keys in {and_more(clips)}: {moved}"
+            self.report.warn("pole-keyed", text, joint=title)
+
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
         """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""
         if obstacle := ik_obstacle(self.rig, limb.triple):
             raise GeometryError(f"IK cannot move this limb: {obstacle}. Name other joints, or leave it out")
         known, kind = self._find("ik", about), self.options.as_
+        if known is None:
+            self._warn_keyed_pole(limb)
         if kind == "joint" if known is None else is_joint_kind(self.rig, known, kind):
             self._ik_joint(limb, known, about)
         else:
@@ -459,7 +472,12 @@ class _Builder:
         for node in self._drawn_poles(limbs):
             record = self.rig.records(PoleVectorRecord)[node]
             middle = self.rig.find(record.chain[1])
-            drawing = self._drawing("pole", middle, 0.5 * self.sizes.of(middle)[0], np.array([1.0, 0.0, 0.0]))
+            drawing = self._drawing(
+                "pole",
+                middle,
+                0.5 * self.sizes.of(middle, self.axes.frames.get((middle, "fk")))[0],
+                np.array([1.0, 0.0, 0.0]),
+            )
             if node not in before:
                 self.rig = draw(self.rig, node, drawing)
             elif record.shape:

@@ -478,6 +478,29 @@ def test_a_second_run_leaves_pole_vectors_where_somebody_put_them_unless_another
         assert (abs(farther.translation[poles] - there[poles]).max(axis=1) > 0.1).all()
 
 
+def test_a_pole_vector_with_keys_that_a_new_ik_control_brings_to_work_is_named() -> None:
+    """Before, it did nothing; limbs with an IK control, and poles without keys, are no matter."""
+    limb = [("thigh_L", "shin_L", "foot_L"), ("thigh_R", "shin_R", "foot_R")]
+    rig = rigtri.add_polevector(rigtri.read(SAMPLES / "tpose.glb"), limb=limb)
+    pole = rig.find("shin_L_pole")
+    key = Track(pole, "translation", "STEP", np.zeros(1), rig.translation[[pole]])
+    rig = replace(rig, clips=(Clip("step", (key,)),))
+    first, again = Report(), Report()
+    built = rigtri.add_controls(rig, whole_character=True, report=first)
+    rigtri.add_controls(built, whole_character=True, report=again)
+    (said,) = [notice.text for notice in first.warnings if notice.code == "pole-keyed"]
+    assert "'shin_L_pole' has keys in step" in said
+    assert not [notice for notice in again.warnings if notice.code == "pole-keyed"]
+
+
+def test_pole_vectors_of_both_sides_are_as_large_whatever_axes_their_joints_have() -> None:
+    """Their size is that of the ring of the middle joint, which stands across the bone."""
+    turned = rigtri.orient_joints(rigtri.read(SAMPLES / "biped.glb"), joints="shin_L", offset=(30, 20, 50))
+    rig = rigtri.add_controls(turned, whole_character=True)
+    sizes = [rig.metadata[rig.find(f"shin_{side}_pole")]["size"] for side in "LR"]
+    assert sizes[0] == pytest.approx(sizes[1], rel=1e-3)
+
+
 @pytest.mark.ci
 def test_pole_vectors_go_along_with_another_rest_pose_of_their_limb() -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), whole_character=True)

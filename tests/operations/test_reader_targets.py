@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from rigs import chain
 
+from rigtri import add_controls, bake
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.pose_readers import PoseReader, Target, weights
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, multiply
@@ -91,6 +92,19 @@ def test_a_driver_is_seen_from_its_frame_or_from_the_world() -> None:
     assert_allclose(world.rotation_in_pose("bend@1"), from_axis_angle(Z, 2.2), atol=1e-9)
     apart = multiply(conjugate(local.rotation_in_pose("bend@0")), from_axis_angle(Z, 0.7))
     assert_allclose(apart, IDENTITY, atol=1e-9)
+
+
+def test_a_pose_is_the_one_that_controls_give() -> None:
+    """As after a bake: keys of a control alone move its joint, too."""
+    built = add_controls(replace(rig(), clips=()), joints="b", frame="joint")
+    keys = from_axis_angle(Z, np.array([0.0, 1.0]))
+    track = Track(built.find("b_ctl"), "rotation", "LINEAR", np.array([0.0, 1.0]), keys)
+    made = replace(built, clips=(Clip("bend", (track,)),))
+    driver = made.find("b")
+    found = ReaderFrame(made, driver, made.find("a"), Report()).rotation_in_pose("bend@0.5")
+    assert_allclose(found, from_axis_angle(Z, 1.2), atol=1e-7)
+    baked = ReaderFrame(bake(made, to="joints"), driver, made.find("a"), Report())
+    assert_allclose(found, baked.rotation_in_pose("bend@0.5"), atol=1e-6)
 
 
 @pytest.mark.parametrize("mirrored", [[], [0], [1], [0, 1]])

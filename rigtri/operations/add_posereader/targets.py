@@ -11,7 +11,6 @@ import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.pose_readers import relative
-from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.maths.matrices import handedness, unsheared_axes
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
@@ -23,7 +22,7 @@ from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.options.add_posereader import AddPosereaderOptions, Goal
-from rigtri.operations.pose import warn_outside_clip
+from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.report import Report
 from rigtri.text import is_number
 
@@ -80,11 +79,11 @@ class ReaderFrame:
     @cached_property
     def resting(self) -> Floats:
         """The driver's rotation in the frame at rest, (4,)."""
-        return self._rotation(self.rig.world[np.newaxis])
+        frame = self.rig.world[self.frame] if self.frame >= 0 else np.eye(4)
+        return self._rotation(self.rig.world[[self.driver]], frame[np.newaxis])
 
-    def _rotation(self, world: Floats) -> Floats:
-        frame = world[:, self.frame] if self.frame >= 0 else np.eye(4)[np.newaxis]
-        found = relative(world[:, self.driver], frame)[0]
+    def _rotation(self, driver: Floats, frame: Floats) -> Floats:
+        found = relative(driver, frame)[0]
         if not np.isfinite(found).all():
             raise GeometryError(
                 f"'{self.rig.title(self.driver)}' has no axes: a scale on or above it is zero"
@@ -103,12 +102,14 @@ class ReaderFrame:
         return np.asarray(rotate(conjugate(axes), required))
 
     def rotation_in_pose(self, text: str) -> Floats:
-        """The driver's rotation in the frame in a pose, (4,)."""
-        timeline, time = timeline_and_time(self.rig, text)
-        if timeline is None:
+        """The driver's rotation in the frame in a pose, as controls and constraints give it, (4,).
+
+        Raises NameNotFoundError (a clip), GeometryError (a cycle).
+        """
+        if timeline_and_time(self.rig, text)[0] is None:
             return self.resting
-        time = warn_outside_clip(timeline, time, self.report)
-        return self._rotation(worlds(self.rig, locals_at(self.rig, timeline.clip, [time])))
+        posed = pose_of(self.rig, PoseOptions(at=text), self.report)
+        return self._rotation(posed.world(self.driver), posed.world(self.frame))
 
 
 @dataclass(frozen=True, eq=False)
