@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,8 @@ _BLOCK = 1 << 15
 _POINTS = 1 << 13
 # Matrices of one motion, as products of inverses, differ by less than this share of their largest number.
 _ROUNDING = 1e-14
+# Weights that sum to 1 but for this do so: those of float32, or four that are written with six digits.
+_SUM_ROUNDING = 2.5e-6
 
 
 def skin_matrices(skin: Skin, world: Floats) -> Floats:
@@ -56,21 +59,97 @@ def normalised_weights(weights: Floats) -> Floats:
     return np.where(total == 0, first, weights / np.where(total == 0, 1.0, total))
 
 
+class Influences(NamedTuple):
+    """What moves the points of a skinned mesh, in the sense of its format.
+
+    joints: rows of ``nodes``, (v, k). weights: (v, k), sums of 1 for each point. nodes: (m,).
+    bind: matrices that take points of the mesh into the frames of the nodes, (m, 4, 4).
+    """
+
+    joints: Integers
+    weights: Floats
+    nodes: Integers
+    bind: Floats
+
+
+def influences(mesh: Mesh, rig: Rig) -> Influences:
+    """The influences of a mesh with a skin.
+
+    UsdSkel takes weights as they are when it blends linearly, in the space of the Skeleton: what a point
+    lacks of 1 it has of that space's origin, which is one more row of nodes, behind those of the skin.
+    Elsewhere weights are scaled to sum to 1; see `normalised_weights`.
+
+    Source: UsdSkelSkinPoints, whose dual quaternions are normalised after they are blended.
+    """
+    assert mesh.skin is not None
+    skin = rig.skins[mesh.skin]
+    bind = multiply(mesh.bind, skin.inverse_bind)
+    weights, short = normalised_weights(mesh.weights), _short_of_one(mesh)
+    if not short.any():
+        return Influences(mesh.joints, weights, skin.joints, bind)
+    weights = np.where((short != 0)[:, np.newaxis], mesh.weights, weights)
+    space = _space(rig, skin)
+    if space < 0:  # the world, whose origin adds nothing
+        return Influences(mesh.joints, weights, skin.joints, bind)
+    to_origin = np.zeros((1, 4, 4))
+    to_origin[0, 3, 3] = 1.0
+    last = np.full((len(weights), 1), len(skin.joints))
+    return Influences(
+        np.concatenate([mesh.joints, last], axis=1),
+        np.concatenate([weights, short[:, np.newaxis]], axis=1),
+        np.append(skin.joints, space),
+        np.concatenate([bind, to_origin]),
+    )
+
+
+def sums_to_one(mesh: Mesh) -> bool:
+    """Whether the weights of each point of a mesh sum to 1, or are scaled to do so."""
+    return not _short_of_one(mesh).any()
+
+
+def most_weight(mesh: Mesh) -> float:
+    """How much weight a point of a mesh has in all, signs apart, at most; 1 where it is less or scaled."""
+    uneven = np.abs(mesh.weights[_short_of_one(mesh) != 0])
+    total = np.zeros(len(uneven))
+    for column in uneven.T:
+        total += column
+    return max(1.0, float(total.max(initial=1.0)))
+
+
+def _short_of_one(mesh: Mesh) -> Floats:
+    """What the weights of points lack of 1, (v,), where that is seen; 0 elsewhere."""
+    if not mesh.raw_weights or mesh.dual_quaternion or not mesh.weights.shape[1]:
+        return np.zeros(len(mesh.weights))
+    total = mesh.weights[:, 0].copy()
+    for column in mesh.weights.T[1:]:
+        total += column
+    short = 1.0 - total
+    return np.where(np.abs(short) > _SUM_ROUNDING, short, 0.0)  # NaN is never
+
+
+def _space(rig: Rig, skin: Skin) -> int:
+    """The node in whose space a skin's joints are, the nearest above them that is none; −1 is the world."""
+    joints = {*skin.joints.tolist(), *rig.holders}
+    node = int(skin.joints[0]) if len(skin.joints) else -1
+    while node in joints:
+        node = int(rig.parents[node])
+    return node
+
+
 def deformed(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Floats:
     """The points of a mesh in the world, (f, v, 3).
 
-    world: (f, n, 4, 4). morph: (f, t). Weights that do not sum to 1 are scaled to do so, as engines
-    do; see `normalised_weights`. IndexError for a joint that the skin does not have.
+    world: (f, n, 4, 4). morph: (f, t). Weights that do not sum to 1 count as in the mesh's format; see
+    `influences`. IndexError for a joint that the skin does not have.
     """
     points = mesh.points
     if morph.shape[-1] and morph.any():
         points = points + np.tensordot(morph, mesh.morphs, axes=(1, 0))
     if mesh.skin is None or not mesh.joints.shape[1]:
         return transform_points(points, world[:, mesh.node, np.newaxis])
-    skin = rig.skins[mesh.skin]
-    matrices = multiply(multiply(mesh.bind, skin.inverse_bind), world[:, skin.joints])
-    weights = normalised_weights(mesh.weights)
-    return _blended(points, matrices, mesh.joints, weights, dual_quaternion=mesh.dual_quaternion)
+    joints, weights, nodes, bind = influences(mesh, rig)
+    matrices = multiply(bind, world[:, nodes])
+    return _blended(points, matrices, joints, weights, dual_quaternion=mesh.dual_quaternion)
 
 
 def _blended(
@@ -219,21 +298,21 @@ class SkinnedPoints:
     parent: int = -1
 
     @cached_property
-    def _weights(self) -> Floats:
-        return normalised_weights(self.mesh.weights[self.rows])
-
-    @cached_property
-    def _joints(self) -> Integers:
-        """The joints, by their numbers in the skin, that move any of the points, (j,)."""
-        return np.unique(self.mesh.joints[self.rows][self._weights != 0])
+    def _influences(self) -> Influences:
+        """What moves the points, by the nodes of the rig that do so."""
+        mesh = self.mesh
+        found = influences(
+            replace(mesh, joints=mesh.joints[self.rows], weights=mesh.weights[self.rows]), self.rig
+        )
+        weighs = found.weights != 0
+        used = np.unique(found.joints[weighs])
+        joints = np.where(weighs, np.searchsorted(used, found.joints), 0)
+        return Influences(joints, found.weights, found.nodes[used], found.bind[used])
 
     @cached_property
     def nodes(self) -> list[int]:
         """The nodes whose motion moves the points, or the parent that they are seen from."""
-        if self._skinned and self.mesh.skin is not None:
-            own: list[int] = self.rig.skins[self.mesh.skin].joints[self._joints].tolist()
-        else:
-            own = [self.mesh.node]
+        own: list[int] = self._influences.nodes.tolist() if self._skinned else [self.mesh.node]
         return sorted(self.rig.with_ancestors([*own, self.parent]))
 
     @cached_property
@@ -306,11 +385,8 @@ class SkinnedPoints:
 
     def _moved(self, points: Floats, world: Floats) -> Floats:
         mesh, number = self.mesh, self._part[1]
-        if not self._skinned or mesh.skin is None:
+        if not self._skinned:
             return transform_points(points, world[:, number[mesh.node], np.newaxis])
-        skin = self.rig.skins[mesh.skin]
-        there = world[:, [number[node] for node in skin.joints[self._joints].tolist()]]
-        matrices = multiply(multiply(mesh.bind, skin.inverse_bind[self._joints]), there)
-        weighs = self._weights != 0
-        joints = np.where(weighs, np.searchsorted(self._joints, mesh.joints[self.rows]), 0)
-        return _blended(points, matrices, joints, self._weights, dual_quaternion=mesh.dual_quaternion)
+        joints, weights, nodes, bind = self._influences
+        matrices = multiply(bind, world[:, [number[node] for node in nodes.tolist()]])
+        return _blended(points, matrices, joints, weights, dual_quaternion=mesh.dual_quaternion)

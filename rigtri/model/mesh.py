@@ -43,6 +43,7 @@ class Mesh:
     matrix that takes points into the space of the skin's bind pose. morphs:
     (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``;
     morph_names: what they are called, empty where nothing says it.
+    raw_weights: they count as they are, whatever they sum to (UsdSkel); else they are scaled to sum to 1.
     ``surface`` reads faces and normals, None where they cannot be read; read only when needed.
     box: where ``points`` are only some of many, the lows and highs of all of them wherever
     morphs carry them: (2, 3), and any joint may move any of them, or of those that each joint
@@ -60,6 +61,7 @@ class Mesh:
     morph_weights: Floats = field(default_factory=lambda: np.zeros(0))
     morph_names: tuple[str, ...] = ()
     dual_quaternion: bool = False
+    raw_weights: bool = False
     surface: Callable[[], Surface | None] | None = None
     box: Floats | None = None
 

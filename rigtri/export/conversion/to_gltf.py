@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rigtri.evaluation.skinning import sums_to_one
 from rigtri.export.conversion.gltf_file import GltfWriter
 from rigtri.export.conversion.scene import Scene
 from rigtri.export.conversion.usd_scene import read_scene
@@ -16,7 +17,9 @@ from rigtri.formats.gltf.container import glb
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.gltf.uris import escape
 from rigtri.formats.usd.document import UsdDocument
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.skin_weights import added_up
 from rigtri.verification.compare.across_formats import Converted
 
 
@@ -67,9 +70,9 @@ class ToGltf:
     def compared(self, part: Path) -> Converted:
         """What was written, read again, beside what it was made of: in the stage's unit and axes."""
         found = self._partners(GltfDocument.read(part, ReadOptions()))
-        if not any(mesh.dual_quaternion for mesh, _ in found.meshes):
+        if not any(mesh.dual_quaternion or not sums_to_one(mesh) for mesh, _ in found.meshes):
             return found
-        linear = [(replace(mesh, dual_quaternion=False), other) for mesh, other in found.meshes]
+        linear = [(_as_in_gltf(mesh), other) for mesh, other in found.meshes]
         return replace(found, meshes=linear, source_meshes=found.meshes)
 
     @classmethod
@@ -118,3 +121,16 @@ class ToGltf:
         rotation, scale = rig.rotation.copy(), rig.scale.copy()
         rotation[root], scale[root] = (0.0, 0.0, 0.0, 1.0), 1.0
         return replace(rig, rotation=rotation, scale=scale)
+
+
+def _said_in_gltf(mesh: Mesh) -> bool:
+    """Whether glTF skins a mesh of USD as UsdSkel does."""
+    return not mesh.dual_quaternion and sums_to_one(mesh)
+
+
+def _as_in_gltf(mesh: Mesh) -> Mesh:
+    """A mesh skinned as glTF does: linearly, with weights that are scaled to sum to 1."""
+    if _said_in_gltf(mesh):
+        return mesh
+    weights = added_up(mesh.joints, mesh.weights)
+    return replace(mesh, weights=weights, dual_quaternion=False, raw_weights=False)

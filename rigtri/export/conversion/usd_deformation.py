@@ -10,24 +10,21 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.evaluation.skinning import sums_to_one
 from rigtri.formats.usd.reading.mesh_reader import at_start
-from rigtri.maths.matrices import transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.mesh import Mesh
-
-# Points that sums of weights beside 1 move by less than this share of the mesh are where they were.
-_SEEN = 1e-5
 
 
 def lost_deformations(mesh: Mesh, shapes: Sequence[Any]) -> Iterator[str]:
     """What glTF cannot say of the skinning and the blend shapes (UsdSkelBlendShape) of a mesh."""
     if mesh.dual_quaternion:
         yield f"dual-quaternion skinning of mesh {mesh.name}: it is skinned linearly"
-    elif (far := _from_unit_weights(mesh)) > _SEEN:
+    elif not sums_to_one(mesh):
         yield (
-            f"weights of mesh {mesh.name} that do not sum to 1, which UsdSkel takes as they are: scaled to 1 "
-            f"they move bound points by up to {far:.2g} of the mesh's size, which is not in the deviation"
+            f"weights of mesh {mesh.name} that do not sum to 1, which UsdSkel takes as they are: "
+            "they are scaled to sum to 1"
         )
     if any(shape.GetInbetweens() for shape in shapes):
         far, size = max(map(_beside_the_line, shapes)), _diagonal(mesh.points)
@@ -35,15 +32,6 @@ def lost_deformations(mesh: Mesh, shapes: Sequence[Any]) -> Iterator[str]:
             f"inbetweens of blend shapes of mesh {mesh.name}: at their weights they move points up to "
             f"{far / size if size else far:.2g} of the mesh's size, which is not in the deviation"
         )
-
-
-def _from_unit_weights(mesh: Mesh) -> float:
-    """How far bound points move when their weights are scaled to 1, at most, as a share of the mesh."""
-    if mesh.skin is None or not mesh.weights.size:
-        return 0.0
-    bound = transform_points(mesh.points, mesh.bind)
-    far, size = float((np.abs(mesh.weights.sum(axis=1) - 1.0) * length(bound)).max()), _diagonal(bound)
-    return far / size if size else far
 
 
 def _beside_the_line(shape: Any) -> float:

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rigtri.evaluation.skinning import most_weight
 from rigtri.frames.error_bounds import frames_shown
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import inverse
@@ -113,7 +114,7 @@ def skin_corners(
             continue
         owner = mine.name or f"skin #{number}"
         own, bound = np.isin(mine.joints, loose), [x for x in meshes if x.skin == number]
-        for bind, low, high in _skin_boxes(mine, bound):
+        for bind, low, high, most in _skin_boxes(mine, bound):
             # Such a joint may move, but not what somebody has bound to it.
             holds = np.isfinite(low).all(axis=1) if bound else False
             rows = np.flatnonzero(differ & ~(own & ~np.asarray(holds)))
@@ -122,6 +123,7 @@ def skin_corners(
             titles = [f"joint {before.title(joint)}" for joint in mine.joints[rows].tolist()]
             points = _with_bind_origin(box_corners(low[rows], high[rows]), bind, mine.bind[rows])
             with np.errstate(invalid="ignore"):
+                points = points * most
                 moved = tuple(points @ bind @ s.inverse_bind[rows] for s in (mine, theirs))
             yield FramePoints(
                 (mine.joints[rows], joints[rows]), (moved[0], moved[1]), titles, [owner] * len(rows)
@@ -165,15 +167,16 @@ def _with_bind_origin(points: Floats, bind: Floats, frames: Floats) -> Floats:
     return np.concatenate([points, place[:, np.newaxis]], axis=1)
 
 
-def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Floats, Floats]]:
+def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Floats, Floats, float]]:
     """For each bind matrix of the meshes: it, and the boxes of what each joint moves, (m, 3) twice.
 
-    Meshes that share their bind matrix share their boxes. inf where a joint moves nothing.
+    Last how much weight one of the points has in all, 1 at least: that much farther it may go than its joints
+    do. Meshes that share their bind matrix share their boxes. inf where a joint moves nothing.
     """
     if not meshes:
         if (box := box_of_joints(skin.bind)) is not None:
             shape = (len(skin.joints), 3)
-            yield np.eye(4), np.broadcast_to(box[0], shape), np.broadcast_to(box[1], shape)
+            yield np.eye(4), np.broadcast_to(box[0], shape), np.broadcast_to(box[1], shape), 1.0
         return
     groups: dict[bytes, list[Mesh]] = {}
     for mesh in meshes:
@@ -182,7 +185,7 @@ def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Fl
         found = [boxes(mesh, len(skin.joints)) for mesh in group]
         low = np.minimum.reduce([box[0] for box in found])
         high = np.maximum.reduce([box[1] for box in found])
-        yield group[0].bind, low, high
+        yield group[0].bind, low, high, max(map(most_weight, group))
 
 
 def box_corners(low: Floats, high: Floats) -> Floats:

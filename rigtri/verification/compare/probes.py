@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -146,11 +147,11 @@ class MeshPoints:
     def placed(self) -> Integers:
         return np.array([placing_node(self.rigs[0], self.meshes[0])])
 
-    @property
+    @cached_property
     def nodes(self) -> tuple[Integers, Integers]:
         """The nodes whose frames move the points, in each rig."""
         mine, theirs = (
-            np.array([mesh.node]) if mesh.skin is None else rig.skins[mesh.skin].joints
+            np.array([mesh.node]) if mesh.skin is None else skinning.influences(mesh, rig).nodes
             for rig, mesh in zip(self.rigs, self.meshes, strict=True)
         )
         return mine, theirs
@@ -203,19 +204,18 @@ def mesh_points(before: Rig, after: Rig, mine: Mesh, theirs: Mesh) -> MeshPoints
     if mine.dual_quaternion or not same_mesh(mine, theirs):
         return MeshPoints(rigs, meshes)
     skinned = mine.skin is not None and mine.joints.shape[1] > 0
-    weights = skinning.normalised_weights(mine.weights) if skinned else np.ones((len(mine.points), 1))
-    if not (np.isfinite(weights).all() and np.isfinite(mine.points).all()):
+    if not np.isfinite(mine.points).all():
         return MeshPoints(rigs, meshes)
     if skinned:
-        skins = [rig.skins[mesh.skin or 0] for rig, mesh in zip(rigs, meshes, strict=True)]
-        nodes = skins[0].joints, skins[1].joints
         with np.errstate(invalid="ignore"):
-            matrices = mine.bind @ skins[0].inverse_bind, theirs.bind @ skins[1].inverse_bind
-        joints = mine.joints
+            found, now = skinning.influences(mine, before), skinning.influences(theirs, after)
+        nodes, matrices, joints, weights = (found.nodes, now.nodes), (found.bind, now.bind), *found[:2]
     else:
         nodes = np.array([mine.node]), np.array([theirs.node])
         matrices = np.eye(4)[np.newaxis], np.eye(4)[np.newaxis]
-        joints = np.zeros((len(mine.points), 1), dtype=np.int64)
+        joints, weights = np.zeros((len(mine.points), 1), dtype=np.int64), np.ones((len(mine.points), 1))
+    if not np.isfinite(weights).all():
+        return MeshPoints(rigs, meshes)
     if nodes[0].shape != nodes[1].shape:
         return MeshPoints(rigs, meshes)
     rows = FramePoints(nodes, matrices, (), ())
@@ -249,6 +249,7 @@ def same_mesh(a: Mesh, b: Mesh) -> bool:
     pairs = ((a.points, b.points), (a.joints, b.joints), (a.weights, b.weights), (a.bind, b.bind))
     return (
         a.dual_quaternion == b.dual_quaternion
+        and (a.raw_weights == b.raw_weights or skinning.sums_to_one(a) == skinning.sums_to_one(b))
         and (a.skin is None) == (b.skin is None)
         and same_array(a.morphs, b.morphs)
         and all(same_array(x, y) for x, y in pairs)

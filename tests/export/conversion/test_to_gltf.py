@@ -70,10 +70,11 @@ def test_a_stage_in_gltf_looks_the_same(path: Path, suffix: str, tmp_path: Path)
         ("1, 1, 1, 2, 2, 1", "0.5, 0.5, 0.25, 0.75, 1, 0"),
         ("1, 1, 0, 2, 1, 0, 0, 0, 0, 2, 1, 0, 0, 1, 2", ".1, .2, .3, .2, .2, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0"),
         ("1, 1, 2, 2, 1, 1", "0, 0, 0.5, 0.5, 0, 0.5"),
+        ("1, 1, 2, 2, 1, 0", "0.5, -0.5, 0, 0, 0.5, 0"),
         ("2, 1, 2, 1, 2, 1, 0, 0, 0, 0, 0, 0, 0, 1, 2, 0, 1, 2", ".1, " * 6 + ".3, " * 6 + ".2, " * 6),
         ("0, " * 27, "0.1, " * 27),
     ],
-    ids=["once again", "five", "without any", "six of two joints", "nine of one"],
+    ids=["once again", "five", "without any", "to nothing", "six of two joints", "nine of one"],
 )
 def test_a_joint_that_a_point_names_twice_is_there_once(joints: str, weights: str, tmp_path: Path) -> None:
     """The validator's rules: weights of a point sum to 1, and no joint is there twice or without weight."""

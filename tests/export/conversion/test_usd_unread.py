@@ -149,6 +149,10 @@ def test_weights_that_do_not_sum_to_one_are_reported_with_how_far_that_moves_poi
     outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
     told = [n.text for n in outcome.report.warnings if "that do not sum to 1" in n.text]
     assert len(told) == 1
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-5
+    assert outcome.verification.motion is not None
+    assert outcome.verification.motion.deviation > 0.1
     (tmp_path / "as_one.usda").write_text(clean())
     outcome = rigtri.convert(tmp_path / "as_one.usda", tmp_path / "as_one.glb")
     assert not [n for n in outcome.report.warnings if "that do not sum to 1" in n.text]

@@ -258,6 +258,7 @@ def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
         weights=weights,
         bind=np.array(query.GetGeomBindTransform(when), dtype=np.float64),
         dual_quaternion=str(query.GetSkinningMethod()) == "dualQuaternion",
+        raw_weights=True,
     )
 
 
