@@ -536,3 +536,9 @@ def test_meshes_shared_by_instances_are_edited_once_where_all_of_them_get_the_sa
         assert before.keys() == after.keys() == {"/Root/One/Skin", "/Root/Two/Skin"}
         for path, points in before.items():
             assert np.abs(points * 100.0 - after[path]).max() < 1e-3
+    # Metadata of an attribute, too: its elementSize.
+    bone = ("--joint", "b", "--to", "c", "--split-weights", "--tolerance", "10")
+    cli("add-twist", source, *bone, "-o", out, "--overwrite", code=0)
+    stage, name = Usd.Stage.Open(str(out)), "primvars:skel:jointWeights"
+    one, other = (stage.GetAttributeAtPath(f"/Root/{k}/Skin.{name}") for k in ("One", "Two"))
+    assert one.GetMetadata("elementSize") == other.GetMetadata("elementSize") == 2

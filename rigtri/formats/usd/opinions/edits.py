@@ -62,6 +62,14 @@ class Binding(Edit):
     name: str
 
 
+@dataclass(frozen=True, eq=False)
+class Declaration(Edit):
+    """An attribute that an edit before has set gets metadata. name: its name; fields: the metadata."""
+
+    name: str
+    fields: Mapping[str, Any]
+
+
 def arrays(values: Mapping[Any, Any]) -> dict[Any, np.ndarray]:
     """Values by time as arrays; what is blocked has none."""
     return {time: np.array(value) for time, value in values.items() if value is not None}

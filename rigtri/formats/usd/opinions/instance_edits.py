@@ -21,7 +21,7 @@ from pxr import Sdf, Tf, Usd
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.shared_instances import CLASS, is_own_class
-from rigtri.formats.usd.opinions.edits import Edit, Setting, free_path
+from rigtri.formats.usd.opinions.edits import Declaration, Edit, Setting, free_path
 
 
 def instance_of(stage: Any, path: Any) -> Any:
@@ -47,18 +47,21 @@ def _each_once(stage: Any, edits: Sequence[Edit]) -> list[Edit]:
 
     A prototype of meshes alone is read at each instance, for each may be bound to a skeleton of its own.
     """
-    found, known = list[Edit](), dict[Any, Setting]()
+    found, known = list[Edit](), dict[Any, Any]()
     for edit in edits:
         prim = stage.GetPrimAtPath(edit.prim)
-        if isinstance(edit, Setting) and prim and prim.IsInstanceProxy():
-            first = known.setdefault((prim.GetPrimInPrototype().GetPath(), edit.name), edit)
+        if isinstance(edit, Setting | Declaration) and prim and prim.IsInstanceProxy():
+            first = known.setdefault((prim.GetPrimInPrototype().GetPath(), edit.name, type(edit)), edit)
             if first.prim != edit.prim and _says_the_same(first, edit):
                 continue
         found.append(edit)
     return found
 
 
-def _says_the_same(one: Setting, other: Setting) -> bool:
+def _says_the_same(one: Any, other: Any) -> bool:
+    """Whether two edits of one kind and name give the same, with the same metadata."""
+    if isinstance(one, Declaration):
+        return bool(one.fields == other.fields)
     first, second = one.arrays(), other.arrays()
     return (
         one.samples.keys() == other.samples.keys()

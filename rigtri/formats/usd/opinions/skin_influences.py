@@ -13,7 +13,7 @@ from pxr import Sdf
 
 from rigtri.errors import FixedWeightsError
 from rigtri.formats.usd.composition.stage import DEFAULT, why_locked
-from rigtri.formats.usd.opinions.edits import Edit, binding_schema, set_value
+from rigtri.formats.usd.opinions.edits import Declaration, Edit, binding_schema, set_value
 from rigtri.formats.usd.opinions.joint_influences import INDICES, ORDER
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
@@ -79,4 +79,4 @@ def _declared(path: Any, name: str, fields: Mapping[str, Any]) -> Edit:
             if spec is not None and (not spec.HasInfo(key) or spec.GetInfo(key) != value):
                 spec.SetInfo(key, value)
 
-    return Edit(Sdf.Path(path), edit)
+    return Declaration(Sdf.Path(path), edit, name, fields)
