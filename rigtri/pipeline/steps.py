@@ -51,7 +51,7 @@ def applied(name: str, options: Any, reading: ReadOptions) -> Step:
 
 def name_all_missing(error: NameNotFoundError, rig: Rig, options: Any) -> None:
     """Let an error about a name name all else, too, that options name and the rig has not."""
-    texts = [str(error).removesuffix(LIST_NAMES)]
+    texts = [str(error)]
     for one in options_of(type(options)).values():
         for name in _words(getattr(options, one.name)) if one.kind and one.kind.name in _OF_NODES else ():
             node = name if rig.has(name) else name.rpartition("=")[0] or name
@@ -59,8 +59,11 @@ def name_all_missing(error: NameNotFoundError, rig: Rig, options: Any) -> None:
                 rig.match(node)
             except NameNotFoundError as other:
                 if not any(f"'{node}'" in text for text in texts):
-                    texts.append(str(other).removesuffix(LIST_NAMES))
-    error.args = ("".join((*texts, LIST_NAMES)),)
+                    texts.append(str(other))
+    told = [text.removesuffix(LIST_NAMES).rstrip() for text in texts]
+    told = [text if text.endswith((".", "?")) or len(told) == 1 else f"{text}." for text in told]
+    advice = [LIST_NAMES] if any(text.endswith(LIST_NAMES) for text in texts) else []
+    error.args = (" ".join((*told, *advice)),)
 
 
 def _words(value: Any) -> Iterator[str]:

@@ -472,6 +472,7 @@ def test_a_joint_of_an_instance_that_is_read_at_another_is_told_where(tmp_path: 
     told = cli(*words, "/World/Two/Skel:a/b", code=4).stderr
     assert "shares its prototype with '/World/One'" in told
     assert "'/World/One/Skel:a/b'; to edit '/World/Two' alone, make it no instance" in told
+    assert told.rstrip().endswith("(instanceable = false)")
     assert "No joint is named" in cli(*words, "/World/Two/Skel:a/x", code=4).stderr
     cli(*words, "/World/One/Skel:a/b", code=0)
 
