@@ -8,8 +8,10 @@ from rigtri.errors import FileError
 from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.limits import TOLERANCE
+from rigtri.maths.matrices import SKEW, skew
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
+from rigtri.text import and_more
 from rigtri.verification.compare.compare import Comparison
 
 # A joint of which less than this share of the tolerance can come is not to blame.
@@ -59,6 +61,18 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
         f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
         f"named with --exclude, or {allow}"
+    )
+
+
+def why_sheared(rig: Rig) -> str:
+    """What to do about joints of a USD file that rest sheared, which glTF cannot say; "" for none."""
+    joints = np.flatnonzero(rig.is_joint & rig.has_matrix)
+    if not rig.rules.raw_quaternions or not (found := joints[skew(rig.local[joints]) > SKEW].tolist()):
+        return ""
+    names = and_more([f"'{rig.title(node)}'" for node in found], 4)
+    return (
+        f" The rest pose of {names} is sheared, which glTF cannot say of joints that move. Let them rest as "
+        "they are bound: rigtri set-rest --pose bind"
     )
 
 

@@ -15,7 +15,7 @@ from places import SAMPLES, asset_files, sample_files, slow
 from program import cli
 from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 from second_opinions import khronos_errors
-from usd_files import MESH, animation, deviation, read, save, scene, skeleton
+from usd_files import MESH, animation, at, deviation, read, save, scene, skeleton
 
 import rigtri
 from rigtri.evaluation.sampling import Motion, morph_weights, worlds
@@ -452,3 +452,14 @@ def test_four_times_as_many_prims_in_a_row_are_read_in_four_times_as_long(tmp_pa
     few, many = row(20), row(80)
     once = calls(lambda: read_scene(few, "row"))
     assert calls(lambda: read_scene(many, "row")) < 5 * once
+
+
+def test_a_sheared_rest_pose_of_joints_that_move_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    """Blender writes the pose of the first frame as rest, with the shear of bones below stretched ones."""
+    sheared = "((1, 0.5, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
+    rest = f"uniform matrix4d[] restTransforms = [{at(0, 0, 0)}, {sheared}, {at(0, 2, 1)}]"
+    source = save(tmp_path, scene(skeleton(rest=rest), animation(), MESH))
+    printed = cli("convert", source, "-o", tmp_path / "out.glb", code=6).output
+    assert "The rest pose of 'b' is sheared" in " ".join(printed.split())
+    cli("set-rest", source, "--pose", "bind", "-o", tmp_path / "bound.usda", code=0)
+    cli("convert", tmp_path / "bound.usda", "-o", tmp_path / "out.glb", code=0)
