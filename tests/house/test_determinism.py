@@ -23,7 +23,6 @@ _POINTS = "points are measured, never written"
 ALLOWED = {
     "skinning.deformed": _POINTS,
     "node_reader._check_rotations": "counts rotations for a message",
-    "usd_deformation._from_unit_weights": "sums weights for a message",
     "add_controls._linear": "powers of decimal numbers are Python's own",
 }
 # They come from BLAS, LAPACK, libm or SIMD kernels, whose last bit differs between machines.
