@@ -10,7 +10,7 @@ from rigtri.recognition.arms_legs import AGREED, Found
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.front_or_hind import head_end
-from rigtri.recognition.guessed_hierarchy import lost_third, named_twice, start_beside
+from rigtri.recognition.guessed_hierarchy import lost_third, named_twice, out_of_order, start_beside
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.inanimate import (
     bends_to_and_fro,
@@ -33,6 +33,7 @@ from rigtri.recognition.shape_doubts import (
     goes_on,
     later_start,
     middle_bone,
+    of_twin,
     other_bend,
     other_end,
     reaches_further,
@@ -64,7 +65,7 @@ def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
     doubts = {id(each): why for each, why in zip(found, against, strict=True)}
     weighed = []
     for each, first in zip(found, against, strict=True):
-        why = first or _by_the_legs(draft, each, found, doubts)
+        why = first or of_twin(each, found, doubts) or _by_the_legs(draft, each, found, doubts)
         weighed.append(unsure(draft, each, why) if why and each.is_sure else each)
     return weighed
 
@@ -79,7 +80,7 @@ def unsure(draft: Draft, each: Found, why: str) -> Found:
 def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """The first doubt of a limb: of those of every limb, then of names or of shapes, whichever tell it."""
     if len(each.joints) != 3:
-        return _no_trunk(draft, each, found) or lost_third(draft, each) or _no_bend(draft, each)
+        return _no_trunk(draft, each, found) or lost_third(draft, each, found) or _no_bend(draft, each)
     doubts = (*_OF_ANY, *(_OF_NAMES if _is_named(draft, each) else _OF_SHAPES))
     return next(filter(None, (doubt(draft, each, found) for doubt in doubts)), "")
 
@@ -300,6 +301,8 @@ def _named_to_bend_elsewhere(draft: Draft, each: Found) -> str:
 def _misnamed(draft: Draft, each: Found) -> str:
     """Names of a limb whose hand is missing: a forearm at its end, or bones that count from the middle."""
     names = [draft.tree.rig.names[node] for node in each.joints]
+    if each.kind == "leg" and limb_words(names[0]).levels == {"end": 1.0}:
+        return f"{_title(draft, each.joints[0])}, where it begins, is called as the end of a limb is"
     last = limb_words(names[2]).levels
     if each.kind == "arm" and last.get("lower") == 1.0 and len(last) == 1:  # hocks are called so, too
         return f"{_title(draft, each.joints[2])} is called as a lower bone is"
@@ -385,5 +388,12 @@ _OF_SHAPES = (
         reaches_further,
         other_end,
     ),
-    *_alone(points_ahead, arm_on_the_ground, may_be_wings, start_beside, may_be_a_thing),
+    *_alone(
+        points_ahead,
+        arm_on_the_ground,
+        may_be_wings,
+        start_beside,
+        out_of_order,
+        may_be_a_thing,
+    ),
 )

@@ -84,7 +84,7 @@ def head_end(tree: Tree, body: Body, plane: Plane, poses: Poses, limbs: Sequence
     ahead = ahead - body.up * ahead.dot(body.up)  # legs may begin at other heights
     back = -ahead
     aside = [each.pair for each in limbs if _are_over(tree, body, each)]
-    tips, others = (_tips(tree, _beyond(tree, body, plane, way, _FAR, aside)) for way in (back, ahead))
+    tips, others = (_tips(tree, body, _beyond(tree, body, plane, way, _FAR, aside)) for way in (back, ahead))
     if tips != others and max(tips, others) > 1:
         return -1 if tips > others else 1
     one, other = (_beyond(tree, body, plane, way, _NEAR, aside) for way in (back, ahead))
@@ -97,8 +97,11 @@ def head_end(tree: Tree, body: Body, plane: Plane, poses: Poses, limbs: Sequence
     return -1 if broader and low > -inf else 0
 
 
-def _tips(tree: Tree, nodes: Sequence[int]) -> int:
-    return sum(not tree.below[node] for node in nodes)
+def _tips(tree: Tree, body: Body, nodes: Sequence[int]) -> int:
+    """How many chains end there. What hangs from elsewhere than the trunk is none: flat copies for a skin."""
+    ends = [pair.pair.above for pair in (body.legs, body.arms) if pair is not None and pair.pair.above >= 0]
+    trunk = {k for end in ends for k in tree.way(-1, end)}
+    return sum(not tree.below[node] and not trunk.isdisjoint(tree.way(-1, node)) for node in nodes)
 
 
 def _beyond(

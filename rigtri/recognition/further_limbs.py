@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from rigtri.recognition.arms_legs import Found, named_side
 from rigtri.recognition.body_shape import Body
@@ -37,6 +38,7 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
         if draft.poses.has_weights and not any(draft.poses.moves_points(k) for k in nodes):
             continue  # controls
         taken |= nodes
+        lost = wing and _is_beside(draft, limbs)
         for which, path in enumerate(limbs.pair.paths):
             chain = _along_wing(draft, path) if wing else path
             joints = _of_wing(draft, limbs, chain) if wing else limbs.joints(which)
@@ -44,8 +46,21 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
             bend = joints if len(joints) == 3 else ()
             kind: Kind = "wing" if wing else _kind(draft, body, limbs, size)
             words = (NAMES,) if wing else ("one more pair that bends in the middle",)
-            sure = 0.6 if not wing or thing else 0.7 if limbs.is_noisy else 0.9
+            sure = 0.6 if not wing or thing or lost else 0.7 if limbs.is_noisy else 0.9
             draft.add_chain(kind, kind, side, chain, sure, words, bend)
+
+
+def _is_beside(draft: Draft, limbs: Limbs) -> bool:
+    """Whether bones called so stand alone on the way to a wing or its second bone: the file has no order."""
+    names, tree, above = draft.tree.rig.names, draft.tree, limbs.pair.above
+    for path in limbs.pair.paths:
+        for over, after in pairwise([above, *path[:2]] if above >= 0 else path[:2]):
+            for node in (k for k in tree.below[over] if k not in path and not tree.below[k]):
+                on_the_way = (tree.at[node] - tree.at[over]).dot(tree.at[after] - tree.at[node]) > 0.0
+                roles = roles_in_name(names[node])
+                if on_the_way and "wing" in roles and "feather" not in roles:
+                    return True
+    return False
 
 
 def _along_wing(draft: Draft, path: Sequence[int]) -> list[int]:

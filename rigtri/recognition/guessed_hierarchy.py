@@ -3,26 +3,62 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 
 # What is so long a part of an upper bone, and further beside it than this part of its own length, may be
 # another upper bone; what is nearer corrects the shape or twists.
 _LONG, _BESIDE = 0.3, 0.3
+# A joint further before the start of a limb than this part of it is an upper bone rather than a clavicle.
+_BEFORE = 0.5
+# The role of joints beside those of a limb.
+_HELPS = frozenset(["helper"])
+# Further pairs that are so long a part of the arms may be limbs as well.
+_RIVAL = 0.2
+# Names of all three joints, one of them vague, say so far which follow which.
+_CALLED = 0.8
+# It stands so far beside the middle, as a part of how far what follows does.
+_ASIDE = 0.2
+# A limb that ends nearer to where it hangs than this part of the way to another of its joints is turned
+# round, as is a leg whose lower bone goes up by this (a cosine): no elbow and no knee bends so far.
+_BACK, _UP_AGAIN = 0.5, 0.5
+# What goes on with a bone does so within this (a cosine, 37°).
+_ALONG = 0.8
+# Legs down to an ankle and feet on from there, as cosines with up (37°, and feet on high heels).
+_DOWN, _LEVEL = 0.8, 0.6
 
 
-def lost_third(draft: Draft, each: Found) -> str:
+def lost_third(draft: Draft, each: Found, found: Sequence[Found] = ()) -> str:
     """A limb of two joints of which a third may have been taken for another's, or for a part of its bone."""
     rig = draft.tree.rig
     parts = [node for node in draft.segments if rig.is_below(node, each.joints[-1])]
     if len(parts) > 1:
         return f"'{rig.title(min(parts))}' and others follow, which may be its bones and no parts of one"
+    if draft.words.get(each.joints[-1], NO_WORDS).levels == {"upper": 1.0}:
+        return f"'{rig.title(each.joints[-1])}' is called as its start is"
+    if other := _called_so(draft, each, found):
+        return other
     named = draft.reading is not None and each.joints in draft.reading.limbs.values()
     guessed = draft.tree.is_own and not named
     return "no third joint follows, and the file has no hierarchy" if guessed else ""
+
+
+def _called_so(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """That a joint of no limb is called as a bone of one, on the side of a limb of two joints."""
+    names = draft.tree.rig.names
+    sides = {parse_name(names[k]).side for k in each.joints} - {""}
+    taken = {joint for limb in found for joint in (*limb.joints, *limb.before)}
+    for node in (k for k in draft.tree.nodes if k not in taken and parse_name(names[k]).side in sides):
+        words = draft.words.get(node, NO_WORDS)
+        bone = words.levels.keys() & {"upper", "lower", "end"} and words.kind in ("", each.kind)
+        if bone and not roles_in_name(names[node]) and not draft.tree.is_below(node, each.joints[-1]):
+            return f"'{draft.tree.rig.title(node)}' is called as a joint of it"
+    return ""
 
 
 def named_twice(draft: Draft, each: Found, found: Sequence[Found]) -> str:
@@ -53,4 +89,112 @@ def start_beside(draft: Draft, each: Found) -> str:
         beside = (way - upper.unit * way.dot(upper.unit)).length > _BESIDE * way.length
         if beside or way.dot(upper) < 0.0:
             return f"the file has no hierarchy, and it may start at '{tree.rig.title(node)}'"
+    return ""
+
+
+def out_of_order(draft: Draft, each: Found) -> str:
+    """A limb of the shape whose bones the file may parent to one another in another order, or not at all.
+
+    Exporters parent upper arm, forearm and hand to the chest: what follows in the file is a finger.
+    """
+    mine = each.pair
+    if mine is not None and mine.named < _CALLED and draft.tree.is_own and not _is_plain(draft):
+        return "the file has no hierarchy, and names do not say which joint follows which"
+    if mine is None or mine.named > 0.0 or mine.pair.above < 0:
+        return _called_upper(draft, each)
+    return (
+        _called_upper(draft, each)
+        or _loose_before(draft, each, mine)
+        or _loose_within(draft, each)
+        or _turned_round(draft, each, mine)
+        or _stands_on(draft, each)
+    )
+
+
+def _is_plain(draft: Draft) -> bool:
+    """Whether a body without names is upright, with one pair of legs, one of arms, and no other such pair.
+
+    Then nearest joints follow one another; beside further limbs, or on four legs, others may be nearer.
+    """
+    body, tree = draft.shape.body, draft.tree
+    if draft.reading is not None or body is None or body.form != "biped" or not body.legs or not body.arms:
+        return False
+    mine = {k for pair in (body.legs, body.arms) for path in pair.pair.paths for k in tree.branch(path[0])}
+    others = (each.size for each in draft.shape.limbs if mine.isdisjoint(each.pair.nodes))
+    return max(others, default=0.0) < _RIVAL * body.arms.size
+
+
+def _called_upper(draft: Draft, each: Found) -> str:
+    """A limb by single words below whose start another joint is called as its upper bone.
+
+    Or one with a joint that corrects by its name, where another has the words of the bone.
+    """
+    words, names, (start, middle, _) = draft.words, draft.tree.rig.names, each.joints
+    if words.get(start, NO_WORDS).levels.get("upper", 0.0) < 1.0:
+        for node in (k for k in draft.tree.below[start] if k != middle and not roles_in_name(names[k])):
+            if words.get(node, NO_WORDS).levels == {"upper": 1.0}:
+                return f"'{draft.tree.rig.title(node)}' is called as its upper bone"
+    for joint in (k for k in each.joints if not _HELPS.isdisjoint(roles_in_name(names[k]))):
+        own, side = words.get(joint, NO_WORDS), parse_name(names[joint]).side
+        for node in (k for k in draft.tree.nodes if k not in each.joints and not roles_in_name(names[k])):
+            other = words.get(node, NO_WORDS)
+            same = (own.levels, own.kind, own.place) == (other.levels, other.kind, other.place)
+            if same and own.levels and side == parse_name(names[node]).side:
+                return (
+                    f"'{draft.tree.rig.title(joint)}' is called as what helps '{draft.tree.rig.title(node)}'"
+                )
+    return ""
+
+
+def _loose_before(draft: Draft, each: Found, mine: Limbs) -> str:
+    """Bones on the way to a limb that stand beside it in the file, with little or nothing below them."""
+    tree = draft.tree
+    path = next((k for k in mine.pair.paths if each.joints[0] in k), mine.pair.paths[0])
+    above, top, plane = mine.pair.above, tree.at[path[0]], draft.shape.plane
+    if plane is None:
+        return ""
+    for node in (k for k in tree.below[above] if k not in mine.pair.nodes):
+        if plane.side_of(tree.at[node]) / (plane.side_of(top) or inf) < _ASIDE:
+            continue  # of the trunk, or of the other side
+        way, on = tree.at[node] - tree.at[above], top - tree.at[node]
+        if way.dot(on) <= 0.0 or on.length < max(_BEFORE * mine.size, tree.reach[node]):
+            continue
+        if not draft.poses.has_weights or draft.poses.moves_points(node):
+            return f"'{tree.rig.title(node)}' stands before it and is not above it: it may be its upper bone"
+    return ""
+
+
+def _loose_within(draft: Draft, each: Found) -> str:
+    """A leg that goes on level after bones that stand alone along its upper one: its knee is an ankle."""
+    tree, (start, middle, end) = draft.tree, each.joints
+    upper, lower = tree.at[middle] - tree.at[start], tree.at[end] - tree.at[middle]
+    falls, level = -upper.unit.dot(draft.up) > _DOWN, abs(lower.unit.dot(draft.up)) < _LEVEL
+    if each.kind != "leg" or not (falls and level):
+        return ""
+    for node in (k for k in tree.below[start] if not tree.below[k] and draft.poses.moves_points(k)):
+        if _LONG < (tree.at[node] - tree.at[start]).dot(upper) / upper.dot(upper) < 1.0:
+            return f"'{tree.rig.title(node)}' may be its knee, and its knee an ankle"
+    return ""
+
+
+def _turned_round(draft: Draft, each: Found, mine: Limbs) -> str:
+    """A limb that ends near where it hangs, or a leg that goes up again: its hand is above its arm."""
+    tree = draft.tree
+    *others, end = ((tree.at[k] - tree.at[mine.pair.above]).length for k in each.joints)
+    lower = tree.at[each.joints[2]] - tree.at[each.joints[1]]
+    if end < _BACK * max(others) or (each.kind == "leg" and lower.unit.dot(draft.up) > _UP_AGAIN):
+        return "it comes back to where it hangs, so it may be parented the wrong way round"
+    return ""
+
+
+def _stands_on(draft: Draft, each: Found) -> str:
+    """A limb whose end the file has elsewhere, beside another joint that stands on beyond it."""
+    tree, (_, middle, end) = draft.tree, each.joints
+    if draft.tree.rig.is_below(end, middle):
+        return ""
+    lower = tree.at[end] - tree.at[middle]
+    for node in tree.below[int(tree.rig.parents[end])] if tree.rig.parents[end] in tree.below else ():
+        way = tree.at[node] - tree.at[end]
+        if way.length > _LONG * lower.length and way.unit.dot(lower.unit) > _ALONG:
+            return f"'{tree.rig.title(node)}' stands beyond its end and may be that"
     return ""

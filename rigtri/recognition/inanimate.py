@@ -108,7 +108,8 @@ def points_ahead(draft: Draft, each: Found) -> str:
         return ""
     start, middle, end = (at[joint] for joint in each.joints)
     drop = (start - end).dot(draft.up)
-    aimed = (end - middle).unit.dot(draft.facing) > _AIMED
+    # Machines may be seen the wrong way round: their knees and feet are as they like.
+    aimed = abs((end - middle).unit.dot(draft.facing)) > _AIMED
     return "it points ahead as a gun does" if aimed and drop < _DROOPS * (end - start).length else ""
 
 

@@ -27,6 +27,8 @@ _SAME_POSITION = 1e-3
 
 # Of what robots call axes of joints, the one that others call twist joints.
 _ROLL = "roll"
+# What riggers call a node that only holds another, with whose name: ``forearm_L_offset``, ``arm_grp``.
+_HOLDERS = frozenset(["offset", "grp", "group", "zero"])
 
 
 class Tree:
@@ -237,11 +239,15 @@ def segments_of(tree: Tree) -> frozenset[int]:
     joints have the names of their axes, ``elbow_roll`` is a joint like ``elbow_yaw``.
     """
     names, found = tree.rig.names, set[int]()
+    called = {(parse_name(names[node]).side, parse_name(names[node]).kept) for node in tree.nodes}
     robot = any(not (AXES - {_ROLL}).isdisjoint(parse_name(names[node]).words) for node in tree.nodes)
     for node in tree.nodes:
         over = tree.above[node]
         while over in found:
             over = tree.above[over]
+        if over >= 0 and _held(names[node]) in called:
+            found.add(node)
+            continue
         if over < 0 or len(tree.below[node]) > 1 or not is_segment(names[node], names[over]):
             continue
         if robot and _ROLL in parse_name(names[node]).words:
@@ -252,6 +258,13 @@ def segments_of(tree: Tree) -> frozenset[int]:
         if after < 0 or (_is_between(tree, over, node, after, least) and not other):
             found.add(node)
     return frozenset(found)
+
+
+def _held(name: str) -> tuple[str, tuple[str, ...]] | None:
+    """The side and words of the joint that a node is called to hold; None without a word for a group."""
+    parsed = parse_name(name)
+    more = tuple(word for word in parsed.kept if word not in _HOLDERS)
+    return (parsed.side, more) if more and len(more) < len(parsed.kept) else None
 
 
 def _is_lower(names: Sequence[str], start: int, node: int, end: int) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 
 from rigtri.maths.scalar_vector import Vector
@@ -64,8 +64,15 @@ _THREE: tuple[Level, Level, Level] = ("upper", "lower", "end")
 _CALLED = 0.8
 
 
+def of_twin(each: Found, found: Sequence[Found], doubts: Mapping[int, str]) -> str:
+    """What speaks against the twin of a limb without names (by its id): one choice of joints made both."""
+    mine = each.pair
+    twins = (k for k in found if mine is not None and mine.named <= 0.0 and k.pair is mine)
+    return next(filter(None, (doubts[id(k)] for k in twins)), "")
+
+
 def upside_down(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """Legs that begin above arms, as the file says what is up, are no legs."""
+    """Legs that begin above arms, as the file says what is up, are no legs; without knees none tell it."""
     legs, arms = ([k for k in found if k.kind == kind and k.side] for kind in ("leg", "arm"))
     if len(legs) != 2 or len(arms) != 2:
         return ""
@@ -73,6 +80,8 @@ def upside_down(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     low, high = (at[one.joints[0]].dot(up) + at[other.joints[0]].dot(up) for one, other in (legs, arms))
     if low > high and draft.up.dot(up) < -0.5:
         return "its legs begin above its arms"
+    if draft.up.dot(up) < 0.5 and min(len(leg.joints) for leg in legs) < 3:
+        return "the file has another up, and legs without knees do not tell it"
     return ""
 
 

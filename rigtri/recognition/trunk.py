@@ -8,6 +8,7 @@ from itertools import pairwise
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.inanimate import has_trunk
 from rigtri.recognition.layout import MAP, NAMES
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.naming_schemes import parse_name, roles_in_name
@@ -21,6 +22,8 @@ _UP_TO_HEAD, _GOES_ON = 5, 0.6
 _ENOUGH = 3
 # A head moves what is at least so large a part of what the neck moves; a jaw does not of what the head moves.
 _JAW = 0.5
+# How sure a head is of which nothing but its name is of a body: easels and hammers have one, too.
+_ALONE = 0.6
 _NOT_BODY = {"twist", "control", "attachment", "helper", "ear", "wing", "tail"}
 
 
@@ -132,6 +135,8 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
     bones = draft.known_bones
     neck, head = _neck(draft), bones.get("head", -1)
     sure, why = (0.99 if draft.certain else 0.92), _whose(draft)
+    if not (draft.certain or any(each.is_sure for each in limbs) or has_trunk(draft)):
+        sure = _ALONE
     if head >= 0 and not draft.certain:
         head = _last_numbered(draft, head)
         if neck < 0 <= draft.chest and draft.tree.is_below(head, draft.chest):
