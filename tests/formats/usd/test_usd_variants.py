@@ -592,6 +592,34 @@ def test_a_rest_pose_is_refused_that_would_show_in_the_animation_of_another_vari
     assert "In variant 'b' of the variant set 'clip' on </Root>, </Root/Run> does not move 'a/b'" in printed
 
 
+@pytest.mark.parametrize(
+    ("run", "why"),
+    [
+        (
+            {"translations": "float3[] translations.timeSamples = { 100: None }"},
+            "UsdSkel does not play </Root/Run>, which has no translations",
+        ),
+        (
+            {
+                "translations": "float3[] translations.timeSamples = { 0: "
+                "[(0, 2, 0), (0, 0, 0), (0, 2, 0)], 4: None }"
+            },
+            "</Root/Run>.translations is blocked at 4",
+        ),
+    ],
+    ids=["alone", "from then on"],
+)
+def test_a_rest_pose_is_refused_that_would_show_where_another_variant_blocks_its_animation(
+    run: dict[str, str], why: str, tmp_path: Path
+) -> None:
+    """As in the selected variant. Before, that variant showed the new rest pose."""
+    clips = (animation(), animation("Run", **run), variant_set("clip", **BINDINGS))
+    source = save(tmp_path, choosing(scene(skeleton(source=""), MESH, *clips), clip="a"))
+    printed = cli("set-rest", source, "-o", tmp_path / "no.usda", "--pose", "Anim@5", code=3).output
+    assert f"In variant 'b' of the variant set 'clip' on </Root>, {why}" in printed
+    assert "would show its new rest pose" in printed
+
+
 @pytest.mark.parametrize("other", [{}, SOME], ids=["all", "some"])
 def test_joints_without_weight_go_whatever_another_variant_does_with_them(
     other: dict[str, str], tmp_path: Path

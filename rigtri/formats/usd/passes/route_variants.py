@@ -174,6 +174,11 @@ class _Reorientation:
                 if mine is not None and token in self.reposed:
                     raise FileError(f"In {state.title}, '{token}' has a rest pose of its own. {_APART}")
                 continue
+            if token in self.reposed and (resting := source.rig.rules.resting.get(node)) is not None:
+                raise FileError(
+                    f"In {state.title}, {resting.why}, where '{token}' would show its new rest pose. Give it "
+                    f"values there, or {_APART[0].lower()}{_APART[1:]}"
+                )
             for name, values in rest.items():
                 values[node] = getattr(self.edit.rig, name)[mine]
         for path in source.skeletons[self.skeleton.path].every_animation if self.reposed else ():
