@@ -825,6 +825,22 @@ def test_a_joint_that_shears_those_below_it_is_named_for_their_keys_cannot_come_
     assert "The scale of 'neck' is not uniform and shears 'head'" in text
 
 
+@pytest.mark.parametrize(
+    ("more", "sizes", "told"),
+    [({}, [1.5, 1.0, 1.0], 1), ({}, [1.5, 1.5, 1.5], 0), ({"frame": "joint"}, [1.5, 1.0, 1.0], 0)],
+)
+def test_a_clip_that_scales_a_joint_along_other_axes_is_named(
+    more: dict[str, Any], sizes: list[float], told: int
+) -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), joints=["upper_arm_L"], **more)
+    track = Track(rig.find("upper_arm_L_ctl"), "scale", "STEP", np.zeros(1), np.array([sizes]))
+    report = Report()
+    exported(replace(rig, clips=(Clip("grow", (track,)),)), gltf=True, report=report)
+    texts = [warning.text for warning in report.warnings if warning.code == "blender-differs"]
+    assert len(texts) == told
+    assert all("'upper_arm_L_ctl'" in text for text in texts)
+
+
 def test_left_out_rules_are_named(rigged: dict[str, Path], tmp_path: Path) -> None:
     out = str(tmp_path / "out.glb")
     line = ["constrain", str(rigged["biped.glb"]), "-o", out, "--type", "point", "--child", "head"]

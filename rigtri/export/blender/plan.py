@@ -317,9 +317,9 @@ def _axes(rig: Rig) -> list[dict[str, Any]]:
         above = int(rig.parents[joint])
         if above < 0 or not rig.is_joint[above]:
             continue
-        turns = [_seen(rig.world[joint], rig.world[above])]
+        turns = [seen_axes(rig.world[joint], rig.world[above])]
         if joint in binds and above in binds:
-            turns.append(_seen(binds[joint], binds[above]))
+            turns.append(seen_axes(binds[joint], binds[above]))
         finite = [turn for turn in turns if np.isfinite(turn).all()]
         if finite:
             names = {"name": named(rig, joint), "above": _above(rig, joint)}
@@ -327,7 +327,7 @@ def _axes(rig: Rig) -> list[dict[str, Any]]:
     return found
 
 
-def _seen(matrix: Floats, above: Floats) -> Floats:
+def seen_axes(matrix: Floats, above: Floats) -> Floats:
     """The axes, (3, 3), of a matrix as another sees them, without scale."""
     one, other = orthonormal_axes(matrix), orthonormal_axes(above)
     return np.stack([[float(dot(row, axis)) for axis in other] for row in one])

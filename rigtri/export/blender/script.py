@@ -22,13 +22,15 @@ from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.export.blender.constraints import follow, twist, without_equivalent
 from rigtri.export.blender.control_keys import control_keys
 from rigtri.export.blender.controls import controls, pole_expression
-from rigtri.export.blender.plan import Plan, armature_of
+from rigtri.export.blender.plan import Plan, armature_of, seen_axes
 from rigtri.export.blender.readers import readers
 from rigtri.export.blender.rivets import rivets
 from rigtri.files.input_stream import opened
 from rigtri.formats import GLTF_SUFFIXES, ReadOptions, read
 from rigtri.maths.matrices import determinant, skew
+from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.animation import key_values
 from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
@@ -122,6 +124,7 @@ def planned(rig: Rig, report: Report) -> Plan:
     without_equivalent(plan, report)
     _warn_still(rig, solver, report)
     _warn_sheared(rig, report)
+    _warn_sheared_by_controls(plan, report)
     if plan.apart:
         report.warn(
             "blender-differs",
@@ -164,6 +167,38 @@ def _warn_sheared(rig: Rig, report: Report) -> None:
             "blender-differs",
             f"The scale of {above} is not uniform and shears {list_names(names)} as they turn: what Blender "
             "exports then cannot be taken home. Apply that scale in the DCC first",
+            names=names,
+        )
+
+
+def _uneven(sizes: Floats) -> bool:
+    """Whether any of some scales, (k, 3), is another along one axis than along the others."""
+    most = sizes.max(axis=1)
+    return bool((most - sizes.min(axis=1) > _SHEARS * most).any())
+
+
+def _warn_sheared_by_controls(plan: Plan, report: Report) -> None:
+    """Warn of joints that controls scale unevenly in clips, along other axes than their own."""
+    rig, reference = plan.rig, plan.reference
+    scaled = {
+        track.node
+        for clip in rig.clips
+        for track in clip.tracks
+        if track.path == "scale" and _uneven(np.abs(key_values(track)))
+    }
+    sheared = dict[int, str]()
+    for own in (*reference.fk.values(), *reference.roots):
+        if own.control in scaled:
+            seen = np.abs(seen_axes(reference.world[own.joint], reference.world[own.control]))
+            if np.minimum(seen, np.abs(1.0 - seen)).max() > _SHEARS:
+                sheared[own.control] = rig.title(own.joint)
+    if sheared:
+        names = [rig.title(control) for control in sheared]
+        report.warn(
+            "blender-differs",
+            f"Clips scale {list_names(names)} unevenly, in other axes than those of joints: Blender shears "
+            f"{list_names(sheared.values())}, and bake gives the nearest rotation and lengths. Scale by one "
+            "factor, or add controls with --frame joint",
             names=names,
         )
 
