@@ -100,6 +100,20 @@ def test_the_self_check_is_never_below_what_points_show(seed: int, node: int) ->
         assert self_check(before, after).deviation >= verify(before, after).deviation * (1 - 1e-12) > 0
 
 
+@pytest.mark.parametrize("node", [HIPS, SPINE, ARM, HAND])
+def test_weights_that_count_as_they_are_move_points_farther_than_their_joints(node: int) -> None:
+    """Points of 2.5 in all: boxes leave room for it."""
+    before = character(3)
+    body, *others = before.drawn
+    heavy = replace(
+        body, weights=2.5 * body.weights / body.weights.sum(axis=1)[:, np.newaxis], raw_weights=True
+    )
+    before = replace(before, drawn=(heavy, *others))
+    for rig in (nudged(before.rig, node), turned_inverse_bind(before.rig)):
+        after = replace(before, rig=rig)
+        assert self_check(before, after).deviation >= verify(before, after).deviation * (1 - 1e-12) > 0
+
+
 def turned_inverse_bind(rig: Rig) -> Rig:
     matrices = rig.skins[0].inverse_bind.copy()
     matrices[2, 0] += 0.01
