@@ -16,7 +16,7 @@ _SAME_NAMES = 3
 _COUNTED = re.compile(r"\.\d{3}$")
 # A body has at least so many joints, and legs alone so many.
 _BODY, _PART = 12, 7
-# A container with more branches than this is a crowd or no container: it stays whole.
+# A container with more branches than this stays whole, unless skins say that it holds a crowd.
 _MANY = 64
 # Branches are two bodies side by side where the smaller one is so long a part of the other, both have limbs
 # that are so long a part of them, as fingers are not of an arm, and their planes are so far apart.
@@ -59,11 +59,21 @@ def _tops(tree: Tree) -> list[int]:
     joint, tops, left = tree.rig.is_joint, [], list(tree.below[-1])
     for node in left:  # it grows as it is walked
         below = tree.below[node]
-        if not joint.any() or joint[node] or len(below) < 2 or len(below) > _MANY:
-            tops.append(node)
-        else:
+        is_container = joint.any() and not joint[node] and len(below) > 1
+        if is_container and (len(below) <= _MANY or _have_skins(tree, below)):
             left += below
+        else:
+            tops.append(node)
     return sorted(tops)
+
+
+def _have_skins(tree: Tree, tops: Sequence[int]) -> bool:
+    """Whether each of some branches that has joints has skins of its own."""
+    skins = [set(skin.joints.tolist()) for skin in tree.rig.skins]
+    owner = {node: top for top in tops for node in tree.branch(top)} if skins else {}
+    moved = [{owner[node] for node in skin if node in owner} for skin in skins]
+    jointed = {owner[node] for node in owner if tree.rig.is_joint[node]}
+    return bool(skins) and all(len(each) < 2 for each in moved) and jointed == set().union(*moved)
 
 
 def _are_two(tree: Tree, branches: Mapping[int, Sequence[int]], a: int, b: int) -> bool:

@@ -115,5 +115,31 @@ def test_skeletons_begin_below_containers_of_several_things_that_are_no_joints(
     below: dict[int, list[int]], joints: set[int], tops: list[int]
 ) -> None:
     is_joint = np.isin(np.arange(_MANY + 2), list(joints))
-    tree: Any = SimpleNamespace(rig=SimpleNamespace(is_joint=is_joint), below=defaultdict(list, below))
+    rig = SimpleNamespace(is_joint=is_joint, skins=[])
+    tree: Any = SimpleNamespace(rig=rig, below=defaultdict(list, below))
     assert _tops(tree) == tops
+
+
+@pytest.mark.parametrize(
+    ("skins", "crowd"),
+    [
+        ("each", True),
+        ("two for one", True),
+        ("one without", False),
+        ("one for two", False),
+        ("none", False),
+    ],
+)
+def test_a_container_of_many_is_a_crowd_where_each_branch_has_its_skins(skins: str, crowd: bool) -> None:
+    """80 agents of USD that are no instances were one body, and 79 of their hips were roots that stay."""
+    branches = [[1 + 2 * k, 2 + 2 * k] for k in range(_MANY + 1)]
+    bound = {"two for one": [*branches, [1]], "one without": branches[1:], "none": []}.get(skins, branches)
+    bound = [[*branches[0], 3], *branches[1:]] if skins == "one for two" else bound
+    size = 1 + 2 * len(branches)
+    rig = SimpleNamespace(
+        is_joint=np.arange(size) > 0, skins=[SimpleNamespace(joints=np.array(joints)) for joints in bound]
+    )
+    below = {-1: [0], 0: [first for first, _ in branches], **{first: [second] for first, second in branches}}
+    tree: Any = SimpleNamespace(rig=rig, below=defaultdict(list, below))
+    tree.branch = lambda top: [top, *tree.below[top]]
+    assert _tops(tree) == (below[0] if crowd else [0])

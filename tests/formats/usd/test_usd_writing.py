@@ -158,6 +158,22 @@ def test_one_animation_for_two_skeletons_reoriented_alike_stays_one(tmp_path: Pa
     assert not document.warnings
 
 
+def test_two_skeletons_share_an_animation_that_the_first_of_their_kind_does_not_play(tmp_path: Path) -> None:
+    """They are reoriented alike but for rounding, as where they stand in different places."""
+    names = ("Second", "Third")
+    others = [skeleton(name, source="rel skel:animationSource = </Root/Other>") for name in names]
+    meshes = [MESH.replace('"Skin"', f'"{k}Skin"').replace("/Root/Skel", f"/Root/{k}") for k in names]
+    source = save(tmp_path, scene(skeleton(), *others, animation(), animation("Other"), MESH, *meshes))
+    document = read(source)
+    turn = np.broadcast_to(IDENTITY, (len(document.rig), 4)).copy()
+    for number, skin in enumerate(document.rig.skins):
+        angle = 0.3 + 1e-13 * number
+        turn[skin.joints] = [[0.5, 0.5, 0.5, 0.5], [0, 0, np.sin(angle), np.cos(angle)], [0.6, 0, 0, 0.8]]
+    out = write(document, reframe(document.rig, turn), tmp_path / "out.usda")
+    assert out.read_text().count("def SkelAnimation") == 2
+    assert not document.warnings
+
+
 def test_one_animation_for_two_skeletons_reoriented_apart_becomes_two(tmp_path: Path) -> None:
     source = save(tmp_path, _pair())
     document = read(source)

@@ -38,8 +38,8 @@ def unify_rounding(edit: UsdEdit) -> None:
         skins.append(skin if first is skin else replace(skin, inverse_bind=first.inverse_bind))
     clips = []
     for clip in rig.clips:
-        known = {(track.node, track.path): track for track in clip.tracks}
-        tracks = tuple(_unified_track(track, known, leader) for track in clip.tracks)
+        known: dict[tuple[int, Path, object], Track] = {}
+        tracks = tuple(_unified_track(track, known, int(leader[track.node])) for track in clip.tracks)
         clips.append(replace(clip, tracks=tracks))
     edit.rig = replace(
         rig,
@@ -86,9 +86,12 @@ def _close(one: Floats, other: Floats) -> bool:
     return one.shape == other.shape and bool(np.abs(one - other).max(initial=0.0) <= ROUNDING * size)
 
 
-def _unified_track(track: Track, known: Mapping[tuple[int, Path], Track], leader: Integers) -> Track:
-    """A track, or the first that drives the same column of one animation."""
-    first = known.get((int(leader[track.node]), track.path))
-    if first is None or first is track or first.key != track.key or not _close(first.values, track.values):
+def _unified_track(track: Track, known: dict[tuple[int, Path, object], Track], leader: int) -> Track:
+    """A track, or with the values of the first that drives the same column of one animation.
+
+    The skeleton whose values all take may play another animation.
+    """
+    first = known.setdefault((leader, track.path, track.key), track)
+    if first is track or not _close(first.values, track.values):
         return track
     return replace(track, values=first.values)
