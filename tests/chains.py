@@ -181,16 +181,18 @@ class Step:
         chosen = ""
         if self.kind == "build" or self.name.split(" ")[0].rstrip(",") in OF_ONE:
             chosen = random.Random(self.seed).choice(["", *titles(rig)]) if bodies(rig) else ""
+        if chosen and self.name in BAKES:  # which refuses where the other is followed
+            return self._edited(rig, chosen)
         return within(rig, named(rig, chosen), self._edited) if chosen else self._edited(rig)
 
-    def _edited(self, rig: Rig) -> Rig:
+    def _edited(self, rig: Rig, character: str | None = None) -> Rig:
         for first in FIRST.get(self.name, ()):
             rig = Step("edit", first)._edited(rig)
         if self.kind == "keys":
             return keyed(rig, self.seed)
         if self.name in BAKES:
             report = Report()
-            rig = rigtri.bake(rig, to=BAKES[self.name], fps=FPS, report=report)
+            rig = rigtri.bake(rig, to=BAKES[self.name], fps=FPS, character=character, report=report)
             if BAKES[self.name] == "controls":
                 _refuse_warned(report)
             return rig

@@ -37,7 +37,8 @@ class Solver:
         self.rig = rig
         self.reference = ControlsAtZero(rig) if reference is None else reference
         self.driven = driven
-        rules = constraints_of(rig).values()
+        # What another character has that follows this one is evaluated with that one.
+        rules = [rule for rule in constraints_of(rig).values() if rule.child not in rig.others]
         _refuse_unread(rig, rules)
         self.poles = {rule.chain: rule for rule in rules if rule.kind == "polevector"}
         self.rules: dict[int, list[Constraint]] = {}

@@ -19,6 +19,7 @@ from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.dataclass import dataclass
+from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin, moving_points
 
@@ -60,7 +61,7 @@ class Skeleton:
 def skeleton(
     rig: Rig, root: str | None = None, *, plain: bool = False, joints: Collection[int] = ()
 ) -> Skeleton:
-    """The joints of all skins, or with ``root`` that node and everything below it.
+    """The joints of all skins, or with ``root`` that node and everything below it but what rigtri has added.
 
     A file without skins but with a VRM humanoid map (a .vrma) has the nodes below its hips.
     plain: where there is neither, all nodes are joints (clip libraries); else FileError.
@@ -69,7 +70,9 @@ def skeleton(
     if joints:
         joints = sorted(joints)
     elif root is not None:
-        joints = [node for node in rig.below(rig.find(root, "node")) if rig.attachment[node] < 0]
+        added = rig.own.difference(rig.nodes_of(TwistRecord.type))
+        nodes = rig.below(rig.find(root, "node"))
+        joints = [node for node in nodes if rig.attachment[node] < 0 and node not in added]
     else:
         joints = np.flatnonzero(rig.is_joint).tolist()
         if not joints and "hips" in rig.humanoid:

@@ -17,6 +17,9 @@ from places import SAMPLES, slow
 from program import Ran, cli
 from pxr import Gf, Usd, UsdGeom
 
+from rigtri.formats import ReadOptions, read
+from rigtri.frames.skeleton import skeleton
+
 SAME = 1e-5
 FRAMES = (0, 6, 12, 18, 24)
 PLACES = {
@@ -90,8 +93,8 @@ def _seen(path: Path) -> np.ndarray:
     return np.array(found)
 
 
-def _run(*words: Any) -> Ran:
-    ran = cli(*words, "--root", "/rig/hip")
+def _run(*words: Any, root: str = "/rig/hip") -> Ran:
+    ran = cli(*words, "--root", root)
     assert ran.exit_code == 0 or re.search(REFUSED, ran.stderr), ran.stderr
     return ran
 
@@ -118,6 +121,22 @@ def test_prims_carry_what_is_built_on_them(
         return
     assert _run("bake", edited, "-o", again, "--to", "joints").exit_code == 0
     assert np.abs(_seen(baked) - _seen(again)).max() <= SAME
+
+
+@pytest.mark.parametrize("thing", THINGS)
+def test_controls_below_the_root_that_is_edited_are_no_joints(thing: str, tmp_path: Path) -> None:
+    """Before, orient-joints turned them with the others, and a bake gave another motion, without a word."""
+    source = _save(tmp_path / "in.usda", "rotateXYZ", animated=True)
+    built, edited = tmp_path / "built.usda", tmp_path / "edited.usda"
+    baked, again = tmp_path / "baked.usda", tmp_path / "again.usda"
+    command, *words = THINGS[thing]
+    assert _run(command, source, "-o", built, *words, root="/rig").exit_code == 0
+    assert _run("bake", built, "-o", baked, root="/rig").exit_code == 0
+    assert _run("orient-joints", built, "-o", edited, *EDITS["orient-joints"], root="/rig").exit_code == 0
+    assert _run("bake", edited, "-o", again, root="/rig").exit_code == 0
+    assert np.abs(_seen(baked) - _seen(again)).max() <= SAME
+    rig = read(built, ReadOptions(root="/rig")).rig
+    assert rig.own.isdisjoint(skeleton(rig, "/rig").joints)
 
 
 def test_a_root_above_a_prim_is_refused_in_its_own_words(tmp_path: Path) -> None:

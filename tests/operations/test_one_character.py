@@ -401,3 +401,23 @@ def test_a_character_whose_controls_another_one_follows_is_not_snapped_alone(
         for to in ("fk", "ik"):
             with pytest.raises(GeometryError, match="of B, which moves") if refused else nullcontext():
                 snap(led, to=to, at=("walk@0.5",), limbs="auto", character="B")
+
+
+def test_what_follows_a_character_stays_as_it_is_where_that_is_baked_alone(
+    samples: Path, tmp_path: Path
+) -> None:
+    """Before, it got keys and another rest pose, seen without its own character; new keys of A moved it."""
+    rig = add_controls(read(pair(samples, tmp_path, "gltf")).rig, whole_character=True)
+    ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
+    bodies = [frozenset(nodes) for nodes in characters(rig)]
+    mine, theirs = (
+        next(node for node in ends if rig.named_by(rig.metadata[node]) & nodes) for nodes in bodies
+    )
+    rig = constrain(rig, child=rig.address(theirs), type="parent", driver=(rig.address(mine),))
+    child = rig.find(rig.address(theirs), "node")
+    offset = int(rig.parents[child])
+    baked = bake(rig, character="A", fps=24)
+    assert np.array_equal(baked.translation[[child, offset]], rig.translation[[child, offset]])
+    assert not any(t.node in (child, offset) for clip in baked.clips for t in clip.tracks)
+    with pytest.raises(GeometryError, match="moves otherwise once it has keys of its own"):
+        bake(rig, to="controls", character="A")

@@ -62,7 +62,13 @@ from rigtri.operations.bake.reduced_tracks import (
     reduced_tracks,
     with_rest_held,
 )
-from rigtri.operations.bake.unbaked import UNBAKED, refuse_followed, refuse_replaced, warn_overruled
+from rigtri.operations.bake.unbaked import (
+    UNBAKED,
+    refuse_followed,
+    refuse_leading,
+    refuse_replaced,
+    warn_overruled,
+)
 from rigtri.operations.bake.warnings import fidelity, refuse_overstretch, warn_of_result
 from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
@@ -87,6 +93,8 @@ _SAMPLED = 0.7
 
 def _refuse_alone(rig: Rig, nodes: frozenset[int], name: str, options: BakeOptions) -> None:
     refuse_followed(rig, nodes, name, chosen_timelines(rig, options.clip))
+    if options.to == "controls":
+        refuse_leading(rig, nodes, name, every=True)
 
 
 @operation(BakeOptions, alone=_refuse_alone)

@@ -15,7 +15,7 @@ from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.rig_space import seen_alone
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import Timeline, timelines
+from rigtri.evaluation.timelines import Timeline, keys_and_between, timelines
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.ranking import largest
 from rigtri.maths.trigonometry import Floats
@@ -70,17 +70,19 @@ def unbaked(rig: Rig) -> str:
     return found or (shown[0] if shown and all(shown) else "")
 
 
-def away_from_keys(rig: Rig, timeline: Timeline | None, node: int) -> Floats:
+def away_from_keys(rig: Rig, timeline: Timeline | None, node: int, *, between: bool = False) -> Floats:
     """Where controls and constraints have a node in a clip, less where its keys do, worlds, (f, 4, 4).
 
-    timeline: None for the rest pose.
+    timeline: None for the rest pose. between: between keys of joints, too.
     """
     rig, _ = seen_alone(rig)
     driven = moved_at_rest(rig, skeleton_size(rig)) if timeline is None else controls_at_work(rig, timeline)
     solver = Solver(rig, driven)
     if set(solver.sets).isdisjoint(rig.path_to_root(node)):
         return np.zeros((1, 4, 4))
-    sampled = {} if timeline is None else sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
+    times = np.zeros(1) if timeline is None else _times(rig, timeline.clip)
+    times = keys_and_between(times) if between else times
+    sampled = {} if timeline is None else sample_parts(rig, timeline.clip, times)
     return solver.run(sampled).world(node) - PoseCache(rig, sampled).world(node)
 
 
@@ -170,8 +172,11 @@ def refuse_followed(
             continue
         for node in rule.sources:
             for timeline in every if not _within(rig, node, nodes) else ():
-                far = float(np.abs(away_from_keys(rig, timeline, node)).max()) / size
-                if far > UNBAKED:
+                at_keys, anywhere = (
+                    float(np.abs(away_from_keys(rig, timeline, node, between=between)).max()) / size
+                    for between in (False, True)
+                )
+                if at_keys > UNBAKED or anywhere > _BETWEEN_KEYS:
                     where = "at rest" if timeline is None else f"in clip '{timeline.name}'"
                     raise GeometryError(
                         f"'{rig.title(rule.child)}' of {name} follows '{rig.title(node)}', which controls of "
@@ -180,25 +185,29 @@ def refuse_followed(
                     )
 
 
-def refuse_leading(rig: Rig, nodes: frozenset[int], name: str) -> None:
-    """GeometryError where another character follows controls whose keys go as IK or FK takes over a limb.
+def refuse_leading(rig: Rig, nodes: frozenset[int], name: str, *, every: bool = False) -> None:
+    """GeometryError where another character follows controls that move as those of a character get values.
 
-    nodes: those of the character, called ``name``, that is to be snapped alone.
+    nodes: those of the character, called ``name``, that is edited alone. every: all its controls get keys,
+    not those alone by which IK or FK takes over a limb.
     """
     records = rig.records(ControlRecord)
     limbs = [record.chain for record in records.values() if record.kind == "ik"]
     ends = {joint for chain in limbs for joint in chain}
-    taken = {node for node, record in records.items() if record.kind != "root" and record.joint in ends}
+    taken = {node for node, one in records.items() if every or (one.kind != "root" and one.joint in ends)}
     taken |= {*rig.nodes_of("poleVector"), *(node for node, one in records.items() if one.kind in PIVOTS)}
+    why = (
+        "moves otherwise once it has keys of its own" if every else "moves otherwise once IK or FK takes over"
+    )
+    then = "" if every else ", which then warns of how far joints move"
     for rule in constraints_of(rig).values():
         if _within(rig, rule.child, nodes):
             continue
         for node in rule.sources:
             if _within(rig, node, nodes) and not taken.isdisjoint(rig.path_to_root(node)):
                 raise GeometryError(
-                    f"'{rig.title(rule.child)}' follows '{rig.title(node)}' of {name}, which moves otherwise "
-                    "once IK or FK takes over. Leave out --character, which then warns of how far joints "
-                    "move, or take the constraint out first"
+                    f"'{rig.title(rule.child)}' follows '{rig.title(node)}' of {name}, which {why}. Leave "
+                    f"out --character{then}, or take the constraint out first"
                 )
 
 
