@@ -70,7 +70,7 @@ class ToGltf:
     def compared(self, part: Path) -> Converted:
         """What was written, read again, beside what it was made of: in the stage's unit and axes."""
         found = self._partners(GltfDocument.read(part, ReadOptions()))
-        if not any(mesh.dual_quaternion or not sums_to_one(mesh) for mesh, _ in found.meshes):
+        if all(_said_in_gltf(mesh) for mesh, _ in found.meshes):
             return found
         linear = [(_as_in_gltf(mesh), other) for mesh, other in found.meshes]
         return replace(found, meshes=linear, source_meshes=found.meshes)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -48,21 +49,25 @@ def unbaked(rig: Rig) -> str:
     rig, _ = seen_alone(rig)
     size = skeleton_size(rig)
     posed = moved_at_rest(rig, size)
-    found = _difference(Solver(rig, posed), {}, PoseCache(rig, {}), "at rest", size) if posed else ""
+    found = ""
+    if posed:
+        solver = Solver(rig, posed)
+        found = _difference(solver, solver.run({}), PoseCache(rig, {}), "at rest", size)
     shown: list[str] = []
     for timeline in timelines(rig) if not found else ():
         lost = ""
         if driven := controls_at_work(rig, timeline):
-            keys = _Keys(rig, timeline.clip, _times(rig, timeline.clip))
+            keys = _Keys(rig, timeline.clip)
             sampled = sample_parts(rig, timeline.clip, keys.times)
             where = f"in clip '{timeline.name}'"
             solver, kept = Solver(rig, driven), PoseCache(rig, sampled)
-            lost = _difference(solver, sampled, kept, where, size)
+            there = solver.run(sampled)
+            lost = _difference(solver, there, kept, where, size)
             if lost:
                 curve = JointCurve(solver, timeline.clip, size)
-                far = curve.apart(solver.run(sampled), kept, len(keys.times)).far.max(initial=0.0)
+                far = curve.apart(there, kept, len(keys.times)).far.max(initial=0.0)
                 if far <= _BETWEEN_KEYS * size:
-                    lost = _difference(solver, sampled, kept, where, size, keys=keys)
+                    lost = _difference(solver, there, kept, where, size, keys=keys)
         if lost and not isinstance(rig.clips[timeline.members[0]].key, tuple):
             return lost
         shown.append(lost)
@@ -70,19 +75,19 @@ def unbaked(rig: Rig) -> str:
     return found or (shown[0] if shown and all(shown) else "")
 
 
-def away_from_keys(rig: Rig, timeline: Timeline | None, node: int, *, between: bool = False) -> Floats:
-    """Where controls and constraints have a node in a clip, less where its keys do, worlds, (f, 4, 4).
+def away_from_keys(rig: Rig, timeline: Timeline | None, node: int, times: Floats | None = None) -> Floats:
+    """Where controls and constraints have a node in a clip, less where its keys do, worlds, (1 or f, 4, 4).
 
-    timeline: None for the rest pose. between: between keys of joints, too.
+    timeline: None for the rest pose. times: (f,), those of keys of joints where none are given.
     """
     rig, _ = seen_alone(rig)
     driven = moved_at_rest(rig, skeleton_size(rig)) if timeline is None else controls_at_work(rig, timeline)
     solver = Solver(rig, driven)
     if set(solver.sets).isdisjoint(rig.path_to_root(node)):
         return np.zeros((1, 4, 4))
-    times = np.zeros(1) if timeline is None else _times(rig, timeline.clip)
-    times = keys_and_between(times) if between else times
-    sampled = {} if timeline is None else sample_parts(rig, timeline.clip, times)
+    sampled: Mapping[int, Parts] = {}
+    if timeline is not None:
+        sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip) if times is None else times)
     return solver.run(sampled).world(node) - PoseCache(rig, sampled).world(node)
 
 
@@ -97,40 +102,44 @@ def moved_otherwise(rig: Rig, timeline: Timeline, nodes: frozenset[int]) -> dict
     solver = Solver(rig, driven) if driven else None
     if solver is None or not (found := nodes.intersection(solver.sets)):
         return {}
-    keys = _Keys(rig, timeline.clip, _times(rig, timeline.clip))
+    keys = _Keys(rig, timeline.clip)
     sampled = sample_parts(rig, timeline.clip, keys.times)
     kept, posed, size = PoseCache(rig, sampled), solver.run(sampled), skeleton_size(rig)
     return {node: _deviation(kept, posed, node, size, keys.enough(node, nodes)) for node in sorted(found)}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Keys:
     """Times of a clip, (f,), and where nodes have keys at these."""
 
     rig: Rig
     clip: Clip
-    times: Floats
 
-    def at_once(self, node: int, nodes: Container[int] | None = None) -> Booleans:
-        """Where a node and those above it (of ``nodes`` alone) have keys at once, (f,)."""
-        keyed = (np.isin(self.times, track.times) for track in self._moving(node, nodes))
-        found: Booleans = np.logical_and.reduce([np.ones(len(self.times), dtype=bool), *keyed])
-        return found
+    @cached_property
+    def times(self) -> Floats:
+        return _times(self.rig, self.clip)
+
+    def where_known(self, node: int) -> Booleans:
+        """Where a node and those above it have keys at once, or none before or after, (f,)."""
+        tracks = self._moving(node, None)
+        keyed = np.concatenate([track.times for track in tracks] or [self.times])
+        before, after = self.times < keyed.min(initial=np.inf), self.times > keyed.max(initial=-np.inf)
+        return np.asarray(
+            self._at_once([np.isin(self.times, track.times) for track in tracks]) | before | after
+        )
 
     def enough(self, node: int, nodes: Container[int]) -> Booleans:
-        """`at_once`, but everywhere where too few keys are shared to tell by them."""
-        at_once = self.at_once(node, nodes)
-        keyed = (np.isin(self.times, track.times) for track in self._moving(node, nodes))
-        most = max(map(np.count_nonzero, keyed), default=0)
+        """Where a node and those above it, of ``nodes`` alone, have keys at once, (f,).
+
+        Everywhere where too few keys are shared to tell by them.
+        """
+        keyed = [np.isin(self.times, track.times) for track in self._moving(node, nodes)]
+        at_once, most = self._at_once(keyed), max(map(np.count_nonzero, keyed), default=0)
         return at_once if 2 * np.count_nonzero(at_once) >= most else np.ones_like(at_once)
 
-    def beyond(self, node: int) -> Booleans:
-        """Which times are before all keys of a node and those above it, or after them, (f,)."""
-        keyed = np.concatenate([track.times for track in self._moving(node, None)] or [self.times])
-        outside: Booleans = (self.times < keyed.min(initial=np.inf)) | (
-            self.times > keyed.max(initial=-np.inf)
-        )
-        return outside
+    def _at_once(self, keyed: Sequence[Booleans]) -> Booleans:
+        found: Booleans = np.logical_and.reduce([np.ones(len(self.times), dtype=bool), *keyed])
+        return found
 
     def _moving(self, node: int, nodes: Container[int] | None) -> list[Track]:
         path = self.rig.path_to_root(node)
@@ -153,8 +162,9 @@ def refuse_replaced(
     (now,) = (each for each in timelines(after) if each.members == timeline.members)
     sampled = sample_parts(after, now.clip, times)
     posed = Solver(after, driven | controls_at_work(after, now)).run(sampled)
-    old = sample_parts(before, timeline.clip, times)
-    _refuse(_difference(Solver(before, driven), old, posed, f"in clip '{timeline.name}'", size, bound))
+    was = Solver(before, driven)
+    old = was.run(sample_parts(before, timeline.clip, times))
+    _refuse(_difference(was, old, posed, f"in clip '{timeline.name}'", size, bound))
 
 
 def refuse_followed(
@@ -172,17 +182,22 @@ def refuse_followed(
             continue
         for node in rule.sources:
             for timeline in every if not _within(rig, node, nodes) else ():
-                at_keys, anywhere = (
-                    float(np.abs(away_from_keys(rig, timeline, node, between=between)).max()) / size
-                    for between in (False, True)
-                )
-                if at_keys > UNBAKED or anywhere > _BETWEEN_KEYS:
+                if _moves_away(rig, timeline, node, size):
                     where = "at rest" if timeline is None else f"in clip '{timeline.name}'"
                     raise GeometryError(
                         f"'{rig.title(rule.child)}' of {name} follows '{rig.title(node)}', which controls of "
                         f"another character move {where} as its own keys do not. Leave out --character, or "
                         "take that motion to the joints of the other first, with rigtri bake --to joints"
                     )
+
+
+def _moves_away(rig: Rig, timeline: Timeline | None, node: int, size: float) -> bool:
+    """Whether controls move a node as its own keys do not: at keys, or between them by more than a bake."""
+    keys = np.zeros(1) if timeline is None else _times(rig, timeline.clip)
+    times = keys_and_between(keys)
+    away = np.abs(away_from_keys(rig, timeline, node, times)).max(axis=(1, 2))
+    bounds = np.where(np.isin(times, keys), UNBAKED, _BETWEEN_KEYS)
+    return bool((away > size * bounds).any())
 
 
 def refuse_leading(rig: Rig, nodes: frozenset[int], name: str, *, every: bool = False) -> None:
@@ -263,7 +278,7 @@ def _refuse(found: str) -> None:
 
 def _difference(
     solver: Solver,
-    sampled: Mapping[int, Parts],
+    posed: PoseCache,
     kept: PoseCache,
     where: str,
     size: float,
@@ -271,14 +286,14 @@ def _difference(
     *,
     keys: _Keys | None = None,
 ) -> str:
-    """Where what a solver makes of a pose is not what is kept of it, in words; "" where it is.
+    """Where what a solver makes of a pose, ``posed``, is not what is kept of it, in words; "" where it is.
 
     keys: of the clip. With these each node counts only where it and those above it have keys at once.
     """
-    rig, posed = solver.rig, solver.run(sampled)
+    rig = solver.rig
     found = dict[int, float]()
     for node in _joints(rig, set(solver.sets) - rig.own):
-        rows = None if keys is None else keys.at_once(node) | keys.beyond(node)
+        rows = None if keys is None else keys.where_known(node)
         if (far := _deviation(kept, posed, node, size, rows)) > bound:
             found[node] = far
     if not found:
