@@ -18,7 +18,7 @@ import numpy as np
 from rigtri.maths.euler import from_angles, to_angles
 from rigtri.maths.matrices import (
     compose,
-    determinant,
+    handedness,
     inverse,
     multiply,
     nearest_rotation,
@@ -48,7 +48,7 @@ class Parts(NamedTuple):
 
 def to_parts(m: Floats) -> Parts:
     """The parts of matrices, (..., 4, 4); a mirrored one has three negative scales, NaN for a flat one."""
-    sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
+    sign = handedness(m)[..., np.newaxis]
     # A copy: a part of matrices would keep all of their memory.
     return Parts(m[..., 3, :3].copy("K"), nearest_rotation_of(m), length(m[..., :3, :3]) * sign)
 

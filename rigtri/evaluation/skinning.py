@@ -27,6 +27,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.model.skin_weights import total_weights
 
 # Matrices evaluated at once: 64 bytes times nodes times this.
 _BLOCK = 1 << 15
@@ -50,8 +51,7 @@ def normalised_weights(weights: Floats) -> Floats:
     """
     total = np.zeros((len(weights), 1))
     for start in range(0, len(weights), _POINTS):
-        for column in np.abs(weights[start : start + _POINTS]).T:
-            total[start : start + _POINTS, 0] += column
+        total[start : start + _POINTS, 0] = total_weights(np.abs(weights[start : start + _POINTS]))
     first = np.zeros(weights.shape[1])
     first[:1] = 1.0
     if total.all():  # NaN is any
@@ -110,20 +110,14 @@ def sums_to_one(mesh: Mesh) -> bool:
 def most_weight(mesh: Mesh) -> float:
     """How much weight a point of a mesh has in all, signs apart, at most; 1 where it is less or scaled."""
     uneven = np.abs(mesh.weights[_short_of_one(mesh) != 0])
-    total = np.zeros(len(uneven))
-    for column in uneven.T:
-        total += column
-    return max(1.0, float(total.max(initial=1.0)))
+    return float(total_weights(uneven).max(initial=1.0))
 
 
 def _short_of_one(mesh: Mesh) -> Floats:
     """What the weights of points lack of 1, (v,), where that is seen; 0 elsewhere."""
     if not mesh.raw_weights or mesh.dual_quaternion or not mesh.weights.shape[1]:
         return np.zeros(len(mesh.weights))
-    total = mesh.weights[:, 0].copy()
-    for column in mesh.weights.T[1:]:
-        total += column
-    short = 1.0 - total
+    short = 1.0 - total_weights(mesh.weights)
     return np.where(np.abs(short) > _SUM_ROUNDING, short, 0.0)  # NaN is never
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from rigtri.frames.error_bounds import LeverArm, bearable
 from rigtri.maths.arrays import Booleans, Integers
-from rigtri.maths.matrices import determinant
+from rigtri.maths.matrices import handedness
 from rigtri.maths.quaternions import IDENTITY, half_turn, norm, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -185,7 +185,7 @@ def _signs(rig: Rig) -> Floats:
     sign = np.where(rig.scale < 0, -1.0, 1.0)
     if not rig.has_matrix.any():
         return sign
-    mirrored = np.where(determinant(rig.matrix) < 0, -1.0, 1.0)[:, np.newaxis]
+    mirrored = handedness(rig.matrix)[:, np.newaxis]
     unknown = rig.has_matrix[:, np.newaxis] & (sign.prod(axis=1, keepdims=True) != mirrored)
     return np.where(unknown, mirrored, sign)
 

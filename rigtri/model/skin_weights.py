@@ -38,7 +38,7 @@ def shared(
     """
     mine = np.isin(joints, redistribution.joints) & (weights != 0)
     touched = mine.any(axis=1)
-    total = _total(np.where(mine, weights, 0.0))
+    total = total_weights(np.where(mine, weights, 0.0))
     near, far, share = _neighbours(redistribution, along(redistribution, points))
     others = np.count_nonzero((weights != 0) & ~mine, axis=1)
     if redistribution.most:
@@ -95,7 +95,7 @@ def limited(
     """
     width = min(joints.shape[1], -(-limit.most // 4) * 4)
     one = float(full or 1)
-    total = _total(weights)
+    total = total_weights(weights)
     plain = np.isfinite(weights).all(axis=1) & (total > 0)
     over = (np.count_nonzero(weights, axis=1) > limit.most) & plain
     off = plain & (np.abs(total - one) > (0.5 if full else SAME)) if limit.normalise else over
@@ -107,7 +107,7 @@ def limited(
     most, heavy = joints[rows, order], once[rows, order]
     heavy[:, limit.most :] = 0.0
     aim = np.where(off, one, total) if limit.normalise else total
-    kept = _total(heavy)
+    kept = total_weights(heavy)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where((over | off)[:, np.newaxis], heavy * (aim / kept)[:, np.newaxis], heavy)
     if full:
@@ -127,7 +127,9 @@ def within(weights: Floats, full: int) -> Floats:
     if not over.any():
         return weights
     fitting, large = weights.copy(), weights[over]
-    fitting[over] = _whole(large * (full / _total(large))[:, np.newaxis], np.full(len(large), float(full)))
+    fitting[over] = _whole(
+        large * (full / total_weights(large))[:, np.newaxis], np.full(len(large), float(full))
+    )
     return fitting
 
 
@@ -138,9 +140,17 @@ def added_up(joints: Integers, weights: Floats) -> Floats:
         again = (joints[:, first + 1 :] == joints[:, first, np.newaxis]) & (found[:, first, np.newaxis] != 0)
         if again.any():
             rest = found[:, first + 1 :]
-            found[:, first] += _total(np.where(again, rest, 0.0))
+            found[:, first] += total_weights(np.where(again, rest, 0.0))
             rest[again] = 0.0
     return found
+
+
+def total_weights(weights: Floats) -> Floats:
+    """What the weights (v, k) of each point sum to, (v,), added from left to right."""
+    total = np.zeros(len(weights))
+    for column in weights.T:
+        total += column
+    return total
 
 
 def _whole(weights: Floats, total: Floats) -> Floats:
@@ -150,12 +160,7 @@ def _whole(weights: Floats, total: Floats) -> Floats:
     """
     found = np.asarray(np.floor(weights))
     rank = np.argsort(np.argsort(found - weights, axis=1, kind="stable"), axis=1, kind="stable")
-    return found + (rank < (total - _total(found))[:, np.newaxis])
-
-
-def _total(weights: Floats) -> Floats:
-    """What the weights (v, k) of each point sum to, (v,), added from left to right."""
-    return weights.cumsum(axis=1)[:, -1] if weights.shape[1] else np.zeros(len(weights))
+    return found + (rank < (total - total_weights(found))[:, np.newaxis])
 
 
 def _width(weights: Floats) -> int:

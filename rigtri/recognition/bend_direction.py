@@ -14,7 +14,7 @@ import numpy as np
 from rigtri.evaluation.sampling import Motion, key_times, locals_at, sorted_unique, thinned, worlds
 from rigtri.maths.angle_limits import cosine_below, sine_below
 from rigtri.maths.arrays import Integers
-from rigtri.maths.matrices import determinant, inverse, transform_directions
+from rigtri.maths.matrices import handedness, inverse, transform_directions
 from rigtri.maths.quaternions import between as rotation_between
 from rigtri.maths.quaternions import rotate
 from rigtri.maths.triangle import bend_direction, bend_sine, hinge
@@ -186,7 +186,7 @@ def _bent_hinges(limb: Limb, world: Floats) -> tuple[Floats, Floats]:
 
 def _in_space(normals: Floats, m: Floats) -> Floats:
     """Hinges, (..., 3), in another space, m: (..., 4, 4). In a mirror the same turn goes the other way."""
-    return transform_directions(normals, m) * np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
+    return transform_directions(normals, m) * handedness(m)[..., np.newaxis]
 
 
 def mirrored(direction: Floats, here: Floats, there: Floats) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from math import acos, cos, fsum, sqrt
 
@@ -15,18 +15,24 @@ STRAIGHT = 0.9945
 _NOISE, _DEVIATIONS, _AT_MOST = 2e-3, 2.0, radians_below(25)
 
 
+def noise_of(twins: Iterable[tuple[float, float]]) -> float:
+    """The noise of a place along each axis, by the lengths of the same bones on both sides, file units.
+
+    Lengths of twins differ by twice that.
+    """
+    squares = [(one - other) ** 2 for one, other in twins]
+    return 0.5 * sqrt(fsum(squares) / max(1, len(squares)))
+
+
 def straight_within(
     tree: Tree, paths: Sequence[Sequence[int]], bones: Sequence[float], least: float
 ) -> list[float]:
     """The cosine of how far each joint of a limb may bend within a bone; least: that of one without noise.
 
     paths: of the limb and its twin. bones: the length of each bone of the first joints of the limb, file
-    units. Lengths of twins differ by twice the noise of a place along each axis, and a joint bends by what
-    that is of the bones on both sides.
+    units. A joint bends by what noise is of the bones on both sides.
     """
-    twins = zip(bones[1:], (tree.bone[node] for node in paths[-1][1:]), strict=False)
-    squares = [(one - other) ** 2 for one, other in twins]
-    noise = 0.5 * sqrt(fsum(squares) / max(1, len(squares)))
+    noise = noise_of(zip(bones[1:], (tree.bone[node] for node in paths[-1][1:]), strict=False))
     if len(paths) < 2 or noise < _NOISE * fsum(bones[1:]):
         return [least] * len(bones)
     found = [1.0]

@@ -99,9 +99,14 @@ def head_end(tree: Tree, body: Body, plane: Plane, poses: Poses, limbs: Sequence
 
 def _tips(tree: Tree, body: Body, nodes: Sequence[int]) -> int:
     """How many chains end there. What hangs from elsewhere than the trunk is none: flat copies for a skin."""
-    ends = [pair.pair.above for pair in (body.legs, body.arms) if pair is not None and pair.pair.above >= 0]
-    trunk = {k for end in ends for k in tree.way(-1, end)}
+    trunk = _trunk(tree, body)
     return sum(not tree.below[node] and not trunk.isdisjoint(tree.way(-1, node)) for node in nodes)
+
+
+def _trunk(tree: Tree, body: Body) -> set[int]:
+    """The joints from the root to where each pair of legs hangs."""
+    ends = [pair.pair.above for pair in (body.legs, body.arms) if pair is not None and pair.pair.above >= 0]
+    return {k for end in ends for k in tree.way(-1, end)}
 
 
 def _beyond(
@@ -116,8 +121,7 @@ def _beyond(
     pairs = [pair for pair in (body.legs, body.arms) if pair is not None]
     legs = {k for pair in pairs for path in pair.pair.paths for k in tree.branch(path[0])}
     start = max((pair.starts for pair in pairs), key=lambda place: place.dot(way))
-    ends = [pair.pair.above for pair in pairs if pair.pair.above >= 0]
-    trunk = {k for end in ends for k in tree.way(-1, end)}
+    trunk = _trunk(tree, body)
     legs.update(k for pair in aside for path in pair.paths for k in tree.branch(path[0]))
     long = _BESIDE * way.length
     for node in (k for over in trunk for k in tree.below[over] if k not in trunk | legs):

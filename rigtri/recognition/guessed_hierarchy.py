@@ -8,7 +8,7 @@ from math import inf
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_words import NO_WORDS
+from rigtri.recognition.limb_words import NO_WORDS, LimbWords
 from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 
 # What is so long a part of an upper bone, and further beside it than this part of its own length, may be
@@ -69,11 +69,14 @@ def named_twice(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         return ""
     taken = {joint for limb in found for joint in limb.joints}
     for node in (k for k in draft.tree.nodes if k not in taken and not roles_in_name(rig.names[k])):
-        words = draft.words.get(node, NO_WORDS)
-        alike = (words.levels, words.kind, words.place) == (own.levels, own.kind, own.place)
-        if alike and parse_name(rig.names[node]).side == side:
+        if _alike(own, draft.words.get(node, NO_WORDS)) and parse_name(rig.names[node]).side == side:
             return f"'{rig.title(node)}' may be its start as well as '{rig.title(start)}'"
     return ""
+
+
+def _alike(one: LimbWords, other: LimbWords) -> bool:
+    """Whether names call two joints by the same words of a limb."""
+    return (one.levels, one.kind, one.place) == (other.levels, other.kind, other.place)
 
 
 def start_beside(draft: Draft, each: Found) -> str:
@@ -137,9 +140,7 @@ def _called_upper(draft: Draft, each: Found) -> str:
     for joint in (k for k in each.joints if not _HELPS.isdisjoint(roles_in_name(names[k]))):
         own, side = words.get(joint, NO_WORDS), parse_name(names[joint]).side
         for node in (k for k in draft.tree.nodes if k not in each.joints and not roles_in_name(names[k])):
-            other = words.get(node, NO_WORDS)
-            same = (own.levels, own.kind, own.place) == (other.levels, other.kind, other.place)
-            if same and own.levels and side == parse_name(names[node]).side:
+            if _alike(own, words.get(node, NO_WORDS)) and own.levels and side == parse_name(names[node]).side:
                 return (
                     f"'{draft.tree.rig.title(joint)}' is called as what helps '{draft.tree.rig.title(node)}'"
                 )

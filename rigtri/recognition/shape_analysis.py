@@ -231,9 +231,8 @@ def _neighbours(tree: Tree) -> Tree:
     while left.any():
         reached = np.where(left, near, np.inf)
         nearest = int(np.argmin(reached))
-        if not np.isfinite(
-            reached[nearest]
-        ):  # the middle has no joint, as of a body that runs: sides follow, too
+        if not np.isfinite(reached[nearest]):
+            # The middle has no joint, as of a body that runs: sides follow, too.
             free = np.stack([dot(places[order] - place, places[order] - place) for place in places])
             near, over = free.min(axis=1), np.array(order)[free.argmin(axis=1)]
             nearest = int(np.argmin(np.where(left, near, np.inf)))

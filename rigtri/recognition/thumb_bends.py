@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from rigtri.maths.angle_limits import radians_below
 from rigtri.maths.trigonometry import Floats
+from rigtri.recognition.bone_noise import noise_of
 
 # A thumb that bends by less than this at rest (radians) shows nothing.
 BENT = radians_below(10)
@@ -73,13 +74,9 @@ def _counts(thumb: ThumbBend, noise: float, *, mirrored: bool) -> bool:
 
 
 def noise_of_twins(one: Sequence[float], other: Sequence[float]) -> float:
-    """The noise of a place along each axis, by the lengths of the same bones on both sides, file units.
-
-    That two sides are of other sizes is no noise.
-    """
+    """See `noise_of`; that two sides are of other sizes is no noise."""
     total, twin = fsum(one), fsum(other)
     if not (total > 0 and twin > 0):
         return 0.0
     larger = sqrt(total / twin)
-    squares = [(a / larger - b * larger) ** 2 for a, b in zip(one, other, strict=True)]
-    return 0.5 * sqrt(fsum(squares) / len(squares))
+    return noise_of((a / larger, b * larger) for a, b in zip(one, other, strict=True))

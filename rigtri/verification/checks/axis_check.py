@@ -19,7 +19,7 @@ import numpy as np
 from rigtri.errors import RigtriError
 from rigtri.frames.skeleton import Skeleton, reference, skeleton
 from rigtri.maths.angle_limits import cosine_below
-from rigtri.maths.matrices import determinant
+from rigtri.maths.matrices import handedness
 from rigtri.maths.quaternions import between, from_axis_angle, rotate
 from rigtri.maths.ranking import largest
 from rigtri.maths.trigonometry import Floats
@@ -117,7 +117,7 @@ class _Seen:
     @cached_property
     def turning(self) -> Floats:
         """Which way a positive rotation turns, (n,): −1 in left-handed axes."""
-        return np.where(determinant(self.world) < 0, -1.0, 1.0)
+        return handedness(self.world)
 
     @cached_property
     def chains(self) -> dict[str, Chain]:
