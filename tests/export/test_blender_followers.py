@@ -390,6 +390,34 @@ def test_expressions_are_short_and_each_is_a_value_of_its_own() -> None:
     assert channels == {"location", "rotation_euler", "scale", "property"}
 
 
+def test_a_joint_follows_more_targets_than_an_expression_has_letters() -> None:
+    """Before, the export ended in a traceback."""
+    rig = rigtri.add_controls(replace(read(SAMPLES / "biped.glb").rig, clips=()), joints=["hips"])
+    count = 10
+    rig = rigtri.add_posereader(
+        rig,
+        driver="forearm_L",
+        target=[f"t{k}={np.cos(k)},{np.sin(k)},0" for k in range(count)],
+        joint=[(f"t{k}", "toe_L", f"tx={k + 1}e-3,sy={1 + k / 10}") for k in range(count)],
+        name="many",
+    )
+    plan = exported(rig, gltf=True).plan
+    (move,) = (each for each in plan["drivers"] if each["channel"] == "location" and each["on"][0] == "s")
+    (grow,) = (each for each in plan["drivers"] if each["channel"] == "scale")
+    named = {one["name"]: f"v{k}" for k, one in enumerate(plan["values"])}
+    weights = {named[f"many t{k}"]: 1.0 for k in range(count)}
+
+    def computed(word: str) -> float:
+        """A value where each target has all of its weight."""
+        if word in weights:
+            return weights[word]
+        one = plan["values"][int(word[1:])]
+        return float(eval(one["expression"], {}, {k: computed(each) for k, each in one["inputs"].items()}))
+
+    assert computed(move["value"]) == pytest.approx(1e-3 * sum(range(1, count + 1)))
+    assert computed(grow["value"]) == pytest.approx(np.prod([1 + k / 10 for k in range(count)]))
+
+
 def test_of_two_readers_of_one_channel_the_last_drives_it_as_in_bake() -> None:
     rig = rigtri.add_controls(replace(read(SAMPLES / "biped.glb").rig, clips=()), joints=["hips"])
     for name, changes in (("first", "tx=0.1,rz=20"), ("second", "rz=30")):

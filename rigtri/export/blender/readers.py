@@ -232,17 +232,25 @@ class _Reading:
         return f"exp(-2*d*d/{_number(radius * radius)})"
 
     def _sum(self, name: str, words: list[str], shares: list[float]) -> str:
-        """A weighted sum, of sums where it has many terms."""
-        parts = []
-        for start in range(0, len(words), _TERMS):
-            some = dict(zip("abcdefgh", words[start : start + _TERMS], strict=False))
-            terms = zip(some, shares[start : start + _TERMS], strict=True)
-            expression = "+".join(f"{letter}*({_number(share)})" for letter, share in terms)
-            parts.append(self._value(name, expression, some))
-        return parts[0] if len(parts) == 1 else self._sum(name, parts, [1.0] * len(parts))
+        return _of_many(self.plan, f"{self.record.name} {name}", list(zip(words, shares, strict=True)))
 
     def _value(self, name: str, expression: str, inputs: dict[str, str] | dict[str, list[str]]) -> str:
         return self.plan.value(f"{self.record.name} {name}", expression, dict(inputs))
+
+
+def _of_many(
+    plan: Plan, name: str, terms: Sequence[tuple[str, float]], term: str = "{}*({})", sign: str = "+"
+) -> str:
+    """A value of terms, each of a value's word and a number: a weighted sum, or a product.
+
+    Of many terms it is a sum, or product, of values of some of them.
+    """
+    parts = []
+    for start in range(0, len(terms), _TERMS):
+        some = dict(zip("abcdefgh", terms[start : start + _TERMS], strict=False))
+        expression = sign.join(term.format(letter, _number(number)) for letter, (_, number) in some.items())
+        parts.append(plan.value(name, expression, {letter: word for letter, (word, _) in some.items()}))
+    return parts[0] if len(parts) == 1 else _of_many(plan, name, [(word, 1.0) for word in parts], "{}", sign)
 
 
 def _number(value: float) -> str:
@@ -322,11 +330,8 @@ def _joint(
     for axis in range(3):
         sizes = [(o.target, o.scale[axis] - 1.0) for o in outputs if o.scale and o.scale[axis] != 1.0]
         if sizes:
-            inputs = {letter: weights[target] for letter, (target, _) in zip("abcdefgh", sizes, strict=False)}
-            factors = [
-                f"(1+{letter}*({_number(more)}))" for letter, (_, more) in zip(inputs, sizes, strict=True)
-            ]
-            word = plan.value(f"{name} scale {'xyz'[axis]}", "*".join(factors), inputs)
+            factors = [(weights[target], more) for target, more in sizes]
+            word = _of_many(plan, f"{name} scale {'xyz'[axis]}", factors, "(1+{}*({}))", "*")
             plan.drive(last, "scale", word, index=axis)
     child = joint if plan.bone_axes(joint) else -1
     own = plan.socket(f"{name} corrected", last, rest, bone=plan.bone_axes(joint), child=child)
@@ -346,7 +351,6 @@ def _drive_sum(
 ) -> None:
     """Let a channel of a socket be the weighted sum of weights; nothing where there is none."""
     if terms:
-        inputs = {letter: weights[target] for letter, (target, _) in zip("abcdefgh", terms, strict=False)}
-        text = "+".join(f"{letter}*({_number(by)})" for letter, (_, by) in zip(inputs, terms, strict=True))
-        word = plan.value(f"{channel} {'xyz'[index]} of {on}", text, inputs)
+        summands = [(weights[target], by) for target, by in terms]
+        word = _of_many(plan, f"{channel} {'xyz'[index]} of {on}", summands)
         plan.drive(on, channel, word, index=index)
