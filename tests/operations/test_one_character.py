@@ -340,11 +340,7 @@ def test_a_character_that_follows_one_with_motion_on_its_controls_is_not_baked_a
     """Before, it followed what the other's joints did before anybody moved its controls, without a word."""
     rig = add_controls(read(pair(samples, tmp_path, "gltf")).rig, whole_character=True)
     rig = replace(rig, clips=rig.clips[:1])
-    ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
-    bodies = [frozenset(nodes) for nodes in characters(rig)]
-    mine, theirs = (
-        next(node for node in ends if rig.named_by(rig.metadata[node]) & nodes) for nodes in bodies
-    )
+    mine, theirs = ik_ends(rig)
     hand = rig.records(ControlRecord)[theirs].joint
     rig = constrain(rig, child=rig.address(mine), type="parent", driver=(hand,))
     still = bake(rig, character="A", fps=24)
@@ -363,11 +359,7 @@ def test_a_constraint_of_a_character_is_not_measured_from_stale_keys_of_another(
     """Before, the child jumped at the switch, and stood elsewhere at rest, without a word."""
     rig = add_controls(read(pair(samples, tmp_path, "gltf")).rig, whole_character=True)
     rig = replace(rig, clips=(rig.clips[0], replace(rig.clips[0], name="still", key=None)))
-    ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
-    bodies = [frozenset(nodes) for nodes in characters(rig)]
-    mine, theirs = (
-        next(node for node in ends if rig.named_by(rig.metadata[node]) & nodes) for nodes in bodies
-    )
+    mine, theirs = ik_ends(rig)
     hand = rig.address(rig.find(rig.records(ControlRecord)[theirs].joint, "node"))
     there = rig.translation[theirs] + [0, 0.2, 0]
     keys = Track(theirs, "translation", "LINEAR", np.array([0.0]), there[np.newaxis])
@@ -392,10 +384,8 @@ def test_a_character_whose_controls_another_one_follows_is_not_snapped_alone(
 ) -> None:
     """Before, the other one moved by a third of the size, without a word."""
     rig = add_controls(read(pair(samples, tmp_path, "gltf")).rig, whole_character=True)
-    ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
-    bodies = [frozenset(nodes) for nodes in characters(rig)]
-    end = next(node for node in ends if rig.named_by(rig.metadata[node]) & bodies[1])
-    head, other = (next(node for node in nodes if rig.names[node] == "head") for nodes in bodies)
+    _, end = ik_ends(rig)
+    head, other = (next(node for node in nodes if rig.names[node] == "head") for nodes in characters(rig))
     for driver, refused in ((end, True), (other, False)):
         led = constrain(rig, child=rig.address(head), type="parent", driver=(rig.address(driver),))
         for to in ("fk", "ik"):
@@ -408,11 +398,7 @@ def test_what_follows_a_character_stays_as_it_is_where_that_is_baked_alone(
 ) -> None:
     """Before, it got keys and another rest pose, seen without its own character; new keys of A moved it."""
     rig = add_controls(read(pair(samples, tmp_path, "gltf")).rig, whole_character=True)
-    ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
-    bodies = [frozenset(nodes) for nodes in characters(rig)]
-    mine, theirs = (
-        next(node for node in ends if rig.named_by(rig.metadata[node]) & nodes) for nodes in bodies
-    )
+    mine, theirs = ik_ends(rig)
     rig = constrain(rig, child=rig.address(theirs), type="parent", driver=(rig.address(mine),))
     child = rig.find(rig.address(theirs), "node")
     offset = int(rig.parents[child])
@@ -421,3 +407,12 @@ def test_what_follows_a_character_stays_as_it_is_where_that_is_baked_alone(
     assert not any(t.node in (child, offset) for clip in baked.clips for t in clip.tracks)
     with pytest.raises(GeometryError, match="moves otherwise once it has keys of its own"):
         bake(rig, to="controls", character="A")
+
+
+def ik_ends(rig: Rig) -> list[int]:
+    """An IK end of each character."""
+    ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
+    return [
+        next(node for node in ends if not rig.named_by(rig.metadata[node]).isdisjoint(nodes))
+        for nodes in characters(rig)
+    ]

@@ -491,6 +491,18 @@ def test_joints_merged_in_agents_may_leave_others_another_rest_pose(tmp_path: Pa
     assert deviation(source, out) < 1e-6
 
 
+def assert_is_in_centimetres(source: Path, out: Path, meshes: set[str]) -> None:
+    """A stage in metres, frozen to centimetres: the same prototype, its skinned meshes 100 times as large."""
+    cli("freeze", source, "--unit", "0.01", "-o", out, code=0)
+    assert prototypes(source) == prototypes(out) == 1
+    one, other = (Usd.Stage.Open(str(path)) for path in (source, out))
+    for time in moments(one):
+        before, after = skinned(one, time), skinned(other, time)
+        assert before.keys() == after.keys() == meshes
+        for path, points in before.items():
+            assert np.abs(points * 100.0 - after[path]).max() < 1e-3
+
+
 def test_a_crowd_is_read_where_it_is_skinned_though_a_first_instance_is_no_skel_root(tmp_path: Path) -> None:
     """Blender writes collection instances as Xforms beside the SkelRoot: UsdSkel skins that one alone."""
     save(tmp_path, ACTOR, "parts/actor.usda")
@@ -498,14 +510,7 @@ def test_a_crowd_is_read_where_it_is_skinned_though_a_first_instance_is_no_skel_
     moved = instance("Moved", "./parts/actor.usda", x=4.0)
     source = save(tmp_path, shot(still, moved, head="    metersPerUnit = 1\n"), "shot.usda")
     out = tmp_path / "out.usda"
-    cli("freeze", source, "--unit", "0.01", "-o", out, code=0)
-    assert prototypes(source) == prototypes(out) == 1
-    one, other = (Usd.Stage.Open(str(path)) for path in (source, out))
-    for time in moments(one):
-        before, after = skinned(one, time), skinned(other, time)
-        assert before.keys() == after.keys() == {"/World/Moved/Skin"}
-        for path, points in before.items():
-            assert np.abs(points * 100.0 - after[path]).max() < 1e-3
+    assert_is_in_centimetres(source, out, {"/World/Moved/Skin"})
 
 
 def test_instances_inside_others_are_read_in_the_one_that_is_read(tmp_path: Path) -> None:
@@ -529,14 +534,7 @@ def test_meshes_shared_by_instances_are_edited_once_where_all_of_them_get_the_sa
     two = [instance(name, x=x, more=bind) for name, x in (("One", 0.0), ("Two", 3.0))]
     source = save(tmp_path, scene(skeleton(), animation(), *two, head="    metersPerUnit = 1\n"), "shot.usda")
     out = tmp_path / "out.usda"
-    cli("freeze", source, "--unit", "0.01", "-o", out, code=0)
-    assert prototypes(source) == prototypes(out) == 1
-    one, other = (Usd.Stage.Open(str(path)) for path in (source, out))
-    for time in moments(one):
-        before, after = skinned(one, time), skinned(other, time)
-        assert before.keys() == after.keys() == {"/Root/One/Skin", "/Root/Two/Skin"}
-        for path, points in before.items():
-            assert np.abs(points * 100.0 - after[path]).max() < 1e-3
+    assert_is_in_centimetres(source, out, {"/Root/One/Skin", "/Root/Two/Skin"})
     # Metadata of an attribute, too: its elementSize.
     bone = ("--joint", "b", "--to", "c", "--split-weights", "--tolerance", "10")
     cli("add-twist", source, *bone, "-o", out, "--overwrite", code=0)
