@@ -90,6 +90,11 @@ def and_more(names: Iterable[object], most: int = 6) -> str:
     return ", ".join(known[:most]) + (f" and {len(known) - most} more" if len(known) > most else "")
 
 
+def identifier(name: str) -> str:
+    """A name as exporters of USD write it, an underscore for what no identifier has."""
+    return re.sub(r"\W", "_", name)
+
+
 def counted(count: int, noun: str, plural: str = "") -> str:
     """A number of things.
 

@@ -18,8 +18,8 @@ from rigtri.model.joint_names import Side
 
 VERSION = 1
 TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
-# What the script of export-blender puts below an IK end, as Blender numbers its names.
-SWITCH = re.compile(r"rigtri_ik([._][0-9]+)?")
+# What the script of export-blender puts below an IK end, with its name; before, with Blender's number.
+SWITCH = re.compile(r"rigtri_ik([._].+)?")
 
 Triple = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]

@@ -29,6 +29,7 @@ from rigtri.model.metadata import ADDED, RECORDS, SWITCH, Place, Record, referen
 from rigtri.model.node_names import NodeNames
 from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.skin import Skin
+from rigtri.text import identifier
 
 R = TypeVar("R", bound=Record)
 
@@ -244,12 +245,15 @@ class Rig(NodeNames):
             for child in self.children[node]
             if self.attachment[child] < 0 and made.issuperset(self.children[child] or (-1,))
         )
-        # What the script of export-blender puts below IK ends.
+        # What the script of export-blender puts below IK ends; in USD joints have nothing below.
+        ends = {identifier(f"rigtri_ik_{self.names[node]}") for node in made}
         switches = (
-            child
-            for node in made
-            for child in self.children[node]
-            if SWITCH.fullmatch(self.names[child]) and self.attachment[child] < 0 and not self.children[child]
+            node
+            for node, name in enumerate(self.names)
+            if SWITCH.fullmatch(name)
+            and (self.parents[node] in made or identifier(name) in ends)
+            and self.attachment[node] < 0
+            and not self.children[node]
         )
         return frozenset(made.union(drawings, between, switches))
 

@@ -36,7 +36,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.armature_motion import put_back
-from rigtri.operations.take_clips.ik_switches import warn_lost_switches
+from rigtri.operations.take_clips.ik_switches import switches, warn_lost_switches
 from rigtri.report import Report
 
 # Of the size: Blender's float32, and its bones, which store their axes as two points and an angle.
@@ -468,6 +468,14 @@ def test_bones_of_controls_without_their_switches_are_reported() -> None:
     switched = edited.with_nodes(["rigtri_ik.001"], ends[:1], np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]))
     warn_lost_switches(rig, switched, dict(zip(ends, ends, strict=True)), report := Report())
     assert [notice.names for notice in report.warnings] == [("foot_R_ik_ctl",)]
+    # In USD they are beside the armature, called after their ends.
+    named = switched.with_nodes(
+        ["rigtri_ik_foot_R_ik_ctl"], [-1], np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]])
+    )
+    warn_lost_switches(rig, named, dict(zip(ends, ends, strict=True)), report := Report())
+    assert not report.warnings
+    off = replace(named, scale=np.concatenate([named.scale[:-1], [[0.5] * 3]]))
+    assert switches(off, {end: end for end in ends}).off == {ends[1]}
     warn_lost_switches(rig, rig, dict(zip(ends, ends, strict=True)), report := Report())
     assert not report.warnings
 

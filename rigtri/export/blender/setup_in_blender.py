@@ -757,10 +757,11 @@ class Setup:
     def add_switch(self, bone: str) -> None:
         """A visible empty below an IK end, whose scale says in what is exported whether IK moves the limb.
 
-        Half or one and a half: IK is off or on; one: nothing drives. ``rigtri bake --rig`` reads it.
+        Half or one and a half: IK is off or on; one: nothing drives. ``rigtri bake --rig`` reads it. It has
+        the end's name: Blender's USD has no prims below joints.
         """
         switch = self.added(SWITCH)
-        switch.name = SWITCH
+        switch.name = f"{SWITCH}_{bone}"
         switch.hide_viewport = switch.hide_render = False
         switch.empty_display_size = 1e-4
         switch.parent, switch.parent_type, switch.parent_bone = self.rig, "BONE", bone

@@ -2,7 +2,7 @@
 
 Below each IK end the script puts an empty node, whose scale is that of a switch: half where IK is off, one
 and a half where it is on, one where nothing drives. A scale comes through every exporter, as custom
-properties do not.
+properties do not; and so does the name of the end, where an exporter has no nodes below joints.
 
 Source: docs/blender.md.
 """
@@ -23,7 +23,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import SWITCH, ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.report import Report
-from rigtri.text import list_names
+from rigtri.text import identifier, list_names
 
 _PATH: Path = "translation"
 # Scales between off and none, and between none and on.
@@ -41,10 +41,9 @@ class Switches:
 def switches(edited: Rig, ends: Mapping[int, int]) -> Switches:
     """The switches of a file's IK ends: ``ends`` has their nodes there, and what they are in the rig."""
     sizes: dict[int, float] = {}
-    for node, above in enumerate(edited.parents.tolist()):
-        if above in ends and SWITCH.fullmatch(edited.names[node]):
-            x, y, z = decompose(edited.local[node])[2]
-            sizes[ends[above]] = float(x + y + z) / 3
+    for end, node in _of(edited, ends).items():
+        x, y, z = decompose(edited.local[node])[2]
+        sizes[ends[end]] = float(x + y + z) / 3
     return Switches(
         frozenset(end for end, size in sizes.items() if size > _ON),
         frozenset(end for end, size in sizes.items() if size < _OFF),
@@ -67,11 +66,11 @@ def warn_lost_switches(rig: Rig, edited: Rig, ends: Mapping[int, int], report: R
     ends: their nodes in the rig, and what they are there. Where the setup has made bones of controls, Blender
     exports keys of what its constraints did to joints and offsets.
     """
+    found = _of(edited, set(ends.values()))
     lost = [
         rig.title(node)
         for node, theirs in ends.items()
-        if edited.is_joint[theirs] > rig.is_joint[node]
-        and not any(SWITCH.fullmatch(edited.names[child]) for child in edited.children[theirs])
+        if edited.is_joint[theirs] > rig.is_joint[node] and theirs not in found
     ]
     if lost:
         report.warn(
@@ -83,6 +82,22 @@ def warn_lost_switches(rig: Rig, edited: Rig, ends: Mapping[int, int], report: R
             geometry=True,
             names=lost,
         )
+
+
+def _of(edited: Rig, ends: Collection[int]) -> dict[int, int]:
+    """The nodes of switches by their IK ends: a child, or one called after it, as in USD, whose joints have
+    no prims below them."""
+    named: dict[str, list[int]] = {}
+    for end in ends:
+        named.setdefault(identifier(f"rigtri_ik_{edited.names[end]}"), []).append(end)
+    found = {}
+    for node, name in enumerate(edited.names):
+        if SWITCH.fullmatch(name):
+            above = int(edited.parents[node])
+            of = [above] if above in ends else named.get(identifier(name), [])
+            if len(of) == 1:
+                found[of[0]] = node
+    return found
 
 
 def ik_ends(rig: Rig) -> list[int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
@@ -20,6 +19,7 @@ from rigtri.recognition.body_hinges import bodies
 from rigtri.recognition.layout import Character
 from rigtri.recognition.limb_bends import LimbBends
 from rigtri.report import Report
+from rigtri.text import identifier
 
 # Degrees from the side to which a limb bends, from which on its pole vector is elsewhere.
 POLE = 60.0
@@ -60,7 +60,7 @@ def _of_all_limbs(rig: Rig, limbs: Sequence[Limb]) -> list[list[int]]:
     wanted: dict[str, list[int]] = {}
     for number, limb in enumerate(limbs):
         if name := rig.names[limb.middle]:
-            for called in {f"{name}_pole", re.sub(r"\W", "_", name) + "_pole"}:
+            for called in {f"{name}_pole", identifier(name) + "_pole"}:
                 wanted.setdefault(called, []).append(number)
     found = [list(stored.get(limb.triple, ())) for limb in limbs]
     for node, known in enumerate(rig.names):
