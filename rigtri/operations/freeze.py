@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
+from rigtri.frames.half_scales import held_sizes
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
@@ -204,7 +205,7 @@ def _without_scale(
     off = np.abs(total - 1.0) * inside
     # Where nobody has scaled anything there is noise of exporters, which is left alone.
     size = np.where(off > ONE, 1.0 / total, 1.0) if off.max(initial=0.0) > SAME_SCALE else np.ones(len(rig))
-    size = rig.shared(size)
+    size = rig.shared(_held(rig, rig.shared(size), nodes, report))
     for node in np.flatnonzero(size != 1.0).tolist():
         report.joints.append(joint_record(rig, node, "frozen", world_scale=float(total[node])))
     left = [rig.title(node) for node in np.flatnonzero(uneven & inside).tolist()]
@@ -222,6 +223,20 @@ def _without_scale(
         )
         report.warn("radius-kept", text)
     return rescale(rig, size)
+
+
+def _held(rig: Rig, size: Floats, nodes: list[int], report: Report) -> Floats:
+    """The sizes of frames, (n,), that the file can hold the scales of; what keeps its scale is named."""
+    size, kept = held_sizes(rig, size, set(nodes))
+    if kept:
+        names = and_more([rig.title(node) for node in kept], 6)
+        text = (
+            f"The scale of {names} stays: it has several keys in clips, which a SkelAnimation holds as "
+            "16-bit numbers, and these cannot say them in another size. If the rest pose is only a moment of "
+            "a clip, give it the one of the bind pose: rigtri set-rest --pose bind"
+        )
+        report.warn("not-frozen", text, geometry=True)
+    return size
 
 
 def _warn_keyed(rig: Rig, above: Collection[int], report: Report) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
+from rigtri.frames.half_scales import is_half
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
@@ -25,9 +26,7 @@ def check_numbers(before: Rig, after: Rig) -> None:
     known_tracks = {id(track) for clip in before.clips if doubtful for track in clip.tracks}
     for clip in doubtful:
         for track in clip.tracks:
-            # A SkelAnimation holds scales as half3.
-            half = track.path == "scale" and after.rules.raw_quaternions and after.is_joint[track.node]
-            largest = _LARGEST_HALF if half else _LARGEST
+            largest = _LARGEST_HALF if is_half(after, track) else _LARGEST
             if id(track) not in known_tracks and _unfit(track.values, largest).any():
                 raise GeometryError(
                     f"The {track.path} of '{after.title(track.node)}' in clip '{clip.name}' gets values that "

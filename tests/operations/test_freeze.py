@@ -312,16 +312,47 @@ def test_real_files_look_as_before(path: Path, tmp_path: Path) -> None:
     assert uneven or not len(found) or abs(found - 1.0).max() < 1e-4  # noise of the source stays
 
 
-def test_scales_that_sixteen_bits_cannot_hold_are_named_with_what_keeps_them(tmp_path: Path) -> None:
-    """The middle joint rests at a scale of 1.7389 and is keyed with 1.5, which becomes 0.8626."""
-    scaled = "((1.7389, 0, 0, 0), (0, 1.7389, 0, 0), (0, 0, 1.7389, 0), (0, 2, 0, 1))"
-    rest = SKELETON["rest"].replace("((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))", scaled, 1)
-    keys = "1: [(1, 1, 1), (1, 1, 1), (1, 1, 1)], 5: [(1.5, 1.5, 1.5), (1, 1, 1), (1, 1, 1)]"
+def scaled_middle(rest: float, keys: str, folder: Path) -> Path:
+    """A limb whose middle joint rests at a scale, below a prim of the scale 0.01, with half3 keys."""
+    scaled = f"(({rest}, 0, 0, 0), (0, {rest}, 0, 0), (0, 0, {rest}, 0), (0, 2, 0, 1))"
+    lines = SKELETON["rest"].replace("((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))", scaled, 1)
     keyed = f"half3[] scales.timeSamples = {{{keys}}}"
-    source = save(tmp_path, scene(skeleton(rest=rest), animation(scales=keyed), MESH))
-    ran = cli("freeze", source, "-o", tmp_path / "out.usda", code=6)
-    assert "cannot say the new ones of 'b' closely enough" in " ".join(ran.stderr.split())
-    cli("freeze", source, "--only", "above", "-o", tmp_path / "out.usda", code=0)
+    text = scene(skeleton(rest=lines), animation(scales=keyed), MESH)
+    ops = """{
+    float3 xformOp:scale = (0.01, 0.01, 0.01)
+    uniform token[] xformOpOrder = ["xformOp:scale"]
+"""
+    return save(folder, text.replace('def SkelRoot "Root"\n{\n', f'def SkelRoot "Root"\n{ops}', 1))
+
+
+def test_scales_with_keys_that_sixteen_bits_cannot_hold_stay_and_are_named(tmp_path: Path) -> None:
+    """The middle joint rests at a scale of 1.7389 and is keyed with 1 and 1.5, which would become 0.8626."""
+    keys = "1: [(1, 1, 1), (1, 1, 1), (1, 1, 1)], 5: [(1.5, 1.5, 1.5), (1, 1, 1), (1, 1, 1)]"
+    source, out, again = scaled_middle(1.7389, keys, tmp_path), tmp_path / "out.usda", tmp_path / "again.usda"
+    ran = cli("freeze", source, "-o", out, code=0)
+    assert "The scale of b stays: it has several keys in clips" in " ".join(ran.stderr.split())
+    made = read(out).rig
+    assert np.allclose(made.scale[made.is_joint][:, 0], [1, 1.7389, 1])
+    assert abs(made.world[made.find("a"), :3, :3] - np.eye(3)).max() < 1e-6
+    assert verify(read(source), read(out)).deviation < 1e-6
+    cli("freeze", out, "-o", again, code=0)
+    assert again.read_bytes() == out.read_bytes()
+    cli("freeze", source, "-o", out, "--overwrite", "--strict", code=5)
+
+
+def test_a_scale_that_all_keys_have_gets_the_nearest_that_sixteen_bits_hold(tmp_path: Path) -> None:
+    """As a half float 0.01 is 0.010002136, and what makes 1 of that makes 0.99979 of the rest pose."""
+    keys = "1: [(0.01, 0.01, 0.01), (1, 1, 1), (1, 1, 1)], 5: [(0.01, 0.01, 0.01), (1, 1, 1), (1, 1, 1)]"
+    source, out, again = scaled_middle(0.01, keys, tmp_path), tmp_path / "out.usda", tmp_path / "again.usda"
+    ran = cli("freeze", source, "-o", out, code=0)
+    assert "stays" not in ran.stderr
+    made = read(out).rig
+    keyed = [t.values for t in made.clips[0].tracks if t.path == "scale" and t.node == made.find("b")]
+    assert [(values == 1.0).all() for values in keyed] == [True]
+    assert np.allclose(made.scale[made.find("b")], 0.01 / float(np.float16(0.01)))
+    assert verify(read(source), read(out)).deviation < 1e-6
+    cli("freeze", out, "-o", again, code=0)
+    assert again.read_bytes() == out.read_bytes()
 
 
 def test_a_clip_library_without_a_skin_is_frozen_as_its_character() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.frames.error_bounds import LeverArm
+from rigtri.frames.half_scales import rounding
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.limits import TOLERANCE
 from rigtri.maths.matrices import SKEW, skew
@@ -113,10 +114,7 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
     ):
         node = there.get(after.keys[track.node], -1) if track.path == "scale" else -1
         if node >= 0 and before.is_joint[node]:
-            values = key_values(track)
-            apart = np.abs(values - values.astype(np.float16).astype(np.float64))
-            share = apart / np.maximum(np.abs(values), np.finfo(np.float64).tiny)
-            off[node] = max(off[node], float(share.max(initial=0.0)))
+            off[node] = max(off[node], rounding(key_values(track)))
     if not off.any():
         return []
     try:
