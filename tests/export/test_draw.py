@@ -319,11 +319,18 @@ def test_an_outline_goes_once_around_what_is_covered() -> None:
     assert not outline([], lambda points: points[..., :2], 60, 60)
 
 
-def test_a_skinned_mesh_is_outlined_where_its_joints_have_taken_it() -> None:
+@pytest.mark.parametrize(
+    ("weight", "raw", "left", "right"), [(1.0, False, 1, 3), (0.5, False, 1, 3), (0.5, True, 0.5, 1.5)]
+)
+def test_a_skinned_mesh_is_outlined_where_its_joints_have_taken_it(
+    weight: float, raw: bool, left: float, right: float
+) -> None:
+    """Two units farther than at bind, with the wrist: from 1 to 3. UsdSkel takes weights as they are."""
     rig = arm()
     square = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
     surface = Surface("triangles", np.zeros(0, np.int64), np.array([0, 1, 2, 0, 2, 3]), np.zeros((0, 3)))
-    mesh = Mesh("body", 0, square, 0, np.array([[2]] * 4), np.ones((4, 1)), surface=lambda: surface)
+    joints, weights = np.array([[2]] * 4), np.full((4, 1), weight)
+    mesh = Mesh("body", 0, square, 0, joints, weights, surface=lambda: surface, raw_weights=raw)
     moved = rig.translation + np.array([[0, 0, 0], [0, 0, 0], [2, 0, 0]])
     with_mesh = replace(rig, content=Content(read_meshes=lambda: (mesh,)), translation=moved)
     svg = draw(with_mesh, view="front")
@@ -332,9 +339,8 @@ def test_a_skinned_mesh_is_outlined_where_its_joints_have_taken_it() -> None:
     dots = [e for e in drawn(svg) if e.attrib.get("class", "").startswith("joint")]
     shoulder, elbow, _ = sorted(float(e.attrib["cx"]) for e in dots)
     unit = (elbow - shoulder) / 3
-    # Two units farther than at bind, with the wrist: from 1 to 3.
-    assert numbers[:, 0].min() == pytest.approx(shoulder + unit, abs=4)
-    assert numbers[:, 0].max() == pytest.approx(shoulder + 3 * unit, abs=4)
+    assert numbers[:, 0].min() == pytest.approx(shoulder + left * unit, abs=4)
+    assert numbers[:, 0].max() == pytest.approx(shoulder + right * unit, abs=4)
     assert 'class="body"' not in draw(with_mesh, mesh=False)
 
 

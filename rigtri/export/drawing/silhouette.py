@@ -7,6 +7,7 @@ the same for a hundred points and for a million, and any number of meshes become
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -79,18 +80,16 @@ def _placed(mesh: Mesh, scene: Scene, morph: Floats) -> Floats:
         points = points + offsets * share if share else points
     if mesh.skin is None or not mesh.joints.shape[1]:
         return transform_points(points, scene.world[mesh.node])
-    matrices = multiply(mesh.bind, skinning.skin_matrices(scene.rig.skins[mesh.skin], scene.world))
-    known = (mesh.joints >= 0) & (mesh.joints < len(matrices))
-    weights = np.where(known, mesh.weights, 0.0)
-    placed, total = np.zeros(points.shape), np.zeros(len(points))
+    known = (mesh.joints >= 0) & (mesh.joints < len(scene.rig.skins[mesh.skin].joints))
+    found = replace(mesh, joints=np.where(known, mesh.joints, 0), weights=np.where(known, mesh.weights, 0.0))
+    joints, weights, nodes, bind = skinning.influences(found, scene.rig)
+    matrices = multiply(bind, scene.world[nodes])
+    placed = np.zeros(points.shape)
     for column in range(weights.shape[1]):
         live = np.flatnonzero(weights[:, column])
-        share = weights[live, column]
-        through = transform_points(points[live], matrices[mesh.joints[live, column]])
-        placed[live] += through * share[:, np.newaxis]
-        total[live] += share
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(placed / total[:, np.newaxis])
+        through = transform_points(points[live], matrices[joints[live, column]])
+        placed[live] += through * weights[live, column, np.newaxis]
+    return placed
 
 
 def outline(found: Sequence[Patch], flat: Callable[[Floats], Floats], wide: int, high: int) -> list[Floats]:
