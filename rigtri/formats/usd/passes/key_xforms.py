@@ -24,8 +24,9 @@ from rigtri.formats.usd.opinions.xform_edits import (
     transform_ops,
 )
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.sampled_xforms import can_scale
 from rigtri.formats.usd.reading.source import Source
-from rigtri.formats.usd.reading.xform_hierarchy import NOTHING, OPS, can_scale, read_transform
+from rigtri.formats.usd.reading.xform_hierarchy import NOTHING, OPS, read_transform
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track

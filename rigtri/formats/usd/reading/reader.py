@@ -29,6 +29,7 @@ from rigtri.formats.usd.reading.animation_reader import (
 from rigtri.formats.usd.reading.loose_animations import bound_elsewhere, decided, fitting, of_other_variants
 from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
+from rigtri.formats.usd.reading.sampled_xforms import notice_shear, sampled_tracks
 from rigtri.formats.usd.reading.skeleton_reader import (
     Skeleton,
     joint_parents,
@@ -36,13 +37,7 @@ from rigtri.formats.usd.reading.skeleton_reader import (
     read_skeleton,
 )
 from rigtri.formats.usd.reading.source import Source, animations_of_instances, blocked_times
-from rigtri.formats.usd.reading.xform_hierarchy import (
-    XFORMS,
-    read_transform,
-    rooted,
-    sampled_tracks,
-    xform_tracks,
-)
+from rigtri.formats.usd.reading.xform_hierarchy import XFORMS, read_transform, rooted, xform_tracks
 from rigtri.maths.matrices import compose, inverse, multiply
 from rigtri.maths.quaternions import from_axes, to_axes, unit
 from rigtri.maths.trigonometry import Floats
@@ -166,6 +161,7 @@ class _Reader:
                 found[node] = stand[1]
             elif node in own and (tracks := sampled_tracks(prim, node, self.interpolation)) is not None:
                 found[node] = tracks
+                notice_shear(prim, tracks, self.interpolation, self.warnings)
         return found
 
     def _group_parent(self, rig: Rig) -> int:

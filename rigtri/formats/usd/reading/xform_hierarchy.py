@@ -9,21 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom, Vt
 
 from rigtri.errors import NameNotFoundError, UsageError
-from rigtri.evaluation.sampling import sample
 from rigtri.formats.usd.composition.stage import why_locked
 from rigtri.formats.usd.composition.time_samples import has_splines, ops_times
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.node_keys import kind
-from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import SKEW, decompose, inverse, nearest_rotation, skew
-from rigtri.maths.quaternions import IDENTITY, angle_between, from_axes, multiply, rotate
+from rigtri.formats.usd.reading.sampled_xforms import notice_shear, sampled_tracks
+from rigtri.maths.matrices import SKEW, decompose, inverse, skew
+from rigtri.maths.quaternions import IDENTITY, multiply, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
@@ -48,9 +46,6 @@ NOTHING: Mapping[Path, Floats] = {"translation": np.zeros(3), "rotation": IDENTI
 XFORMS = Clip("xforms", (), ("xforms", ""))
 _SIZES = (PARENT_INVERSE_SIZE, FRAME_SIZE)
 _ORDER = (PARENT_INVERSE, *OPS.values(), FRAME)
-# Between keys a track may be off its prim by so much, in radians and as a share of where it goes: an interval
-# is halved until it is nearer, and at most so often.
-_ON_WAY, _HALVINGS = 1e-6, 10
 # Scale components that differ by less are one number that was rounded to float32.
 _UNIFORM = 1e-6
 
@@ -88,6 +83,7 @@ def _animated(
             continue
         if stand is None and (sampled := sampled_tracks(prim, node, interpolation)) is not None:
             stand = dict(zip(PATHS, decompose(rig.local[node]), strict=True)), sampled
+            notice_shear(prim, sampled, interpolation, warnings)
         if stand is None:
             why = f"<{prim.GetPath()}> moves by ops that no track can hold"
             warnings.append(Notice("animated-xform", f"{why}; only its rest is measured."))
@@ -219,84 +215,6 @@ def read_transform(
     if (inner != IDENTITY).any() and _uneven(rest["scale"]):
         return None
     return rest, tracks
-
-
-def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[Track] | None:
-    """The tracks of a prim with any ops, by its matrices; None where these are flat, or sheared at samples.
-
-    Between them elements of matrices go straight, which shears and shrinks what turns: tracks move the same
-    way, turn as the nearest rotation does, which is the same in other axes, and scale from sample to sample,
-    where an op scales at all.
-    Euler angles that begin anew at ±180° from one frame to the next go the short way, as they did in the
-    program whose exporter has sampled them.
-    """
-    xformable = UsdGeom.Xformable(prim)
-
-    def parts_at(times: list[float]) -> tuple[tuple[Floats, ...], Booleans] | None:
-        """What the matrices are made of, and which are sheared."""
-        local = np.array([xformable.GetLocalTransformation(t) for t in times], dtype=np.float64)
-        if not np.isfinite(local).all():
-            return None
-        place, turn, size = decompose(local)
-        sheared = skew(local) > SKEW
-        turn[sheared] = from_axes(nearest_rotation(local[sheared]))
-        return ((place, turn, size), sheared) if np.isfinite(turn).all() else None
-
-    times = [float(time) for time in ops_times(xformable)]
-    start = parts_at(times)
-    if start is None or start[1].any():
-        return None
-    found, wraps = start[0], _wraps(xformable, times)
-    for _ in range(_HALVINGS if interpolation != "STEP" and len(times) > 1 else 0):
-        between = [(a + b) / 2.0 for a, b in pairwise(times)]
-        there = parts_at(between)
-        if there is None:
-            return None
-        (place, turn, size), sheared = there
-        tracks = _tracks(node, interpolation, times, found)
-        size = np.where(sheared[:, np.newaxis], sample(tracks[-1], between), size)
-        now = (place, turn, size)
-        off = np.max([_off(t.path, sample(t, between), part) for t, part in zip(tracks, now, strict=True)], 0)
-        new = np.flatnonzero((off > _ON_WAY) & ~np.isin(times[:-1], wraps))
-        if not len(new):
-            break
-        order = np.argsort([*times, *(between[k] for k in new)], kind="stable")
-        times = np.array([*times, *(between[k] for k in new)])[order].tolist()
-        found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, now, strict=True))
-    tracks = _tracks(node, interpolation, times, found)
-    return tracks if can_scale(xformable) else tracks[:2]
-
-
-def can_scale(xformable: Any) -> bool:
-    """Whether one of its ops can scale."""
-    kinds = (op.GetOpName().split(":")[1] for op in xformable.GetOrderedXformOps())
-    return any(kind.startswith(("scale", "transform")) for kind in kinds)
-
-
-def _wraps(xformable: Any, times: list[float]) -> Floats:
-    """The samples after which an Euler angle goes more than half a turn within a frame, as times (k,)."""
-    stage = xformable.GetPrim().GetStage()
-    frame = stage.GetTimeCodesPerSecond() / stage.GetFramesPerSecond()
-    ops = [op for op in xformable.GetOrderedXformOps() if op.GetOpName().startswith("xformOp:rotate")]
-    starts: Floats = np.array(times[:-1])
-    found = np.zeros(len(starts), dtype=bool)
-    for values in ([op.Get(time) for time in times] for op in ops):
-        if all(value is not None for value in values):
-            angles = np.array([np.ravel(value) for value in values], dtype=np.float64)
-            found |= (np.abs(np.diff(angles, axis=0)) > 180.0).any(axis=1)
-    return np.asarray(starts[found & (np.diff(times) <= frame * (1.0 + 1e-6))])
-
-
-def _tracks(node: int, way: Interpolation, times: list[float], values: tuple[Floats, ...]) -> list[Track]:
-    at = np.array(times)
-    return [Track(node, path, way, at, each) for path, each in zip(PATHS, values, strict=True)]
-
-
-def _off(path: Path, one: Floats, other: Floats) -> Floats:
-    """By how much values, (k, c), differ, (k,): rotations in radians, others as shares of the largest."""
-    if path == "rotation":
-        return np.asarray(angle_between(one, other))
-    return np.asarray(np.abs(one - other).max(axis=1) / max(1.0, float(np.abs(other).max())))
 
 
 def _folded(path: Path, values: Floats, outer: Floats, inner: Floats) -> Floats:

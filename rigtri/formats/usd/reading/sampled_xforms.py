@@ -1,0 +1,131 @@
+"""Tracks of prims with ops that no track has: Euler angles, matrices, pivots, several of a kind.
+
+They have keys as near to each other as it takes to go USD's way between the samples.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from pxr import UsdGeom
+
+from rigtri.evaluation.sampling import sample
+from rigtri.formats.usd.composition.time_samples import ops_times
+from rigtri.maths.arrays import Booleans
+from rigtri.maths.matrices import SKEW, compose, decompose, nearest_rotation, skew
+from rigtri.maths.quaternions import angle_between, from_axes
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import PATHS, Interpolation, Path, Track
+from rigtri.report import Notice
+
+# Between keys a track may be off its prim by so much, in radians and as a share of where it goes: an interval
+# is halved until it is nearer, and at most so often.
+_ON_WAY, _HALVINGS = 1e-6, 10
+# Axes that are further off their rotation, as a share of their length, show in what follows a prim: it is
+# the limit of a result.
+_SHEARED = 1e-5
+
+
+def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[Track] | None:
+    """The tracks of a prim with any ops, by its matrices; None where these are flat, or sheared at samples.
+
+    Between them elements of matrices go straight, which shears and shrinks what turns: tracks move the same
+    way, turn as the nearest rotation does, which is the same in other axes, and scale from sample to sample,
+    where an op scales at all.
+    Euler angles that begin anew at ±180° from one frame to the next go the short way, as they did in the
+    program whose exporter has sampled them.
+    """
+    xformable = UsdGeom.Xformable(prim)
+
+    def parts_at(times: list[float]) -> tuple[tuple[Floats, ...], Booleans] | None:
+        """What the matrices are made of, and which are sheared."""
+        local = np.array([xformable.GetLocalTransformation(t) for t in times], dtype=np.float64)
+        if not np.isfinite(local).all():
+            return None
+        place, turn, size = decompose(local)
+        sheared = skew(local) > SKEW
+        turn[sheared] = from_axes(nearest_rotation(local[sheared]))
+        return ((place, turn, size), sheared) if np.isfinite(turn).all() else None
+
+    times = [float(time) for time in ops_times(xformable)]
+    start = parts_at(times)
+    if start is None or start[1].any():
+        return None
+    found, wraps = start[0], _wraps(xformable, times)
+    for _ in range(_HALVINGS if interpolation != "STEP" and len(times) > 1 else 0):
+        between = [(a + b) / 2.0 for a, b in pairwise(times)]
+        there = parts_at(between)
+        if there is None:
+            return None
+        (place, turn, size), sheared = there
+        tracks = _tracks(node, interpolation, times, found)
+        size = np.where(sheared[:, np.newaxis], sample(tracks[-1], between), size)
+        now = (place, turn, size)
+        off = np.max([_off(t.path, sample(t, between), part) for t, part in zip(tracks, now, strict=True)], 0)
+        new = np.flatnonzero((off > _ON_WAY) & ~np.isin(times[:-1], wraps))
+        if not len(new):
+            break
+        order = np.argsort([*times, *(between[k] for k in new)], kind="stable")
+        times = np.array([*times, *(between[k] for k in new)])[order].tolist()
+        found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, now, strict=True))
+    tracks = _tracks(node, interpolation, times, found)
+    return tracks if can_scale(xformable) else tracks[:2]
+
+
+def notice_shear(
+    prim: Any, tracks: list[Track], interpolation: Interpolation, warnings: list[Notice]
+) -> None:
+    """A notice of a prim that is sheared at frames between its samples, as its sampled tracks are not."""
+    xformable = UsdGeom.Xformable(prim)
+    keys, stage = ops_times(xformable), prim.GetStage()
+    frame = stage.GetTimeCodesPerSecond() / stage.GetFramesPerSecond()
+    frames = [np.arange(a, b, frame)[1:] for a, b in pairwise(keys) if b - a > frame * (1.0 + 1e-6)]
+    times = np.concatenate([*frames, np.zeros(0)])
+    if interpolation == "STEP" or not len(times):
+        return
+    local = np.array([xformable.GetLocalTransformation(time) for time in times.tolist()], dtype=np.float64)
+    size = sample(tracks[2], times) if len(tracks) > 2 else np.ones((len(times), 3))
+    rigid = compose(sample(tracks[0], times), sample(tracks[1], times), size)
+    off = np.abs(rigid - local)[:, :3, :3].max(axis=(1, 2)) / np.abs(local[:, :3, :3]).max()
+    if off.max() > _SHEARED:
+        text = (
+            f"<{prim.GetPath()}> is sheared between its samples, where USD interpolates the elements of its "
+            f"matrix, by up to {off.max():.2g} of its axes (at {times[off.argmax()]:g}). What rigtri "
+            "evaluates from it, such as what a constraint moves, goes by the nearest rotation there. Give it "
+            "a sample at each frame, or xformOp:orient, to have both alike."
+        )
+        warnings.append(Notice("xform-sheared", text))
+
+
+def can_scale(xformable: Any) -> bool:
+    """Whether one of its ops can scale."""
+    kinds = (op.GetOpName().split(":")[1] for op in xformable.GetOrderedXformOps())
+    return any(kind.startswith(("scale", "transform")) for kind in kinds)
+
+
+def _wraps(xformable: Any, times: list[float]) -> Floats:
+    """The samples after which an Euler angle goes more than half a turn within a frame, as times (k,)."""
+    stage = xformable.GetPrim().GetStage()
+    frame = stage.GetTimeCodesPerSecond() / stage.GetFramesPerSecond()
+    ops = [op for op in xformable.GetOrderedXformOps() if op.GetOpName().startswith("xformOp:rotate")]
+    starts: Floats = np.array(times[:-1])
+    found = np.zeros(len(starts), dtype=bool)
+    for values in ([op.Get(time) for time in times] for op in ops):
+        if all(value is not None for value in values):
+            angles = np.array([np.ravel(value) for value in values], dtype=np.float64)
+            found |= (np.abs(np.diff(angles, axis=0)) > 180.0).any(axis=1)
+    return np.asarray(starts[found & (np.diff(times) <= frame * (1.0 + 1e-6))])
+
+
+def _tracks(node: int, way: Interpolation, times: list[float], values: tuple[Floats, ...]) -> list[Track]:
+    at = np.array(times)
+    return [Track(node, path, way, at, each) for path, each in zip(PATHS, values, strict=True)]
+
+
+def _off(path: Path, one: Floats, other: Floats) -> Floats:
+    """By how much values, (k, c), differ, (k,): rotations in radians, others as shares of the largest."""
+    if path == "rotation":
+        return np.asarray(angle_between(one, other))
+    return np.asarray(np.abs(one - other).max(axis=1) / max(1.0, float(np.abs(other).max())))
