@@ -88,7 +88,8 @@ def notice_shear(
     local = np.array([xformable.GetLocalTransformation(time) for time in times.tolist()], dtype=np.float64)
     size = sample(tracks[2], times) if len(tracks) > 2 else np.ones((len(times), 3))
     rigid = compose(sample(tracks[0], times), sample(tracks[1], times), size)
-    off = np.abs(rigid - local)[:, :3, :3].max(axis=(1, 2)) / np.abs(local[:, :3, :3]).max()
+    off, axes = (np.abs(each[:, :3, :3]).max(axis=(1, 2)) for each in (rigid - local, local))
+    off /= axes
     if off.max() > _SHEARED:
         text = (
             f"<{prim.GetPath()}> is sheared between its samples, where USD interpolates the elements of its "
