@@ -11,7 +11,7 @@ from dataclasses import replace
 from math import fsum, inf
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.body_shape import LEVEL, Body, height, lowest
+from rigtri.recognition.body_shape import LEVEL, Body, has_tail, height, lowest
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import LimbWords
@@ -29,12 +29,21 @@ _FALLS = 0.2
 # A trunk that goes up in the file by this (a cosine), while limbs show another up, is that of a driver whose
 # arms and legs go ahead, or of an animal in a file with another up; nothing but names of arms tells which.
 _RISES = 0.7
+# A person's shoulders are so many times as far apart as the hips, and the trunk is at most so many legs long:
+# of 200 made people and toons 1.5 to 1.9 and up to 1.2. Front legs of animals are as far apart as hind ones
+# (0.6 to 1.2), below a trunk of one to three legs; between both nothing tells.
+_BROAD, _EVEN, _LONG = 1.4, 1.2, 1.25
+# A first bone that goes aside by this (a cosine) is a clavicle; a shoulder blade goes down.
+_COLLAR = 0.7
 # Whose names say one of these may be an animal, whatever its front legs are called.
 _NO_DRIVER = frozenset(["wing", "tail"])
 
 
 def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]) -> Body:
-    """A body that stands on four legs where it cannot on two, and is in doubt only where nothing tells."""
+    """A body that stands on four legs where it cannot on two, and is in doubt only where nothing tells.
+
+    Hands of people reach the ground, too: who crouches and is built as a person is none on four legs.
+    """
     legs, arms = body.legs, body.arms
     if not body.doubt or legs is None or arms is None:
         return body
@@ -43,20 +52,39 @@ def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]
     if body.up.dot(standing) < _RISES and rise < -_RISES and (legs.kind, arms.kind) == ("arm", "leg"):
         legs, arms, rise = arms, legs, -rise
     animal = _is_animal(tree, arms, names)
+    roles = frozenset[str]().union(*(roles_in_name(tree.rig.names[k]) for k in tree.nodes))
     if body.up.dot(standing) < _RISES and rise > _RISES:
         sits = replace(body, legs=legs, arms=arms, form="biped", up=standing, doubt=False)
-        drives = not any(not _NO_DRIVER.isdisjoint(roles_in_name(tree.rig.names[k])) for k in tree.nodes)
-        return sits if arms.kind == "arm" and not animal and drives else body
+        return sits if arms.kind == "arm" and not animal and _NO_DRIVER.isdisjoint(roles) else body
     up, tall = body.up, height(tree, legs, body.up)
     ground = lowest(tree, legs, up)
     high = (lowest(tree, arms, up) - ground) / tall
+    tailed = has_tail(tree, legs, arms, (arms.starts - legs.starts).unit) or not _NO_DRIVER.isdisjoint(roles)
     missing = _FEET if arms.fingers < 2 else _STEP
+    broad = _breadth(tree, arms) / max(_breadth(tree, legs), 1e-30)
+    named, person = (
+        arms.kind == "arm",
+        broad > _BROAD and (arms.starts - legs.starts).length < _LONG * legs.size,
+    )
+    if person and not animal and (named or arms.thumb):
+        return replace(body, form="biped", doubt=False)
+    if not animal and not tailed and (person or (named and broad > _EVEN)) and high < _WRIST:
+        return replace(body, form="biped")
     if not arms.thumb and (high < missing or _reach(tree, arms, up, poses) - ground < _FEET * tall):
         return replace(body, form="quadruped", doubt=False)
     if not arms.thumb and high >= _WRIST:
         return replace(body, doubt=False)
     four = body.form == "quadruped" or (arms.fingers < 2 and _ahead(tree, body, legs, arms) > _FALLS * tall)
     return replace(body, form="quadruped" if four else "biped", doubt=not (four and animal))
+
+
+def _breadth(tree: Tree, limbs: Limbs) -> float:
+    """How far apart two limbs begin, after their clavicles."""
+    one, two = limbs.pair.paths
+    first, middle = limbs.at[0], limbs.at[1]
+    apart, after = (tree.at[one[k]] - tree.at[two[k]] for k in (first, middle))
+    collar = abs((tree.at[one[middle]] - tree.at[one[first]]).unit.dot(after.unit)) > _COLLAR
+    return after.length if collar else apart.length
 
 
 def _is_animal(tree: Tree, arms: Limbs, names: Mapping[int, LimbWords]) -> bool:

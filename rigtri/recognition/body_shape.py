@@ -134,7 +134,7 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     limbs = arms.starts - arms.ends + legs.starts - legs.ends
     loose = down.dot(-standing) < _ASIDE
     four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
-    if four or (loose and abs(down.dot(on)) < _LEANING and _has_tail(tree, legs, arms, on)):
+    if four or (loose and abs(down.dot(on)) < _LEANING and has_tail(tree, legs, arms, on)):
         return [(_on_axis((limbs if four else legs.starts - legs.ends).unit, _LEANS), _OTHER_UP)]
     turned = [_on_axis(-down)]
     if turned[0] == -down or not turned[0].dot(on) > 0:
@@ -175,7 +175,7 @@ def _sits_upright(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
         return False
     if _axis(on).dot(on) < _ALONG_AXIS or abs(down.dot(on)) > _LEVEL or out.dot(down) > _ASIDE:
         return False
-    if len(legs.at) < 3 or arms.size < _SMALL * legs.size or _has_tail(tree, legs, arms, on):
+    if len(legs.at) < 3 or arms.size < _SMALL * legs.size or has_tail(tree, legs, arms, on):
         return False
     knees = [[tree.at[joint] for joint in legs.joints(which)] for which in (0, 1)]
     return all((b - a).unit.dot((c - b).unit) > _STRETCHED for a, b, c in knees)
@@ -219,7 +219,7 @@ def _on_axis(way: Vector, along: float = _ALONG_AXIS) -> Vector:
     return axis if axis.dot(way) > along else way
 
 
-def _has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
+def has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
     """Whether what hangs in the middle where legs do, and is no limb, goes the other way than the trunk."""
     limbs = {path[0] for pair in (legs, arms) for path in pair.pair.paths}
     free = [k for k in tree.below[legs.pair.above] if not any(tree.is_below(first, k) for first in limbs)]

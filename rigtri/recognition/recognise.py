@@ -244,6 +244,10 @@ def _missing(draft: Draft) -> list[str]:
         for side, other in (("left", "right"), ("right", "left")):
             if (kind, side) in kinds and (kind, other) not in kinds:
                 remarks.append(f"no {other} {kind} was found, though there is a {side} one")
+    body = draft.shape.body
+    arms = body.arms.pair.nodes if body is not None and body.doubt and body.arms is not None else frozenset()
+    if any(arms.intersection(chain.bend) and not chain.is_sure for chain in draft.chains):
+        remarks.append("nothing shows whether it stands on two legs, with hands on the ground, or on four")
     short = [chain for chain in draft.chains if chain.kind in ("arm", "leg") and not chain.bend]
     remarks += [
         f"the {k.name} has {len(k.joints)} joints: no third ends it, so it has no bend" for k in short

@@ -91,6 +91,47 @@ def test_hands_on_the_ground_are_hands_where_a_thumb_stands_apart(late: bool) ->
     assert not {"left front leg", "left arm"}.intersection(character(hands)[1])
 
 
+def crouching(*, wide: float = 0.17, shoulders: float = 0.42) -> list[Joint]:
+    """A man whose hands are on the ground, without joints in them, and no toes."""
+    spine = [(0, 0.55, 0), (0, 0.58, 0.2), (0, 0.62, shoulders), (0, 0.68, shoulders + 0.1)]
+    at = shoulders - 0.02
+    arm = [(wide, 0.6, at), (wide, 0.32, at - 0.02), (wide, 0.05, at)]
+    leg = [(0.09, 0.52, 0), (0.12, 0.32, 0.3), (0.1, 0.06, -0.1)]
+    arms, legs = line("Arm.L ForeArm.L Hand.L", "Spine", *arm), line("UpLeg.L Leg.L Foot.L", "Hips", *leg)
+    return [*line("Hips Spine Neck Head", "", *spine), *both([*arms, *legs])]
+
+
+PEOPLE = ("Hips", "Spine", "Neck", "Head", "Arm", "ForeArm", "Hand", "UpLeg", "Leg", "Foot")
+MIXAMO = {part: part for part in PEOPLE}
+
+
+def test_who_crouches_with_hands_on_the_ground_is_a_person() -> None:
+    """Shoulders that are broader than hips, over a short trunk. Before, a quadruped, to 0.98."""
+    found, limbs = character(crouching(), MIXAMO)
+    assert found.form == "biped"
+    assert limbs["left arm"] == "Arm.L ForeArm.L Hand.L"
+    assert limbs["right leg"] == "UpLeg.R Leg.R Foot.R"
+
+
+def test_who_crouches_without_names_is_not_sure_and_told() -> None:
+    joints = crouching()
+    found, limbs = character(joints)
+    assert found.form == "biped"
+    assert not limbs
+    assert any(
+        "on two legs, with hands on the ground" in k for k in recognise(rig_with(joints, named=False)).remarks
+    )
+
+
+def test_an_animal_with_names_of_a_person_stands_on_four_legs() -> None:
+    """Its shoulders are as far apart as its hips. Between both, names of arms are not sure."""
+    animal = crouching(wide=0.09, shoulders=0.9)
+    assert character(animal, MIXAMO)[0].form == "quadruped"
+    between, limbs = character(crouching(wide=0.117), MIXAMO)
+    assert between.form == "biped"
+    assert not limbs.keys() & {"left arm", "right arm"}
+
+
 def test_arms_of_a_lying_trunk_that_may_be_legs_are_not_sure() -> None:
     """Front legs without hooves, beside hind legs with them, have the names of arms. Before, a biped."""
     bare = [
