@@ -541,3 +541,44 @@ def test_meshes_shared_by_instances_are_edited_once_where_all_of_them_get_the_sa
     stage, name = Usd.Stage.Open(str(out)), "primvars:skel:jointWeights"
     one, other = (stage.GetAttributeAtPath(f"/Root/{k}/Skin.{name}") for k in ("One", "Two"))
     assert one.GetMetadata("elementSize") == other.GetMetadata("elementSize") == 2
+
+
+def test_instances_that_differ_by_a_look_inherit_one_class_until_one_of_them_is_edited(
+    tmp_path: Path,
+) -> None:
+    """Three looks are three prototypes, whose skeletons get the same axes to the bit."""
+    colours = "\n".join(
+        f'"{look}" {{\nover "Skin"\n{{\ncolor3f[] primvars:displayColor = [({k}, 0, 0)]\n}}\n}}'
+        for k, look in enumerate("abc")
+    )
+    look = '(\nvariants = {\nstring look = "a"\n}\nprepend variantSets = "look"\n)\n{\n'
+    look += f'variantSet "look" = {{\n{colours}\n}}'
+    save(tmp_path, ACTOR.replace('"Root"\n{', f'"Root" {look}', 1), "parts/hero.usda")
+    agents = [
+        instance(f"A{k}", x=4.0 * k).replace(
+            "instanceable", f'variants = {{\nstring look = "{look}"\n}}\ninstanceable'
+        )
+        for k, look in enumerate("aabbcc")
+    ]
+    source = save(tmp_path, shot(*agents), "crowd.usda")
+    one, other, back = tmp_path / "one.usda", tmp_path / "other.usda", tmp_path / "back.usda"
+    cli("orient-joints", source, "-o", one, code=0)
+    assert deviation(source, one) < 1e-6
+    assert prototypes(source) == prototypes(one) == 3
+    assert list(layers.fresh(one).rootPrims.keys()) == ["World", "rigtri_A0"]
+    cli("orient-joints", one, "-o", other, "--character", "A2", "--preset", "vrm", code=0)
+    assert deviation(source, other) < 1e-6
+    assert prototypes(other) == 3
+    layer = layers.fresh(other)
+    assert list(layer.rootPrims.keys()) == ["World", "rigtri_A0", "rigtri_A2"]
+    inherited = [layer.GetPrimAtPath(f"/World/A{k}").inheritPathList.prependedItems for k in range(6)]
+    assert [[path.name for path in paths] for paths in inherited] == [
+        ["rigtri_A0"],
+        ["rigtri_A0"],
+        ["rigtri_A2"],
+        ["rigtri_A2"],
+        ["rigtri_A0"],
+        ["rigtri_A0"],
+    ]
+    cli("orient-joints", other, "-o", back, "--character", "A2", code=0)
+    assert deviation(source, back) < 1e-6

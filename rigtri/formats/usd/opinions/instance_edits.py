@@ -4,14 +4,16 @@ USD ignores opinions below an instance, for what is there is shared. A class
 that the instance itself inherits is stronger than references, payloads and
 variants; instances that inherit the same class still share one prototype. So
 there is one class for all instances of an edited prototype, at the root of the edited layer: whatever
-is edited in one of them is edited in all. An instance inside another gets its
-``inherits`` from the class of the outer one.
+is edited in one of them is edited in all. Prototypes that get the same opinions, as those of other looks of
+one character, inherit one class. An instance inside another gets its ``inherits`` from the class of the outer
+one.
 
 Source: OpenUSD glossary, LIVRPS and "Instancing"; measured with usd-core 26.11.
 """
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -22,6 +24,9 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.shared_instances import CLASS, is_own_class
 from rigtri.formats.usd.opinions.edits import Declaration, Edit, Setting, free_path
+
+# Where the opinions of a class stand while they are compared with those of others.
+_PLACE = Sdf.Path("/Shared")
 
 
 def instance_of(stage: Any, path: Any) -> Any:
@@ -122,38 +127,59 @@ class _Classes:
 
     def write(self) -> None:
         """Write the classes, and let all instances inherit them."""
-        scratch, known, order = layers.empty(), _own_classes(self.layer), list(self._inner_first())
-        own = {}
+        scratch, order = layers.empty(), list(self._inner_first())
+        own = self._inherited()
         for prototype in reversed(order):  # the outer first: what it holds replaces all below
-            prim = self.stage.GetPrimAtPath(self.shown[prototype])
-            inherited = [path for path in prim.GetInherits().GetAllDirectInherits() if path in known]
-            if inherited:
-                own[prototype] = inherited[0]
-                _copy_below(self.layer, inherited[0], scratch, prim.GetPath())
+            if prototype in own:
+                _copy_below(self.layer, own[prototype], scratch, self.shown[prototype])
         _make(self.stage, self.edits, scratch)
+        # Classes whose opinions those of prototypes that are not edited are, too.
+        taken = {path for prototype, path in own.items() if prototype not in self.shown}
+        written = dict[bytes, Any]()
         for prototype in order:
-            self._write(prototype, own.get(prototype), scratch)
+            before = own.get(prototype)
+            content = _digest(scratch, self.shown[prototype]) if len(order) > 1 else b""
+            if content not in written:
+                path = self._free_path(self.shown[prototype]) if before is None or before in taken else before
+                self._write_class(scratch, self.shown[prototype], path)
+                written[content] = path
+                taken.add(path)
+            self._inherit(prototype, before, written[content], scratch)
+        for path in {*own.values()} - taken:
+            del self.layer.rootPrims[path.name]
 
-    def _write(self, prototype: Any, path: Any, scratch: Any) -> None:
-        shown = self.shown[prototype]
-        if path is None:
-            name, root = Tf.MakeValidIdentifier(f"rigtri_{shown.name}"), Sdf.Path.absoluteRootPath
-            path = free_path(
-                root, name, lambda one: self.stage.GetPrimAtPath(one) or self.layer.GetPrimAtPath(one)
-            )
+    def _inherited(self) -> dict[Any, Any]:
+        """The class of an earlier edit that instances of a prototype inherit, by prototype."""
+        known, found = _own_classes(self.layer), dict[Any, Any]()
+        for prototype in {**self.outer, **self.nested} if known else ():
+            prim = self.stage.GetPrimAtPath(self._instance_path(prototype))
+            if inherited := [path for path in prim.GetInherits().GetAllDirectInherits() if path in known]:
+                found[prototype] = inherited[0]
+        return found
+
+    def _free_path(self, shown: Any) -> Any:
+        name, root = Tf.MakeValidIdentifier(f"rigtri_{shown.name}"), Sdf.Path.absoluteRootPath
+        return free_path(
+            root, name, lambda one: self.stage.GetPrimAtPath(one) or self.layer.GetPrimAtPath(one)
+        )
+
+    def _write_class(self, scratch: Any, shown: Any, path: Any) -> None:
         _copy_below(scratch, shown, self.layer, path)
         spec = self.layer.GetPrimAtPath(path)
         spec.specifier, spec.customData = Sdf.SpecifierClass, CLASS
+
+    def _inherit(self, prototype: Any, before: Any, path: Any, scratch: Any) -> None:
+        """Let all instances of a prototype inherit a class, in place of the one that they did before."""
         with Sdf.ChangeBlock():
             for instance in self.outer.get(prototype, ()):
-                _inherit(self.layer, instance, path)
+                _inherit(self.layer, instance, path, before)
         for holder, within in self.nested.get(prototype, ()):
             # The outer instance's class is written later, from what the scratch layer holds then: where
             # the inner one stands is its own.
             place = self.shown[holder].AppendPath(within)
             if scratch.GetPrimAtPath(place) is not None:
                 _remove_children(scratch.GetPrimAtPath(place))
-            _inherit(scratch, place, path)
+            _inherit(scratch, place, path, before)
 
     def _add_instances(self, edit: Edit) -> None:
         """Note the instance that holds an edited prim, and all that hold that one."""
@@ -190,13 +216,40 @@ class _Classes:
             left = [one for one in left if one not in ready]
 
 
-def _inherit(layer: Any, path: Any, base: Any) -> None:
-    """Let a prim inherit ``base`` before all else that it inherits."""
+def _inherit(layer: Any, path: Any, base: Any, before: Any) -> None:
+    """Let a prim inherit ``base`` before all else that it inherits, and no longer ``before``."""
     items = Sdf.CreatePrimInLayer(layer, path).inheritPathList
     if items.isExplicit:
-        items.explicitItems = [base, *(item for item in items.explicitItems if item != base)]
+        items.explicitItems = [base, *(item for item in items.explicitItems if item not in (base, before))]
     else:
-        items.prependedItems = [base, *(item for item in items.prependedItems if item != base)]
+        kept = (item for item in items.prependedItems if item not in (base, before))
+        items.prependedItems = [base, *kept]
+
+
+def _digest(layer: Any, shown: Any) -> bytes:
+    """What a class of the opinions below a prim would be, wherever it stood."""
+    made = layers.empty()
+    _copy_below(layer, shown, made, _PLACE)
+    found = hashlib.sha256()
+
+    def add(path: Any) -> None:
+        spec = made.GetObjectAtPath(path)
+        found.update(f"{path}\0".encode())
+        for key in sorted(spec.ListInfoKeys()) if spec is not None else ():
+            if key != "timeSamples":
+                found.update(f"{key}\0".encode() + _bytes(spec.GetInfo(key)))
+        for time in made.ListTimeSamplesForPath(path):
+            found.update(f"{time!r}\0".encode() + _bytes(made.QueryTimeSample(path, time)))
+
+    made.Traverse(_PLACE, add)
+    return found.digest()
+
+
+def _bytes(value: Any) -> bytes:
+    """A value as bytes: arrays of numbers as they are, all else as USD writes it."""
+    if type(value).__module__ == "pxr.Vt" and (numbers := np.array(value)).dtype.kind in "fiu":
+        return numbers.tobytes()
+    return repr(value).encode()
 
 
 def _remove_children(spec: Any) -> None:
