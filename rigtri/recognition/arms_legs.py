@@ -19,7 +19,6 @@ from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
 from rigtri.recognition.limb_pairs import Limbs, lacks_hand
 from rigtri.recognition.limb_triples import TIE, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement, in_order
-from rigtri.recognition.naming_schemes import parse_name
 from rigtri.text import a
 
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
@@ -35,6 +34,8 @@ _STUNTED = 0.25
 _IN_LINE = 0.9
 # Below this, what says where a body faces contradicts itself or is little, so that sides are in doubt.
 _DOUBT = 0.25
+# From here on it denies names of sides; below, only those of joints that a negative scale has mirrored.
+_DENIES = 0.6
 # What goes from left to right by this (a cosine) is not up.
 _LATERAL = 0.7
 # Twins are apart where they are by this part of what they are at most.
@@ -228,7 +229,7 @@ def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]
     body = draft.shape.body
     at, across = draft.tree.at, Vector()
     paired = (each for each in pairs if each.pair is not None and each.pair.kind == each.kind)
-    sided = [*named, *(replace(each, side=_side_in_names(draft, each.joints)) for each in paired)]
+    sided = [*named, *(replace(each, side=draft.side_in_names(each.joints)) for each in paired)]
     for one in sided:
         for other in sided:
             if one.side == "left" and other.side == "right" and _are_twins(one, other):
@@ -246,17 +247,6 @@ def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]
 def _are_twins(one: Found, other: Found) -> bool:
     """Whether two limbs of a kind are opposite, as far as is known."""
     return one.kind == other.kind and one.pair is other.pair
-
-
-def _side_in_names(draft: Draft, joints: Sequence[int]) -> Side:
-    sides = {parse_name(draft.tree.rig.names[joint]).side for joint in joints} - {""}
-    return sides.pop() if len(sides) == 1 else ""
-
-
-def named_side(draft: Draft, joints: Sequence[int], others: Sequence[int]) -> Side:
-    """The side that names of joints say, or those of their twins: the other one."""
-    own, twin = _side_in_names(draft, joints), _side_in_names(draft, others)
-    return own or ("right" if twin == "left" else "left" if twin else "")
 
 
 def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
@@ -288,12 +278,12 @@ def _faces(draft: Draft, body: Body, by_names: bool) -> tuple[float, tuple[str, 
     ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses, named=named, legs=draft.shape.legs)
     if not by_names:
         draft.stand(body.up, ahead)
-    elif sure > 0.6 and draft.facing.dot(ahead) < -0.5:
-        draft.remarks.append(
-            "what its names call left is on the right of where it faces "
-            f"({', '.join(why)}); the names are taken"
-        )
-        draft.facing = -draft.facing
+    elif sure > _DOUBT and draft.facing.dot(ahead) < -0.5:
+        if sure > _DENIES or draft.is_mirrored:
+            words, draft.facing = "is on the right of where it faces", -draft.facing
+        else:
+            words = "may be on the right of where it faces"
+        draft.remarks.append(f"what its names call left {words} ({', '.join(why)}); the names are taken")
     return sure, why
 
 
@@ -302,7 +292,7 @@ def _side(draft: Draft, each: Found) -> Side:
     assert each.pair is not None
     one, two = each.pair.pair.paths
     mine, other = (one, two) if set(each.joints).intersection(one) else (two, one)
-    named = named_side(draft, each.joints, [other[k] for k in each.pair.at])
+    named = draft.named_side(each.joints, [other[k] for k in each.pair.at])
     if named:
         return named
     at = draft.tree.at

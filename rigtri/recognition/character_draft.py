@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 
+from rigtri.maths.matrices import handedness
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
@@ -12,6 +13,7 @@ from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import Chain, Kind
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.name_readings import Reading
+from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_analysis import Shape
 
@@ -90,6 +92,21 @@ class Draft:
                 above = int(parents[above])
             found.append(node)
         return found[::-1]
+
+    @property
+    def is_mirrored(self) -> bool:
+        """Whether most of its joints have left-handed axes, as below a root with a scale of −1."""
+        return float(handedness(self.tree.rig.world[list(self.tree.nodes)]).sum()) < 0.0
+
+    def side_in_names(self, joints: Sequence[int]) -> Side:
+        """The side that names of joints say, "" where they say none or both."""
+        sides = {parse_name(self.tree.rig.names[joint]).side for joint in joints} - {""}
+        return sides.pop() if len(sides) == 1 else ""
+
+    def named_side(self, joints: Sequence[int], others: Sequence[int]) -> Side:
+        """The side that names of joints say, or those of their twins: the other one."""
+        own, twin = self.side_in_names(joints), self.side_in_names(others)
+        return own or ("right" if twin == "left" else "left" if twin else "")
 
     def side_of(self, nodes: Sequence[int]) -> Side:
         """The side of the body that joints stand on, "" where left and right are not known."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from rigtri.recognition.arms_legs import Found, named_side
+from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.inanimate import is_of_machine
@@ -42,7 +42,7 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
         for which, path in enumerate(limbs.pair.paths):
             chain = _along_wing(draft, path) if wing else path
             joints = _of_wing(draft, limbs, chain) if wing else limbs.joints(which)
-            side = named_side(draft, path, limbs.pair.paths[1 - which]) or draft.side_of(path)
+            side = draft.named_side(path, limbs.pair.paths[1 - which]) or draft.side_of(path)
             bend = joints if len(joints) == 3 else ()
             kind: Kind = "wing" if wing else _kind(draft, body, limbs, size)
             words = (NAMES,) if wing else ("one more pair that bends in the middle",)

@@ -395,6 +395,20 @@ def test_what_names_call_left_stays_left_and_the_contradiction_is_reported() -> 
     assert "sides-disagree" in [notice.code for notice in report.warnings]
 
 
+@pytest.mark.parametrize("mirrored", [True, False])
+def test_what_little_denies_names_of_sides_is_told_and_believed_below_a_mirrored_root(mirrored: bool) -> None:
+    """Feet say one way, elbows the other, names that of the elbows. Before, nothing was said."""
+    joints = [(name, above, (-x, y, z + 0.1 * name.startswith("forearm"))) for name, above, (x, y, z) in MAN]
+    rig = rig_with(joints)
+    if mirrored:
+        sign = np.where(np.arange(len(rig)) == 0, -1.0, 1.0)[:, np.newaxis] * [1, 0, 0] + [0, 1, 1]
+        rig = replace(rig_with([(name, above, (-x, y, z)) for name, above, (x, y, z) in joints]), scale=sign)
+    layout = recognise(rig)
+    assert layout.characters[0].facing[2] == pytest.approx(1 if mirrored else -1, abs=0.01)
+    assert any(f"call left {'is' if mirrored else 'may be'} on the right" in k for k in layout.remarks)
+    assert layout.characters[0].is_mirrored == mirrored
+
+
 def test_only_what_is_sure_is_a_limb_to_work_on() -> None:
     rig = rig_with([*TRUNK[:1], *both(LEG)], named=False)
     assert limbs(rig) == []
