@@ -535,3 +535,28 @@ def test_default_values_are_looked_up_once_for_an_animation(
     document = open_file(source)
     document.write(orient_joints(document.rig), tmp_path / "part.usdc", tmp_path / "out.usdc")
     assert len(looked) == 1
+
+
+def test_a_prim_without_defaults_rests_where_it_did_whatever_its_new_keys(tmp_path: Path) -> None:
+    """It rests at its first samples; before, new ones moved the rest pose, and the result was refused."""
+    ops = 'uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:orient"]'
+    text = f"""#usda 1.0
+def Xform "Rig" {{
+    double3 xformOp:translate.timeSamples = {{ 1: (1, 2, 3), 10: (5, 2, 3) }}
+    quatf xformOp:orient.timeSamples = {{ 1: (0.6, 0.8, 0, 0), 10: (1, 0, 0, 0) }}
+    {ops}
+    def Xform "tip" {{
+        double3 xformOp:translate = (0, 1, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }}
+}}
+"""
+    document = read(save(tmp_path, text), root="/Rig")
+    rig = document.rig
+    (track,) = (track for track in rig.clips[0].tracks if track.path == "translation")
+    rig = put_tracks(rig, timelines(rig)[0], [replace(track, values=track.values + 0.5)])
+    out = read(write(document, rig, tmp_path / "out.usda"), root="/Rig")
+    assert_allclose(out.rig.local, document.rig.local, atol=1e-7)
+    assert_allclose(out.rig.skins[0].inverse_bind, document.rig.skins[0].inverse_bind, atol=1e-7)
+    (track,) = (track for track in out.rig.clips[0].tracks if track.path == "translation")
+    assert_allclose(track.values, [(1.5, 2.5, 3.5), (5.5, 2.5, 3.5)])

@@ -8,6 +8,7 @@ Source: UsdGeomXformable, "Xform ops" and `xformOpOrder`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from pxr import Sdf, UsdGeom
@@ -24,6 +25,7 @@ from rigtri.formats.usd.opinions.xform_edits import (
     transform_ops,
 )
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.sampled_xforms import can_scale
 from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.reading.xform_hierarchy import NOTHING, OPS, read_transform
@@ -74,6 +76,20 @@ def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) 
     ]
 
 
+def _missing_defaults(
+    prim: Any, samples: Mapping[str, Mapping[float, Any]], ops: list[str]
+) -> dict[str, Any]:
+    """The defaults that ops lack, by name, where new samples would have the prim rest elsewhere; else none.
+
+    samples: the new ones of ops. A prim rests at its first samples where an op has no default.
+    """
+    starts = {
+        name: at_start(prim.GetAttribute(name)) for name in ops if prim.GetAttribute(name).Get() is None
+    }
+    moves = (bool(new) and new[min(new)] != starts[name] for name, new in samples.items() if name in starts)
+    return starts if any(moves) else {}
+
+
 def _into_stack(
     prim: Any, local: Floats | None, tracks: dict[Path, Track], resets: list[str], ops: list[str]
 ) -> list[Edit]:
@@ -83,12 +99,16 @@ def _into_stack(
     rest = {} if local is None else dict(zip(OPS, decompose(local), strict=True))
     stands = [] if local is None else transform_ops(local)
     names = [name for p, name in OPS.items() if name in ops or p in tracks or name in stands]
+    types = {
+        p: prim.GetAttribute(name).GetTypeName() if name in ops else OP_TYPES[p] for p, name in OPS.items()
+    }
+    samples = {OPS[p]: op_samples(track, types[p]) for p, track in tracks.items() if p in OPS}
+    defaults = {} if rest else _missing_defaults(prim, samples, ops)
     for p, name in OPS.items():
-        if name not in names or not (p in tracks or p in rest):
+        if name not in names or not (p in tracks or p in rest or name in defaults):
             continue
-        type_name = prim.GetAttribute(name).GetTypeName() if name in ops else OP_TYPES[p]
-        values = op_samples(tracks.get(p), type_name)
+        type_name, values = types[p], samples.get(name, {})
         still = rest.get(p, None if name in ops else NOTHING[p])
-        default = None if still is None else op_value(type_name, still)
+        default = defaults.get(name) if still is None else op_value(type_name, still)
         found.append(set_value(path, name, type_name, default, samples=values, alone=p in tracks))
     return found if names == ops else [*found, set_tokens(path, "xformOpOrder", [*resets, *names])]
