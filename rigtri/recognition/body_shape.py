@@ -136,9 +136,12 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
     if four or (loose and abs(down.dot(on)) < _LEANING and has_tail(tree, legs, arms, on)):
         return [(_on_axis((limbs if four else legs.starts - legs.ends).unit, _LEANS), _OTHER_UP)]
-    turned = [_on_axis(-down)]
-    if turned[0] == -down or not turned[0].dot(on) > 0:
+    turned = [_on_axis(rise := -down)]
+    if turned[0] is rise or not turned[0].dot(on) > 0:
         turned = [spine.unit, limbs.unit]
+        if -down.dot(on) < _ALONG_AXIS:
+            # Legs that go otherwise than the trunk are posed, and files stand along an axis.
+            turned = [axis for k in turned if (axis := _on_axis(k, _LEANING)) is not k] or turned
     others = [(up, _OTHER_UP) for up in turned if any(up)]
     if _kneels_on_hands(tree, legs, arms, standing):
         return [(standing, 1.0)]

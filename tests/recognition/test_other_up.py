@@ -12,7 +12,7 @@ from posed_bodies import Pose, posed_body
 from recognition_bodies.cases import Case
 from recognition_bodies.measure import stands_right
 from recognition_bodies.population import population
-from recognition_bodies.skeletons import HORSE, INSECT, MAN, SITTING, Joint, both, line, rig_with
+from recognition_bodies.skeletons import HORSE, INSECT, MAN, SITTING, Joint, both, line, rig_with, without
 from recognition_bodies.truth import nameless
 
 from rigtri import add_controls
@@ -107,6 +107,22 @@ def test_a_man_who_sits_upright_has_up_along_his_trunk(named: bool) -> None:
     assert man.form == "biped"
     assert man.up == (0, 0, 1)
     assert man.facing == (0, -1, 0)
+
+
+@pytest.mark.parametrize("named", [True, False])
+@pytest.mark.parametrize("ahead", [0.2, 0.35])
+def test_a_man_whose_legs_go_ahead_has_up_along_an_axis(named: bool, ahead: float) -> None:
+    """His arms go ahead, too, as of who runs. Before, up was the way of his legs, 22° off."""
+    legs = {"shin": 0.5 * ahead, "foot": ahead, "toe": ahead}
+    arms = {"forearm": (0.18, 1.2, 0.1), "hand": (0.18, 1.1, 0.35)}
+    runs: list[Joint] = []
+    for name, over, (x, y, z) in without(MAN, "toe"):
+        part = name.partition(".")[0]
+        far, high, along = arms.get(part, (abs(x), y, z + legs.get(part, 0.0)))
+        runs.append((name, over, (float(np.sign(x)) * far, high, along)))
+    (man,) = recognise(lying(runs, named=named)).characters
+    assert man.up == (0, 0, 1)
+    assert man.facing == (0, -1, 0) or not named
 
 
 @pytest.mark.parametrize("named", [True, False])
