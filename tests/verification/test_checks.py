@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tracemalloc
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from body_files import AXES
-from broken_gltf import GLTF, sparse_texture
+from broken_gltf import GLTF, attribute, sparse_texture
 from broken_gltf import clean as clean_gltf
 from broken_usd import USD
 from broken_usd import clean as clean_usd
@@ -156,6 +156,29 @@ def test_vertices_are_looked_at_some_at_a_time(tmp_path: Path) -> None:
     assert "vertex 777777 is not a finite number (1 of 1000000 vertices)" in found.message
     # The bytes of the file themselves; decoded at once they would be twice as many more.
     assert peak < 1.5 * normals.nbytes
+
+
+MESHES = [make for rule, makes in GLTF.items() if rule.startswith("gltf.mesh.") for make in makes]
+
+
+@pytest.mark.parametrize("make", MESHES)
+def test_influences_looked_at_point_by_point_are_judged_the_same(
+    make: Callable[[Path], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = make(tmp_path)
+    together = check(path)
+    for module in ("tolerant_reader", "meshes"):
+        monkeypatch.setattr(f"rigtri.verification.checks.gltf.{module}.BLOCK", 1)
+    assert check(path) == together
+
+
+def test_the_farthest_sum_of_weights_is_named_wherever_it_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make = attribute("WEIGHTS_0", [[0.5, 0.4, 0, 0], [0.5, 0.1, 0, 0], [0.5, 0.1, 0, 0]])
+    monkeypatch.setattr("rigtri.verification.checks.gltf.meshes.BLOCK", 1)
+    (found,) = (item for item in check(make(tmp_path)) if item.id == "gltf.mesh.weight-sum")
+    assert found.message.startswith("the weights of vertex 1 sum to 0.6 (3 of 3 vertices)")
 
 
 def test_every_check_has_a_file_that_breaks_it() -> None:

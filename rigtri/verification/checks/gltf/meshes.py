@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rigtri.formats.gltf.accessors import FLOAT
 from rigtri.formats.gltf.mesh_reader import DRACO
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.ranking import first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.text import and_more
-from rigtri.verification.checks.gltf.tolerant_reader import FOREIGN, Item, View
+from rigtri.verification.checks.gltf.tolerant_reader import BLOCK, FOREIGN, Item, View
 
 _SET = re.compile(r"(JOINTS|WEIGHTS)_([0-9]{1,18})")
 _UNSIGNED = (5121, 5123)
@@ -27,13 +28,46 @@ OFF_EACH = 2e-7
 _STEPS = {5121: 1 / 255, 5123: 1 / 65535}
 
 
-class Primitive(NamedTuple):
-    """The influences of a primitive, (v, 4·sets), and its attributes. allowed: how far its sum may be off."""
+class Influences(NamedTuple):
+    """What moves the points of a primitive: the accessors of its sets. allowed: how far a sum may be off."""
 
-    joints: Floats
-    weights: Floats
+    joints: list[int]
+    weights: list[int]
+    rows: int
     allowed: float
     attributes: Item
+
+    def blocks(self) -> Iterator[tuple[int, Floats, Floats]]:
+        """Some points at a time: the first, and joints and weights, (v, 4·sets) each; none that is broken."""
+        view = self.attributes.view
+        for start in range(0, self.rows, BLOCK):
+            parts = [
+                [view.part(k, start, start + BLOCK) for k in kind] for kind in (self.joints, self.weights)
+            ]
+            joints, weights = ([part for part in kind if part is not None] for kind in parts)
+            if len(joints) + len(weights) < 2 * len(self.joints):
+                return
+            yield start, np.concatenate(joints, axis=1), np.concatenate(weights, axis=1)
+
+
+class Tally:
+    """The points that break a rule: how many, and what is said of the first."""
+
+    def __init__(self) -> None:
+        self.count, self.text = 0, ""
+
+    def add(self, wrong: Booleans, message: Callable[[int], str]) -> None:
+        """Count those of a block, (v,). message: of a point's place in it."""
+        found = np.flatnonzero(wrong)
+        if len(found) and not self.count:
+            self.text = message(int(found[0]))
+        self.count += len(found)
+
+    def note(self, rule: str, influences: Influences) -> None:
+        """One finding for all."""
+        if self.count:
+            text = f"{self.text} ({self.count} of {influences.rows} vertices)"
+            influences.attributes.add(rule, text)
 
 
 def check(view: View) -> None:
@@ -103,10 +137,22 @@ def _check_influences(view: View, primitive: Item, skins: list[int]) -> None:
         view.compressed("Meshes are compressed with Draco")
         return
     influences = _influences(primitive.object("attributes"))
-    if influences is not None:
-        _check_weights(influences)
-        for skin in skins:
-            _check_joints(view, influences, skin)
+    if influences is None:
+        return
+    tallies: dict[str, Tally] = {}
+    sums = list[tuple[float, float, int]]()
+    joints_of = {skin: len(view.item("skins", skin).items("joints")) for skin in skins}
+    for start, joints, weights in influences.blocks():
+        _check_weights(start, joints, weights, influences.allowed, tallies, sums)
+        for skin, count in joints_of.items():
+            if count:  # else reported for the skin
+                title = f"{view.item('skins', skin).place} of {count} joints"
+                _check_joints(start, joints, weights, count, title, tallies)
+    if sums:
+        _, total, worst = sums[first_largest([off for off, _, _ in sums])]
+        tallies["gltf.mesh.weight-sum"].text = f"the weights of vertex {worst} sum to {total:.7g}"
+    for rule, tally in tallies.items():
+        tally.note(rule.partition(" ")[0], influences)
 
 
 def _check_positions(view: View, primitive: Item) -> None:
@@ -125,47 +171,49 @@ def _check_positions(view: View, primitive: Item) -> None:
         view.judge(index)
 
 
-def _influences(attributes: Item) -> Primitive | None:
+def _influences(attributes: Item) -> Influences | None:
     sets = {kind: {int(m[2]) for name in attributes.raw if (m := _SET.fullmatch(name)) and m[1] == kind}
             for kind in ("JOINTS", "WEIGHTS")}  # fmt: skip
     every = sets["JOINTS"] | sets["WEIGHTS"]
     if sets["JOINTS"] != sets["WEIGHTS"] or (every and every != set(range(len(every)))):
         text = f"has {and_more(sorted(name for name in attributes.raw if _SET.fullmatch(name)))}"
         attributes.add("gltf.mesh.joints-without-weights", text)
-    parts: list[tuple[Floats, Floats]] = []
+    joints, weights = list[int](), list[int]()
     allowed = 0.0
     for number in sorted(sets["JOINTS"] & sets["WEIGHTS"]):
-        joints, weights = _read(attributes, f"JOINTS_{number}"), _read(attributes, f"WEIGHTS_{number}")
-        if joints is None or weights is None:
+        places = [_judged(attributes, f"{kind}_{number}") for kind in ("JOINTS", "WEIGHTS")]
+        known = [place for place in places if place is not None]
+        if len(known) < 2:
             return None
         component = attributes.accessor(f"WEIGHTS_{number}").get("componentType")
         allowed += 4 * (_STEPS.get(int(component or 0), 0.0) / 2 + OFF_EACH)
-        parts.append((joints, weights))
-    if not parts or not _counts_fit(attributes, parts):
+        joints.append(known[0])
+        weights.append(known[1])
+    if not joints or not _counts_fit(attributes, [*joints, *weights]):
         return None
-    joints, weights = (np.concatenate(columns, axis=1) for columns in zip(*parts, strict=True))
-    return Primitive(joints, weights, allowed, attributes)
+    return Influences(joints, weights, attributes.view.accessors.layout(joints[0]).rows, allowed, attributes)
 
 
-def _read(attributes: Item, name: str) -> Floats | None:
-    """Four numbers a point; None, with a finding, where they are something else."""
-    numbers = attributes.read(name)
-    if numbers is None:
+def _judged(attributes: Item, name: str) -> int | None:
+    """The accessor of four numbers a point; None, with a finding, where they are something else."""
+    index = attributes.judged(name)
+    if index is None:
         return None
+    layout = attributes.view.accessors.layout(index)
     raw = attributes.accessor(name)
     component, normalized = raw.get("componentType"), raw.get("normalized") is True
     if name.startswith("JOINTS"):
         right = component in _UNSIGNED and not normalized
     else:
         right = component == FLOAT or (component in _UNSIGNED and normalized)
-    if numbers.shape[1] != 4 or not right:
+    if layout.width != 4 or not right:
         kind = f"{raw.get('type')} of component type {component}{' normalized' if normalized else ''}"
         attributes.add("gltf.mesh.influence-type", f"{name} is {kind}", name)
-    return numbers if numbers.shape[1] == 4 and len(numbers) else None
+    return index if layout.width == 4 and layout.rows else None
 
 
-def _counts_fit(attributes: Item, parts: list[tuple[Floats, Floats]]) -> bool:
-    own = {len(column) for part in parts for column in part}
+def _counts_fit(attributes: Item, accessors: list[int]) -> bool:
+    own = {attributes.view.accessors.layout(index).rows for index in accessors}
     index, known = attributes.raw.get("POSITION"), attributes.view.lists["accessors"]
     count = known[index].get("count") if type(index) is int and 0 <= index < len(known) else None
     counts = own | ({count} if type(count) is int else set())
@@ -175,60 +223,69 @@ def _counts_fit(attributes: Item, parts: list[tuple[Floats, Floats]]) -> bool:
     return len(own) == 1
 
 
-def _check_weights(primitive: Primitive) -> None:
-    weights = primitive.weights
-    finite = np.isfinite(weights).all(axis=1)
-    known = np.where(np.isfinite(weights), weights, 0.0)
+def _check_weights(
+    start: int,
+    joints: Floats,
+    weights: Floats,
+    allowed: float,
+    tallies: dict[str, Tally],
+    sums: list[tuple[float, float, int]],
+) -> None:
+    """Some points from ``start`` on. sums: how far the farthest so far were off 1, their sums, and which."""
+    numbers = np.isfinite(weights)
+    finite = numbers.all(axis=1)
+    known = np.where(numbers, weights, 0.0)
     total = known.sum(axis=1)
     zero = finite & (known == 0).all(axis=1)
-    off = finite & ~zero & (np.abs(total - 1.0) > primitive.allowed)
-    worst = first_largest(np.where(off, np.abs(total - 1.0), -1.0))
+    off = finite & ~zero & (np.abs(total - 1.0) > allowed)
     for rule, wrong, message in (
-        ("gltf.mesh.weight-nan", ~finite, lambda k: f"vertex {k} has a weight that is not a number"),
+        ("gltf.mesh.weight-nan", ~finite, lambda k: f"vertex {start + k} has a weight that is not a number"),
         (
             "gltf.mesh.weight-negative",
             (known < 0).any(axis=1),
-            lambda k: f"vertex {k} has {known[k].min():g}",
+            lambda k: f"vertex {start + k} has {known[k].min():g}",
         ),
-        ("gltf.mesh.weight-zero", zero, lambda k: f"all weights of vertex {k} are zero"),
-        ("gltf.mesh.weight-sum", off, lambda k: f"the weights of vertex {worst} sum to {total[worst]:.7g}"),
-        ("gltf.mesh.joint-repeated", _repeated(primitive), lambda k: f"vertex {k} names a joint twice"),
+        ("gltf.mesh.weight-zero", zero, lambda k: f"all weights of vertex {start + k} are zero"),
+        ("gltf.mesh.weight-sum", off, lambda k: ""),  # of the farthest, which is known in the end
+        (
+            "gltf.mesh.joint-repeated",
+            _repeated(joints, weights),
+            lambda k: f"vertex {start + k} names a joint twice",
+        ),
     ):
-        _note(rule, wrong, primitive, message)
+        tallies.setdefault(rule, Tally()).add(np.asarray(wrong), message)
+    if off.any():
+        where = np.flatnonzero(off)
+        far = np.abs(total[where] - 1.0)
+        # The first of those that are as large as any comes after none that is larger.
+        before = np.maximum.accumulate(np.concatenate([[sums[-1][0] if sums else -1.0], far[:-1]]))
+        sums += [
+            (float(far[k]), float(total[where[k]]), start + int(where[k]))
+            for k in np.flatnonzero(far > before)
+        ]
 
 
-def _repeated(primitive: Primitive) -> Any:
+def _repeated(joints: Floats, weights: Floats) -> Booleans:
     """Points that name a joint twice with weight, (v,)."""
     # Those without weight get numbers of their own, which equal no other.
-    width = primitive.joints.shape[1]
-    joints = np.where(primitive.weights != 0, primitive.joints, -1.0 - np.arange(width))
-    ordered = np.sort(joints, axis=1)
-    return (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+    width = joints.shape[1]
+    ordered = np.sort(np.where(weights != 0, joints, -1.0 - np.arange(width)), axis=1)
+    return np.asarray((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
 
 
-def _check_joints(view: View, primitive: Primitive, skin: int) -> None:
-    own = view.item("skins", skin)
-    count = len(own.items("joints"))
-    if not count:
-        return  # reported for the skin
-    outside, live = primitive.joints >= count, primitive.weights != 0
-    used = (outside & live).any(axis=1)
-    idle = (outside & ~live).any(axis=1)
-    text = f"which {own.place} of {count} joints does not have"
-    most = primitive.joints.max(axis=1)
+def _check_joints(
+    start: int, joints: Floats, weights: Floats, count: int, title: str, tallies: dict[str, Tally]
+) -> None:
+    """Some points from ``start`` on, moved by a skin with so many joints."""
+    outside, live = joints >= count, weights != 0
     for rule, wrong in (
-        ("gltf.mesh.joint-out-of-range", used),
-        ("gltf.mesh.joint-out-of-range-unweighted", idle),
+        ("gltf.mesh.joint-out-of-range", outside & live),
+        ("gltf.mesh.joint-out-of-range-unweighted", outside & ~live),
     ):
-        _note(rule, wrong, primitive, lambda k: f"vertex {k} names joint {most[k]:g}, {text}")
-
-
-def _note(rule: str, wrong: Any, primitive: Primitive, message: Callable[[int], str]) -> None:
-    """One finding for all vertices of a primitive: how many, and the first."""
-    found = np.flatnonzero(wrong)
-    if len(found):
-        more = f" ({len(found)} of {len(wrong)} vertices)"
-        primitive.attributes.add(rule, message(int(found[0])) + more)
+        tallies.setdefault(f"{rule} {title}", Tally()).add(
+            np.asarray(wrong.any(axis=1)),
+            lambda k: f"vertex {start + k} names joint {joints[k].max():g}, which {title} does not have",
+        )
 
 
 # --- numbers of vertices that are none: NaN and Inf, which engines show as holes or not at all

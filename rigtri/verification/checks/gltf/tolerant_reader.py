@@ -26,7 +26,7 @@ from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf.accessor_bounds import fitting, is_far
 
 # Rows of an accessor decoded at once where they are not kept.
-_BLOCK = 1 << 16
+BLOCK = 1 << 16
 # Accessors of up to so many rows are read together.
 _SMALL = 1 << 12
 # Accessors of these types are only for meshes and materials of others; rigtri does not read them.
@@ -117,6 +117,10 @@ class Item:
     def read(self, key: str) -> Floats | None:
         """The numbers of the accessor under a key, (count, width); None, with a finding, without."""
         return self.view.read(self.raw.get(key), self.place, f"{self.pointer}/{key}")
+
+    def judged(self, key: str) -> int | None:
+        """The accessor under a key, whose numbers can be had part by part; None, with a finding, without."""
+        return self.view.judged(self.raw.get(key), self.place, f"{self.pointer}/{key}")
 
     def accessor(self, key: str) -> dict[str, Any]:
         """The JSON of the accessor under a key, which could be read."""
@@ -235,6 +239,31 @@ class View:
         """The numbers of an accessor, (count, width), that was read and judged; None of others."""
         return self._numbers.get(index)
 
+    def judged(self, raw: Any, place: str, pointer: str) -> int | None:
+        """An accessor for `part`, judged as by `read`; None, with a finding, where it cannot be had."""
+        index = self.index(raw, len(self.accessors), "accessor", place, pointer)
+        if index is None:
+            return None
+        if index not in self._numbers and not self._is_lost(index):
+            with suppress(FileError):  # which `read` reports
+                if self.accessors.has_rows(index) and self.accessors.layout(index).rows:
+                    self.accessors.readable(index)
+                    if {"min", "max"} & self.raw_accessor(index).keys():
+                        self.judge(index)
+                    return index
+        return index if self.read(raw, place, pointer) is not None else None
+
+    def part(self, index: int, start: int, stop: int) -> Floats | None:
+        """Some rows of an accessor that is `judged`; None, with a finding, where they are not to be had."""
+        known = self._numbers.get(index)
+        if known is not None:
+            return known[start:stop]
+        try:
+            return self.accessors.rows(index, start, stop)
+        except FileError as error:
+            self._add_broken(index, error)
+            return None
+
     def judge(self, index: int) -> None:
         """Judge the min and max of an accessor that nothing else reads; its numbers are not kept."""
         if index not in self._numbers:
@@ -252,8 +281,8 @@ class View:
             if known is not None or not self.accessors.has_rows(index):
                 yield self.accessors.read(index) if known is None else known
                 return
-            for start in range(0, self.accessors.layout(index).rows, _BLOCK):
-                yield self.accessors.rows(index, start, start + _BLOCK)
+            for start in range(0, self.accessors.layout(index).rows, BLOCK):
+                yield self.accessors.rows(index, start, start + BLOCK)
         except FileError as error:
             self._add_broken(index, error)
 
