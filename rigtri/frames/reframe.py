@@ -33,6 +33,8 @@ from rigtri.model.rig import Rig
 
 # So many keys go through the arithmetic at once: with what comes of them they stay in the cache.
 _BLOCK = 1 << 14
+# Tracks with so many rows are turned one by one: to gather and to scatter them costs more than the calls.
+_LONG = 1 << 11
 
 
 def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig:
@@ -179,29 +181,41 @@ def _reorient_skins(rig: Rig, delta: Floats) -> Rig:
 
 
 def _reorient_clips(rig: Rig, delta: Floats, above: Floats, fold: Floats, scales: ScaleTable) -> Rig:
-    """Turn the keys of all clips; columns of one kind go through the arithmetic together."""
+    """Turn the keys of all clips; short columns of one kind go through the arithmetic together."""
     own, parents = rotates(delta), rotates(above)
     by_clip = [clip.columns for clip in rig.clips]
     columns = [column for some in by_clip for column in some]
     changed: dict[int, Column] = {}
     rescaled = _rescaled(delta, fold, scales)
     back, after = conjugate(above), multiply(fold, delta)
+
+    def turned(path: str, block: Floats, nodes: Integers) -> Floats:
+        if path == "translation":
+            return rotate(back[nodes], block)
+        if path == "rotation":
+            return multiply(multiply(back[nodes], block), after[nodes])
+        return _reoriented_scale(block, nodes, delta, fold, scales)
+
     for path, moves in (("translation", parents), ("rotation", own | parents), ("scale", rescaled)):
         moving = {k: moves[c.nodes] for k, c in enumerate(columns) if c.path == path}
         mine = [k for k, rows in moving.items() if rows.any()]
+        for k in [k for k in mine if path != "scale" and columns[k].rows >= _LONG]:
+            mine.remove(k)
+            values = columns[k].values.copy()
+            for track in np.flatnonzero(moving[k]).tolist():
+                rows, node = values[track].reshape(-1, values.shape[-1]), columns[k].nodes[[track]]
+                for first in range(0, len(rows), _BLOCK):
+                    rows[first : first + _BLOCK] = turned(path, rows[first : first + _BLOCK], node)
+            changed[k] = columns[k].having(values, moving[k])
         if not mine:
             continue
         flat = [_rows_of(columns[k].values, moving[k]) for k in mine]
         node = np.concatenate([np.repeat(columns[k].nodes[moving[k]], columns[k].rows) for k in mine])
         rows = np.concatenate([values.reshape(-1, values.shape[-1]) for values in flat])
         for first in range(0, len(rows), _BLOCK):
-            block, nodes = rows[first : first + _BLOCK], node[first : first + _BLOCK]
-            if path == "translation":
-                block[:] = rotate(back[nodes], block)
-            elif path == "rotation":
-                block[:] = multiply(multiply(back[nodes], block), after[nodes])
-            else:
-                block[:] = _reoriented_scale(block, nodes, delta, fold, scales)
+            rows[first : first + _BLOCK] = turned(
+                path, rows[first : first + _BLOCK], node[first : first + _BLOCK]
+            )
         start = 0
         for k, old in zip(mine, flat, strict=True):
             end = start + old.size // old.shape[-1]

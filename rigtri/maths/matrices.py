@@ -195,9 +195,11 @@ def compose(translation: ArrayLike, rotation: ArrayLike, scale: ArrayLike) -> Fl
     >>> compose([5, 0, 0], half_turn_about_z, [1, 2, 1])[:, :3].tolist()
     [[-1.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 1.0], [5.0, 0.0, 0.0]]
     """
-    translation, scale = as_vectors(translation), as_vectors(scale)
-    axes = to_axes(rotation) * scale[..., :, np.newaxis]
-    return from_frame(axes, translation)
+    axes, position, scale = to_axes(rotation), as_vectors(translation), as_vectors(scale)
+    m = by_component((*np.broadcast_shapes(axes.shape[:-2], position.shape[:-1], scale.shape[:-1]), 4, 4), 2)
+    np.multiply(axes, scale[..., :, np.newaxis], out=m[..., :3, :3])
+    m[..., 3, :3], m[..., :3, 3], m[..., 3, 3] = position, 0.0, 1.0
+    return m
 
 
 def decompose(m: ArrayLike) -> tuple[Floats, Floats, Floats]:

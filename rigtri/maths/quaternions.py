@@ -52,6 +52,8 @@ _ABOVE, _BELOW = np.array([1, 5, 6]), np.array([3, 7, 2])
 _TIMES_FOUR = np.array([[0, 4, 6, 8], [4, 1, 5, 9], [6, 5, 2, 7], [8, 9, 7, 3]])
 # Each step squares what is left for turns about one axis, and divides it by 10 or so at 60° apart.
 _MEAN_STEPS = 16
+# So many quaternions stay in the cache, with what is made of them.
+_BLOCK = 1 << 13
 
 
 def as_quaternions(q: ArrayLike) -> Floats:
@@ -141,6 +143,21 @@ def norm(q: ArrayLike) -> Floats:
     return np.sqrt(
         q[..., 0] * q[..., 0] + q[..., 1] * q[..., 1] + q[..., 2] * q[..., 2] + q[..., 3] * q[..., 3]
     )
+
+
+def off_unit(q: ArrayLike) -> float:
+    """How far lengths of quaternions, (..., 4), are from 1 at most; what is no number does not count.
+
+    >>> off_unit([[0, 0, 0, 1], [0, 3, 0, 4], [0, 0, 0, float("nan")]])
+    4.0
+    """
+    rows, largest = np.asarray(q).reshape(-1, 4), 0.0
+    for first in range(0, len(rows), _BLOCK):
+        off = np.abs(norm(rows[first : first + _BLOCK]) - 1.0)
+        if not np.isfinite(most := off.max()):
+            most = off[np.isfinite(off)].max(initial=0.0)
+        largest = max(largest, float(most))
+    return largest
 
 
 def unit(q: ArrayLike) -> Floats:

@@ -116,6 +116,16 @@ def test_tangents_rotate_with_their_keys_and_keep_their_length() -> None:
     assert after.times is track.times
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_long_tracks_become_to_the_bit_what_short_ones_do(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rig, deltas = random_rig(seed), random_turns(seed, 6)
+    short = reframe(rig, deltas)
+    monkeypatch.setattr("rigtri.frames.reframe._LONG", 1)
+    for was, now in zip(short.clips, reframe(rig, deltas).clips, strict=True):
+        for one, other in zip(was.tracks, now.tracks, strict=True):
+            assert_array_equal(one.values, other.values)
+
+
 def test_a_quarter_turn_about_z_in_numbers() -> None:
     """The child stood at +x of its parent; seen from the turned parent it stands at −y."""
     rig = reframe(chain((0, 0, 0), (1, 0, 0)), np.stack([QUARTER, IDENTITY]))

@@ -134,6 +134,14 @@ def test_slerp_of_many_times_is_slerp_of_each_to_the_bit() -> None:
     assert_array_equal(together, each)
 
 
+def test_how_far_quaternions_are_from_unit_is_the_same_in_blocks() -> None:
+    many = q.unit(np.random.default_rng(6).normal(size=(3, 9000, 4)))
+    many[2, 8999] *= 3.0
+    many[0, 5] = np.nan
+    assert q.off_unit(many) == np.nanmax(np.abs(q.norm(many) - 1.0))
+    assert q.off_unit(many[:0]) == 0.0
+
+
 def test_a_quarter_turn_about_z_takes_x_to_y() -> None:
     assert_allclose(q.rotate([0, 0, np.sqrt(0.5), np.sqrt(0.5)], [1, 0, 0]), [0, 1, 0], atol=1e-15)
 

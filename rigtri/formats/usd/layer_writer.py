@@ -106,7 +106,7 @@ class Output:
             layer = self._over_source(target) if self.options.edit_target == "new" else self._bare(target)
             apply_edits(stage, edits, layer)
             encoding = "usda" if target.suffix.lower() == ".usda" else "usdc"
-            part.write_bytes(layers.to_bytes(layer, encoding))
+            layers.write(layer, encoding, part)
             return
         path = self.layer_path
         packed = path.suffix.lower() == ".usdz"
@@ -132,8 +132,10 @@ class Output:
             usdz.write(package, self._encoded(layer, encoding, root, notices), part)
         else:
             encoding = layers.encoding_of(self.layer)
-            content = bytes(self.content) if encoding == "usda" else b""
-            part.write_bytes(self._encoded(layer, encoding, content, notices))
+            if encoding == "usda":
+                part.write_bytes(self._encoded(layer, encoding, bytes(self.content), notices))
+            else:
+                layers.write(layer, encoding, part)
 
     def _copy(self, part: Path) -> None:
         with part.open("wb") as file:

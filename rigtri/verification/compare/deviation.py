@@ -15,7 +15,7 @@ import numpy as np
 
 from rigtri.evaluation import sampling
 from rigtri.maths.arrays import Booleans, Integers
-from rigtri.maths.quaternions import dot, norm
+from rigtri.maths.quaternions import dot, off_unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Tracks
@@ -223,9 +223,9 @@ def denormalisation(rig: Rig, nodes: Booleans | None = None) -> float:
     """The largest | |q|−1 | of a rig's rotations, at rest and at keys; tangents do not count. nodes: (n,)."""
     some = np.ones(len(rig), dtype=bool) if nodes is None else nodes
     turns = [c for clip in rig.clips for c in clip.columns if c.path == "rotation"]
-    keyed = (c.key_values if nodes is None else c.key_values[some[c.nodes]] for c in turns)
-    off = (np.abs(norm(q) - 1.0) for q in chain([rig.rotation[~rig.has_matrix & some]], keyed))
-    return max(float(each[np.isfinite(each)].max(initial=0.0)) for each in off)
+    asked = ((c.key_values, some[c.nodes]) for c in turns)
+    keyed = (values if rows.all() else values[rows] for values, rows in asked)
+    return max(map(off_unit, chain([rig.rotation[~rig.has_matrix & some]], keyed)))
 
 
 def lost_unit_rotations(was: float, now: float) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
 from rigtri.files import temp_dirs
+from rigtri.files.mapped_file import load, pour
 from rigtri.files.relative_path import relative_path
 from rigtri.formats.usd.composition import held_layers
 from rigtri.formats.usd.composition.variable_expressions import evaluated, is_one, prefixed, variables_of
@@ -105,6 +106,22 @@ def to_bytes(layer: Any, encoding: str) -> bytes:
     """
     if encoding == "usda":
         return str(layer.ExportToString()).encode("utf-8")
+    with _exported(layer) as path:
+        return path.read_bytes()
+
+
+def write(layer: Any, encoding: str, part: Path) -> None:
+    """Write the bytes of `to_bytes` to a file, without having all of them in memory where it can."""
+    if encoding == "usda":
+        part.write_bytes(to_bytes(layer, encoding))
+        return
+    with _exported(layer) as path, part.open("wb") as file:
+        pour(file, load(path))
+
+
+@contextmanager
+def _exported(layer: Any) -> Iterator[Path]:
+    """A temporary crate file of a layer."""
     with temp_dirs.folder() as folder:
         path = Path(folder, "layer.usdc")
         try:
@@ -112,7 +129,7 @@ def to_bytes(layer: Any, encoding: str) -> bytes:
         except Tf.ErrorException:
             text = "USD cannot write a layer there: make room, or name another folder with TMPDIR"
             raise FileError(f"the temporary folder {gettempdir()}: {text}") from None
-        return path.read_bytes()
+        yield path
 
 
 def from_folder(source: Path, target: Path, layer: Any) -> Rename | None:
