@@ -28,12 +28,17 @@ def print_json(document: object) -> None:
 
 
 def print_warnings(warnings: Iterable[Notice], verbose: bool = False) -> None:
-    """The warnings; of many alike, unless ``verbose``, only the first few."""
+    """The warnings; of many alike, unless ``verbose``, only the first few.
+
+    With it, also all names of which a text gives the first.
+    """
     counts: dict[str, int] = {}
     for notice in warnings:
         counts[notice.code] = counts.get(notice.code, 0) + 1
         if verbose or counts[notice.code] <= MOST_ALIKE:
             echo_message(f"warning: {plain(notice.text, one_line=True)}")
+            if verbose and not all(name in notice.text for name in notice.names):
+                echo_message(f"  all of them: {plain(', '.join(notice.names), one_line=True)}")
     for code, count in counts.items():
         if count > MOST_ALIKE and not verbose:
             echo_message(f"warning: {count - MOST_ALIKE} more of this kind ({code}); -v shows all")

@@ -13,8 +13,10 @@ from places import SAMPLES, ci
 from program import cli
 
 import rigtri
+from rigtri.cli.printing import print_warnings
 from rigtri.errors import UsageError
 from rigtri.formats import read
+from rigtri.report import Notice
 
 BIPED = SAMPLES / "biped.glb"
 
@@ -234,3 +236,16 @@ def test_a_name_that_is_a_folders_is_refused_as_that_of_a_file(
     result = cli(command, SAMPLES / "arm.gltf", option, name, code=2)
     assert f"{name} is a folder; give the name of a file" in result.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["folder.glb"]
+
+
+@pytest.mark.parametrize("verbose", [True, False])
+def test_names_that_a_warning_leaves_out_are_listed_with_v(
+    verbose: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before, six of them were named, however many there are."""
+    warnings = [
+        Notice("side", "a, b and 1 more: side by side", names=("a", "b", "xyz")),
+        Notice("one", "a", names=("a",)),
+    ]
+    print_warnings(warnings, verbose)
+    assert capsys.readouterr().err.count("all of them: a, b, xyz") == verbose

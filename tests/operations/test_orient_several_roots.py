@@ -153,6 +153,7 @@ def test_joints_side_by_side_of_which_nothing_tells_the_order_keep_their_axes_wi
     (note,) = (note for note in notes.warnings if note.code == "no-hierarchy")
     assert "24 joints" in note.text
     assert "aim_at" in note.text
+    assert len(note.names) == 24
     fingers = [k for k, (name, _, _) in enumerate(flat) if _is_finger(name)]
     assert np.array_equal(made.world[fingers], rig.world[fingers])
     assert np.array_equal(orient_joints(made).world, made.world)

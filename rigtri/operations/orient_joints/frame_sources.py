@@ -59,7 +59,7 @@ def like_deltas(targets: Targets, like: Rig, report: Report) -> tuple[list[int],
     missing = [tree.rig.title(joint) for joint in targets.joints if joint not in pairs]
     if missing:
         text = f"{len(missing)} joints have no namesake: skipped: {and_more(missing, 10)}"
-        report.warn("like-unmatched", text)
+        report.warn("like-unmatched", text, names=missing)
     place = {joint: k for k, joint in enumerate(pairs)}
     return joints, delta[[place[joint] for joint in joints]]
 

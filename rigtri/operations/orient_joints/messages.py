@@ -87,6 +87,7 @@ def warn_noise(noise: Frozen, report: Report) -> None:
         f"{and_more(names, 6)}. Translations, keys and inverse bind matrices below make up for it: nothing "
         f"moves by more than {noise.moved:.2g} of the size in the poses of this file, nor by more than "
         f"{noise.elsewhere:.2g} in any other.",
+        names=names,
     )
 
 
@@ -113,6 +114,7 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
             f"{and_more(guessed, 3)}: no thumb and no bend shows to which side the fingers close; they are "
             "taken for those of hands hanging at the sides. Names such as index_01_l make it sure",
             geometry=True,
+            names=guessed,
         )
     _warn_thumbs(outcome, report)
     for joint in (joint for joint in outcome.targets.joints if ups.step[joint] >= 7):
@@ -140,6 +142,7 @@ def _warn_thumbs(outcome: Outcome, report: Report) -> None:
             "noise of its joints or for the shape of the hand, and the palm decides. If it is a bend, "
             "say --chain START END --up-from plane.",
             geometry=True,
+            names=names,
         )
 
 
@@ -158,7 +161,7 @@ def check(outcome: Outcome, report: Report) -> None:
     _check_sheared(rig, moves)
     if short:
         text = "bones of length 0 aim at the next joint at another position"
-        report.warn("zero-length", f"{text}: {and_more(short, 6)}")
+        report.warn("zero-length", f"{text}: {and_more(short, 6)}", names=short)
     sources = {styles[joint].up_from for joint in targets.aims}
     for source in sorted(text for text in sources if text.startswith("noderot:")):
         node = rig.find(source.split(":", 2)[2], "node")
@@ -207,7 +210,7 @@ def record(outcome: Outcome, report: Report) -> None:
     named = [tree.rig.title(joint) for joint in tree.joints if mirrored[joint] and moves[joint]]
     if named:
         text = f"{len(named)} joints are mirrored (left-handed axes) and stay mirrored"
-        report.warn("mirrored", f"{text}: {and_more(named, 8)}")
+        report.warn("mirrored", f"{text}: {and_more(named, 8)}", names=named)
 
 
 def _records(outcome: Outcome, mirrored: Booleans) -> list[dict[str, Any]]:

@@ -122,14 +122,16 @@ def _warn_side_by_side(targets: Targets, joints: set[int], report: Report, wordi
             continue
         lost = [k for k in leaves if targets.skipped.get(k) == LONE or _copies(targets, k)]
         if lost:
+            names = [rig.title(k) for k in lost]
             kept = all(k in targets.skipped for k in lost)
             so = wording.kept if kept else f"{wording.aimed} take its axes"
             report.warn(
                 "no-hierarchy",
-                f"{and_more([rig.title(k) for k in lost], 6)}: {len(lost)} joints are children of "
+                f"{and_more(names, 6)}: {len(lost)} joints are children of "
                 f"'{rig.title(above)}' side by side, and neither the hierarchy nor their names tell which "
                 f"follows which, so {so}. {wording.aims}, or give them the names of a naming scheme",
                 geometry=True,
+                names=names,
             )
 
 
@@ -142,10 +144,12 @@ def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report, wordi
     rig, named = targets.tree.rig, {node for limb in targets.limbs for node in limb.triple}
     chains = [k for k in unsure(rig) if joints.issuperset(k.bend) and named.isdisjoint(k.bend)]
     if chains:
+        names = [limb_title(rig, chain) for chain in chains]
         report.warn(
             "unsure-limb",
-            f"{and_more([limb_title(rig, chain) for chain in chains], 4)}: not surely recognised (sure from "
+            f"{and_more(names, 4)}: not surely recognised (sure from "
             f"{CONFIDENT}), so {wording.aimed} there, in hands and feet take the planes of their own bones. "
             f"If it is right, say {wording.limb}",
             geometry=True,
+            names=names,
         )
