@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,12 +17,12 @@ from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container
 from rigtri.formats.gltf.structure import LISTS
-from rigtri.formats.gltf.uris import file_of, is_data
 from rigtri.formats.json_values import Value, short_repr
 from rigtri.formats.rules import Violation
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf.accessor_bounds import fitting, is_far
+from rigtri.verification.checks.gltf.buffer_check import broken_buffers, usable, words
 
 # Rows of an accessor decoded at once where they are not kept.
 BLOCK = 1 << 16
@@ -140,10 +139,13 @@ class View:
         self.largest_key = 0.0
         self.joints: dict[int, str] = {}  # node → the skin that lists it first
         self.stretched: dict[int, list[str]] = {}  # joint → the channels that scale it unevenly
-        self._broken: set[int] = set()
-        self._check_buffers(allow_external)
+        self._broken = broken_buffers(container, self.lists, findings, allow_external=allow_external)
         # Buffers that cannot be had are known by now; the others are read as in an edit.
-        whole = {**self.raw, "buffers": self._usable(), "bufferViews": self.lists["bufferViews"]}
+        whole = {
+            **self.raw,
+            "buffers": usable(self.lists["buffers"], self._broken),
+            "bufferViews": self.lists["bufferViews"],
+        }
         whole["accessors"] = self.lists["accessors"]
         gltf = Value(whole, f"{container.path}:")
         buffers = Buffers(gltf, container, allow_external=allow_external)
@@ -188,7 +190,7 @@ class View:
             try:
                 number = Value(raw, place).count()
             except FileError as error:
-                self.add("gltf.json.value", place, pointer, _words(error, place))
+                self.add("gltf.json.value", place, pointer, words(error, place))
                 return None
         if not 0 <= number < among:
             self.add(rule, place, pointer, f"there is no {kind} {number}, the file has {among}")
@@ -200,7 +202,7 @@ class View:
         try:
             return Value(raw, place).numbers(count)
         except FileError as error:
-            self.add("gltf.json.value", place, pointer, _words(error, place))
+            self.add("gltf.json.value", place, pointer, words(error, place))
             return None
 
     # --- bytes
@@ -314,7 +316,7 @@ class View:
 
     def _add_broken(self, index: int, error: FileError) -> None:
         name = f"accessor #{index}"
-        text = _words(error, f"{self.container.path}").removeprefix(f"accessors[{index}]").lstrip(".: ")
+        text = words(error, f"{self.container.path}").removeprefix(f"accessors[{index}]").lstrip(".: ")
         self.add("gltf.accessor.broken", name, f"/accessors/{index}", text)
 
     def _check_layouts(self) -> None:
@@ -344,62 +346,6 @@ class View:
                 text = f"{key}[{k}] is {given[k]:g}, and the values have {found[k]:g}"
                 self.add("gltf.accessor.bounds", place, pointer, text)
 
-    def _check_buffers(self, allow_external: bool) -> None:
-        for index, raw in enumerate(self.lists["buffers"]):
-            place, pointer = f"buffer #{index}", f"/buffers/{index}"
-            uri = raw.get("uri")
-            if uri is None or uri == "":
-                continue  # the bytes of the GLB, or none: `_check_content` finds which
-            if not isinstance(uri, str):
-                self.add(
-                    "gltf.json.value", place, f"{pointer}/uri", f"uri should be a text, not {short_repr(uri)}"
-                )
-                self._broken.add(index)
-            elif not is_data(uri):
-                self._check_file(index, uri, place, pointer, allow_external)
-        for index in range(len(self.lists["buffers"])):
-            if index not in self._broken:
-                self._check_content(index)
-
-    def _check_file(self, index: int, uri: str, place: str, pointer: str, allow_external: bool) -> None:
-        try:
-            path = file_of(uri, self.container.path.parent, place, allow_external=allow_external)
-            there = path.is_file()
-        except FileError as error:
-            self.add("gltf.buffer.outside", place, f"{pointer}/uri", _words(error, place))
-            self._broken.add(index)
-            return
-        except (OSError, ValueError):
-            there = False
-        if not there:
-            what = "is not a regular file" if _exists(path) else "is not there"
-            self.add("gltf.buffer.missing", place, f"{pointer}/uri", f"the file '{uri[:60]}' {what}")
-            self._broken.add(index)
-
-    def _check_content(self, index: int) -> None:
-        """The bytes are as many as they should be."""
-        gltf = Value({"buffers": self._usable()}, f"{self.container.path}:")
-        try:
-            buffers = Buffers(gltf, self.container, allow_external=True)
-            if buffers.storage(index) != "none" or self._is_needed(index):
-                buffers.content(index)
-        except FileError as error:
-            text = _words(error, f"{self.container.path}").removeprefix(f"buffers[{index}]").lstrip(".: ")
-            self.add("gltf.buffer.broken", f"buffer #{index}", f"/buffers/{index}", text)
-            self._broken.add(index)
-
-    def _is_needed(self, index: int) -> bool:
-        """Whether a view takes its bytes from a buffer; of compressed ones it is only the fallback."""
-        views = self.lists["bufferViews"]
-        return any(view.get("buffer") == index and "extensions" not in view for view in views)
-
-    def _usable(self) -> list[dict[str, Any]]:
-        """The buffers, without the URI of those that cannot be had."""
-        return [
-            {key: value for key, value in raw.items() if key != "uri"} if index in self._broken else raw
-            for index, raw in enumerate(self.lists["buffers"])
-        ]
-
 
 def one(section: str) -> str:
     """What to call an item of a list of the file."""
@@ -410,15 +356,3 @@ def titled(kind: str, raw: Any, number: int) -> str:
     """What to call a thing of the file in a message."""
     name = raw.get("name") if isinstance(raw, dict) else None
     return f"{kind} '{name}' (#{number})" if isinstance(name, str) and name else f"{kind} #{number}"
-
-
-def _exists(path: Path) -> bool:
-    try:
-        return path.exists()
-    except (OSError, ValueError):  # names that no disk can hold
-        return False
-
-
-def _words(error: FileError, place: str) -> str:
-    """The text of an error, without the place that the finding names already."""
-    return str(error).removeprefix(place.removesuffix(":")).removeprefix(":").strip()
