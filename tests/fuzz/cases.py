@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -258,9 +259,17 @@ def _explained(found: Found, path: Path) -> bool:
             document = read(path, _options(found))
             if found.command[0] == "strip" and floor.binds_twist_joints_elsewhere(document.rig):
                 return True
-            return floor.explains(document, own_nodes=found.command[0] in commands.CHANGING)
+            own_nodes = found.command[0] in commands.CHANGING
+            return floor.explains(document, off=_refused_deviation(found.detail), own_nodes=own_nodes)
     except RigtriError:
         return False
+
+
+def _refused_deviation(text: str) -> float:
+    """How far off a result was that rigtri refused; inf where more than places differed."""
+    found = text.partition("would look different: ")[2]
+    number = re.search(r"([\d.]+(?:e[+-]?\d+)?) of the model's size", found)
+    return float(number[1]) if number and not re.search(r"(^|; )(lost|different): ", found) else np.inf
 
 
 def _options(found: Found) -> ReadOptions:

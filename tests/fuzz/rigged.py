@@ -48,7 +48,7 @@ ARM = [
     ["add-controls", "--ik", "shoulder", "elbow", "wrist"],
     ["add-posereader", "--driver", "elbow", "--target", "rest"],
     ["constrain", "--type", "point", "--child", "wrist", "--driver", "shoulder"],
-    ["make-limb", "--points", "0,0,0", "0,1,0.1", "0,2,0", "--name", "leg", "--side", "left"],
+    ["make-limb", "--points", "10,90,0", "10,48,4", "10,8,0", "--name", "leg", "--side", "left"],
 ]
 CHARACTER = [
     ["add-twist", "--joint", "leg", "--to", "foot"],

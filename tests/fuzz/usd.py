@@ -462,7 +462,7 @@ def _fill_free_memory(byte: int) -> None:
 def top(source: Path) -> str:
     """The path of the first prim of a file."""
     layer = Sdf.Layer.FindOrOpen(str(source))  # held: its prims die with it
-    return str(_specs(layer)[0].path)
+    return str(layer.rootPrims[0].path)
 
 
 def joints(source: Path) -> list[str]:

@@ -49,10 +49,10 @@ def rigged(tmp_path: Path) -> Path:
     return out
 
 
-def use(path: Path) -> None:
-    """Run each command that reads metadata: it ends with an exit code of its own, not in a traceback."""
-    for command in READING:
-        suffix = {"view": ".html", "export-blender": ".py"}.get(command, path.suffix)
+def use(path: Path, *commands: str) -> None:
+    """Run commands, all that read metadata unless named: each ends with an exit code of its own."""
+    for command in commands or READING:
+        suffix = {"view": ".html", "export-blender": ".py", "convert": ".glb"}.get(command, path.suffix)
         target = ["-o", path.with_name(f"{command}{suffix}"), "--overwrite"]
         done = cli(command, path, *([] if command in ("inspect", "check") else target))
         assert done.exit_code in (0, 1, 3, 4, 5, 6), (command, done.stderr)
@@ -92,6 +92,39 @@ def test_notes_of_joints_may_be_of_another_type(kind: Any, rigged: Path) -> None
     )
     layer.Export(str(broken := rigged.with_name("broken.usda")))
     use(broken)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "value", "command"),
+    [
+        ("faceVertexCounts", TYPES.String, "x", "strip"),
+        ci("faceVertexIndices", TYPES.StringArray, Vt.StringArray(["a"]), "strip"),
+        ci("points", TYPES.Double, 3.5, "check"),
+        ci("points", TYPES.Double, 3.5, "view"),
+        ci("primvars:skel:jointIndices", TYPES.Double, 3.5, "view"),
+        ci("curveVertexCounts", TYPES.Int, 3, "view"),
+        ci("primvars:displayColor", TYPES.StringArray, Vt.StringArray(["red"]), "view"),
+        ci("primvars:displayOpacity", TYPES.Double, 0.5, "convert"),
+    ],
+)
+def test_attributes_of_another_type_are_passed_over(
+    name: str, kind: Any, value: Any, command: str, rigged: Path
+) -> None:
+    layer = Sdf.Layer.FindOrOpen(str(rigged))
+    if not _replace(layer, lambda found: found == name, kind, value):
+        Sdf.AttributeSpec(layer.GetPrimAtPath("/Root/Skin"), name, kind).default = value
+    layer.Export(str(broken := rigged.with_name("broken.usda")))
+    use(broken, command)
+
+
+def test_indices_of_another_type_say_nothing(rigged: Path) -> None:
+    """Before, a traceback: 'bool' object is not iterable."""
+    layer = Sdf.Layer.FindOrOpen(str(rigged))
+    (prim,) = (layer.GetPrimAtPath(f"/Root/rigtri/{name}") for name in ["a_ctl_offset"])
+    relation = next(name for one in prim.properties if (name := one.name).endswith(":target"))
+    Sdf.AttributeSpec(prim, relation.replace(":target", ":indices"), TYPES.Bool).default = True
+    layer.Export(str(broken := rigged.with_name("broken.usda")))
+    use(broken, "inspect")
 
 
 def _replace(layer: Any, named: Any, kind: Any, value: Any) -> int:

@@ -12,7 +12,7 @@ from random import Random
 import numpy as np
 import pytest
 from fuzz import __main__ as program
-from fuzz import cases, commands, floor, gltf, usd
+from fuzz import cases, commands, floor, gltf, rigged, usd
 from gltf_files import character
 from places import SAMPLES
 from program import cli
@@ -67,8 +67,42 @@ def test_interpolations_that_nobody_knows_are_among_the_odd_words(person: gltf.A
 
 
 def test_a_sound_file_explains_no_refusal() -> None:
-    for name in ("biped.glb", "biped.usda"):
+    """Nor does the last column of a matrix, which is no number: that of hand.glb once moved it by 5.9e-5."""
+    for name in ("biped.glb", "biped.usda", "hand.glb"):
         assert not floor.explains(read(SAMPLES / name))
+
+
+def test_rigged_files_explain_no_refusal(tmp_path: Path) -> None:
+    """Before, arm.* did: a leg of two centimetres, 1.4 m away from the arm, was all that had a size."""
+    rigged.build(tmp_path / "rigged")
+    for name in rigged.RIGS:
+        assert not floor.explains(read(tmp_path / "rigged" / name), own_nodes=True), name
+
+
+def test_a_deviation_far_beyond_the_last_bits_is_not_explained_by_them(tmp_path: Path) -> None:
+    biped = gltf.load(SAMPLES / "biped.glb")
+    biped.gltf["nodes"][biped.gltf["skins"][0]["joints"][0]]["translation"] = [0.0, 300.0, 0.0]
+    document = read(gltf.pack(biped, tmp_path, Random(1)))
+    assert floor.explains(document, off=1e-5)
+    assert not floor.explains(document, off=0.1)
+    assert not floor.explains(document, off=np.inf)
+
+
+@pytest.mark.parametrize(
+    ("text", "off"),
+    [
+        ("largest vertex movement: 4.6e-05 of the model's size (limit 1e-05); at origin of wrist", 4.6e-5),
+        ("largest deviation from the intended result: 0.095 of the model's size (limit 1e-05)", 0.095),
+        ("lost: clip in; what both have does not move", np.inf),
+        ("largest vertex movement: inf of the model's size (limit 1e-05)", np.inf),
+    ],
+)
+def test_how_far_off_a_refused_result_was_is_read_from_its_message(text: str, off: float) -> None:
+    assert cases._refused_deviation(f"rigtri: The result would look different: {text}. Nothing") == off
+
+
+def test_the_top_of_a_usd_file_is_its_first_prim() -> None:
+    assert usd.top(SAMPLES / "arm.usda") == "/arm"
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-import numpy as np
-
 from rigtri.evaluation.skinning import sums_to_one
+from rigtri.formats.usd.composition.value_types import vectors
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -36,10 +35,10 @@ def lost_deformations(mesh: Mesh, shapes: Sequence[Any]) -> Iterator[str]:
 
 def _beside_the_line(shape: Any) -> float:
     """How far inbetweens are from the straight way to their target, at most: there they are farthest."""
-    whole = np.array(at_start(shape.GetOffsetsAttr()) or (), dtype=np.float64).reshape(-1, 3)
+    whole = vectors(at_start(shape.GetOffsetsAttr()))
     most = 0.0
     for one in shape.GetInbetweens():
-        offsets, weight = np.array(one.GetOffsets() or (), dtype=np.float64).reshape(-1, 3), one.GetWeight()
+        offsets, weight = vectors(one.GetOffsets()), one.GetWeight()
         if len(offsets) == len(whole) and len(whole) and weight is not None:
             most = max(most, float(length(offsets - weight * whole).max()))
     return most

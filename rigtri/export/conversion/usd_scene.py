@@ -21,6 +21,7 @@ from rigtri.export.conversion.usd_unread import Unread
 from rigtri.export.conversion.usd_values import HereOrAbove, json_value, rest_value
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.stage import quiet
+from rigtri.formats.usd.composition.value_types import integers, vectors
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.loose_animations import nearest, tracks_of
 from rigtri.formats.usd.reading.mesh_reader import at_start, drives_shapes
@@ -205,12 +206,12 @@ class _Reader:
         found = {}
         for number, one in enumerate(self._blend_shapes(prim)[: len(mesh.morphs)]):
             shape = UsdSkel.BlendShape(one)
-            given = at_start(shape.GetNormalOffsetsAttr())
-            where = at_start(shape.GetPointIndicesAttr())
-            rows = np.array(where, dtype=np.int64) if where else np.arange(len(mesh.points))
-            if given and len(given) == len(rows) and rows.max(initial=0) < len(mesh.points):
+            given = vectors(at_start(shape.GetNormalOffsetsAttr()))
+            where = integers(at_start(shape.GetPointIndicesAttr()))
+            rows = where if len(where) else np.arange(len(mesh.points))
+            if len(given) and len(given) == len(rows) and rows.max(initial=0) < len(mesh.points):
                 offsets = np.zeros((len(mesh.points), 3))
-                offsets[rows] = np.array(given, dtype=np.float64)
+                offsets[rows] = given
                 found[f"NORMAL of morph target {number}"] = offsets[faces.points]
         return found
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom, UsdShade
 
+from rigtri.formats.usd.composition.value_types import integers, vectors
 from rigtri.formats.usd.reading.mesh_reader import at_start, flattened
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
@@ -41,8 +42,8 @@ class Faces:
 def read_faces(prim: Any, count: int, lose: Any) -> Faces | None:
     """The faces of a Mesh of ``count`` points; None where they make no sense."""
     mesh = UsdGeom.Mesh(prim)
-    sizes = _integers(at_start(mesh.GetFaceVertexCountsAttr()))
-    corners = _integers(at_start(mesh.GetFaceVertexIndicesAttr()))
+    sizes = integers(at_start(mesh.GetFaceVertexCountsAttr()))
+    corners = integers(at_start(mesh.GetFaceVertexIndicesAttr()))
     whole = len(sizes) and int(sizes.min()) >= 0 and int(np.add.reduce(sizes)) == len(corners)
     if not whole or int(corners.min(initial=0)) < 0 or int(corners.max(initial=0)) >= count:
         return None
@@ -74,10 +75,6 @@ def read_faces(prim: Any, count: int, lose: Any) -> Faces | None:
     return Faces(points, triangles, face, {name: each[first] for name, each in spread.items()}, coordinates)
 
 
-def _integers(value: Any) -> Integers:
-    return np.array(() if value is None else value, dtype=np.int64).reshape(-1)
-
-
 def _triangulated(sizes: Integers, index: Integers, *, flipped: bool) -> tuple[Integers, Integers]:
     """Fans of triangles, (3·f,), and the face that each is of, (f,)."""
     starts = np.cumsum(sizes) - sizes
@@ -95,9 +92,9 @@ def _values(prim: Any, lose: Any) -> tuple[dict[str, tuple[Floats, str]], dict[s
     found: dict[str, tuple[Floats, str]] = {}
     coordinates: dict[str, int] = {}
     normals = UsdGeom.Mesh(prim).GetNormalsAttr()
-    value = at_start(normals)
-    if value is not None and len(value):
-        found["NORMAL"] = np.array(value, dtype=np.float64), str(UsdGeom.Mesh(prim).GetNormalsInterpolation())
+    rows = vectors(at_start(normals))
+    if len(rows):
+        found["NORMAL"] = rows, str(UsdGeom.Mesh(prim).GetNormalsInterpolation())
     for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
         name, kind = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
         if name.startswith("skel:"):
@@ -109,7 +106,7 @@ def _values(prim: Any, lose: Any) -> tuple[dict[str, tuple[Floats, str]], dict[s
             continue
         spread = str(primvar.GetInterpolation())
         if name == "normals":
-            found["NORMAL"] = np.array(value, dtype=np.float64), spread
+            found["NORMAL"] = vectors(value), spread
         elif kind in _COORDINATES:
             rows = np.array(value, dtype=np.float64)
             coordinates[name] = len(coordinates)
@@ -117,7 +114,7 @@ def _values(prim: Any, lose: Any) -> tuple[dict[str, tuple[Floats, str]], dict[s
             found[f"TEXCOORD_{coordinates[name]}"] = turned, spread
         elif name == "displayColor":
             if spread != "constant":  # the colour of a whole mesh is its material's: see `colour_of`
-                found["COLOR_0"] = np.array(value, dtype=np.float64), spread
+                found["COLOR_0"] = vectors(value), spread
         elif name == "tangents" and kind == "float4[]":
             found["TANGENT"] = np.array(value, dtype=np.float64), spread
         elif name != "displayOpacity" or spread != "constant":
@@ -148,7 +145,7 @@ def materials_of(prim: Any, count: int) -> list[tuple[Any, Integers]]:
     left = np.ones(count, dtype=bool)
     found: list[tuple[Any, Integers]] = []
     for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
-        faces = _integers(at_start(subset.GetIndicesAttr()))
+        faces = integers(at_start(subset.GetIndicesAttr()))
         faces = faces[(faces >= 0) & (faces < count)]
         faces = faces[left[faces]]
         left[faces] = False
@@ -165,7 +162,9 @@ def colour_of(prim: Any) -> tuple[float, ...] | None:
     for name in ("displayColor", "displayOpacity"):
         primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
         value = flattened(primvar) if primvar else None
-        if value is not None and len(value) == 1 and primvar.GetInterpolation() == "constant":
+        if value is None or not hasattr(value, "__len__") or len(value) != 1:
+            continue
+        if primvar.GetInterpolation() == "constant":
             found[name] = np.array(value[0], dtype=np.float64).reshape(-1).tolist()
     if not found:
         return None

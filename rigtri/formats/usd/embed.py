@@ -14,7 +14,9 @@ from rigtri.formats.document import FOUR, Embedded
 from rigtri.formats.image_types import KINDS, shows
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.stage import quiet
+from rigtri.formats.usd.composition.value_types import usable
 
+EARLIEST = Usd.TimeCode.EarliestTime()
 # The bytes of the texture that an asset path names; FileError where they are not to be had.
 Images = Callable[[Any], bytes]
 
@@ -57,14 +59,15 @@ def _bind(whole: Any, flat: Any) -> None:
 
 def _spread(prim: Any, other: Any) -> None:
     """Give every point the joints that USD has once for all points of a mesh."""
-    points = UsdGeom.Mesh(prim).GetPointsAttr().Get(Usd.TimeCode.EarliestTime()) or ()
+    attribute = UsdGeom.Mesh(prim).GetPointsAttr()
+    points = usable(attribute, attribute.Get(EARLIEST)) or ()
     own, binding = UsdSkel.BindingAPI(prim), UsdSkel.BindingAPI(other)
     pairs = (
         (own.GetJointIndicesPrimvar(), binding.CreateJointIndicesPrimvar),
         (own.GetJointWeightsPrimvar(), binding.CreateJointWeightsPrimvar),
     )
     for primvar, create in pairs:
-        values = primvar.Get(Usd.TimeCode.EarliestTime()) if primvar else None
+        values = usable(primvar.GetAttr(), primvar.Get(EARLIEST)) if primvar else None
         if values and primvar.GetInterpolation() == UsdGeom.Tokens.constant:
             create(False, len(values)).Set(list(values) * len(points))
 

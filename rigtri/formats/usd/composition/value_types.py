@@ -9,9 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
 from pxr import Sdf
 
 from rigtri.errors import FileError
+from rigtri.maths.arrays import Integers
+from rigtri.maths.trigonometry import Floats
 
 _NAMES = Sdf.ValueTypeNames
 INDICES, WEIGHTS = "primvars:skel:jointIndices", "primvars:skel:jointWeights"
@@ -73,6 +76,23 @@ def demand(attribute: Any, value: Any) -> None:
 def usable(attribute: Any, value: Any) -> Any:
     """A value as UsdSkel sees it: None where its type is wrong."""
     return None if value is None or wrong_type(attribute.GetName(), value) else value
+
+
+def integers(value: Any) -> Integers:
+    """The integers of an attribute's value, (n,); none where it holds something else."""
+    return np.array(_rows(value, "iu", 1), dtype=np.int64).reshape(-1)
+
+
+def vectors(value: Any) -> Floats:
+    """The vectors of an attribute's value, (n, 3); none where it holds something else."""
+    return np.array(_rows(value, "iuf", 3), dtype=np.float64)
+
+
+def _rows(value: Any, kinds: str, width: int) -> Any:
+    """kinds: of numpy's types of numbers, those that count."""
+    found = np.asarray(() if value is None else value)
+    fits = found.dtype.kind in kinds and found.size % width == 0
+    return (found if fits else np.zeros(0)).reshape(-1, width)
 
 
 def ignored(prim: Any) -> list[str]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom
 
+from rigtri.formats.usd.composition.value_types import integers, vectors
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.model.control_shapes import Lines, Shape
 from rigtri.model.rig import DRAWING
@@ -39,15 +40,15 @@ def read_lines(stage: Any, key: Hashable) -> Lines | None:
     if prim is None or UsdGeom.Xformable(prim).GetOrderedXformOps():
         return None
     curves = UsdGeom.BasisCurves(prim)
-    colors: Any = curves.GetDisplayColorAttr().Get() or ()
-    points = np.array(curves.GetPointsAttr().Get() or (), dtype=np.float64).reshape(-1, 3)
-    counts = np.array(curves.GetCurveVertexCountsAttr().Get() or (), dtype=np.int64)
+    colors = vectors(curves.GetDisplayColorAttr().Get())
+    points = vectors(curves.GetPointsAttr().Get())
+    counts = integers(curves.GetCurveVertexCountsAttr().Get())
     straight = (
         curves.GetTypeAttr().Get() == "linear" and (counts > 1).all() and sum(counts.tolist()) == len(points)
     )
     if len(colors) != 1 or not len(counts) or not straight:
         return None
     strips = tuple(np.split(points, np.cumsum(counts)[:-1]))
-    color = tuple(map(float, np.array(colors[0])))
+    color = tuple(colors[0].tolist())
     closed = curves.GetWrapAttr().Get() == "periodic"
     return Lines(Shape("", strips, closed, (0.0, 0.0, 0.0)).segments, color)

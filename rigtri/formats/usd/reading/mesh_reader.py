@@ -18,7 +18,7 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT, quiet
 from rigtri.formats.usd.composition.time_samples import time_samples
-from rigtri.formats.usd.composition.value_types import usable
+from rigtri.formats.usd.composition.value_types import integers, usable, vectors
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
@@ -130,9 +130,9 @@ def _surface(prim: Any) -> Surface:
     normals = _attribute(prim, "normals") if normals is None else normals
     return Surface(
         prim.GetTypeName(),
-        np.array(sizes, dtype=np.int64).reshape(-1),
-        np.array(() if corners is None else corners, dtype=np.int64).reshape(-1),
-        np.array(() if normals is None else normals, dtype=np.float64).reshape(-1, 3),
+        integers(sizes),
+        integers(corners),
+        vectors(normals),
         {name: values for name, value in _drawn(prim) if (values := _array(value)) is not None},
     )
 

@@ -9,7 +9,7 @@ node has.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import takewhile
 from typing import Any
@@ -52,7 +52,8 @@ def read_targets(prim: Any) -> dict[str, list[str | None]]:
         if is_target and hasattr(relation, "GetTargets"):
             paths = _targets(relation)
             indices = prim.GetAttribute(name + INDICES).Get() if prim.HasAttribute(name + INDICES) else None
-            found[name] = paths if indices is None else [_at(paths, index) for index in indices]
+            numbers = indices if isinstance(indices, Iterable) else ()  # of another type they mean none
+            found[name] = paths if indices is None else [_at(paths, index) for index in numbers]
     return found
 
 

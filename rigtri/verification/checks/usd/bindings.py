@@ -180,8 +180,9 @@ def _width(scene: Scene, prim: Any, indices: int, weights: int) -> int:
 
 
 def _points(prim: Any) -> Any:
-    """The points of a prim as they are stored, of whatever type; None where it has none."""
-    return at_start(UsdGeom.PointBased(prim).GetPointsAttr()) if prim.IsA(UsdGeom.PointBased) else None
+    """The points of a prim as they are stored, a list of whatever type; None where it has none."""
+    value = at_start(UsdGeom.PointBased(prim).GetPointsAttr()) if prim.IsA(UsdGeom.PointBased) else None
+    return value if hasattr(value, "__len__") else None
 
 
 def _check_weights(scene: Scene, prim: Any, weights: np.ndarray) -> None:
@@ -239,9 +240,9 @@ def _check_shape(scene: Scene, shape: Any, points: int | None) -> None:
             scene.add("usd.blend.offsets", shape, "offsets", "it has no offsets")
         return
     value = at_start(shape.GetAttribute("pointIndices"))
-    rows = None if value is None or not len(value) else scene.array(shape, "pointIndices", value)
+    known = value is None or (hasattr(value, "__len__") and not len(value))
+    rows = None if known else scene.array(shape, "pointIndices", value)
     if rows is None:
-        known = value is None or not len(value)
         if known and points is not None and len(offsets) != points:
             text = f"it has {len(offsets)} offsets, no pointIndices, and its mesh {points} points"
             scene.add("usd.blend.offsets", shape, "offsets", text)
