@@ -7,14 +7,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rigtri.recognition.arms_legs import AGREED, Found
-from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.front_or_hind import head_end
-from rigtri.recognition.guessed_hierarchy import lost_third, named_twice, out_of_order, start_beside
+from rigtri.recognition.guessed_hierarchy import (
+    called_end,
+    end_elsewhere,
+    loose_joints,
+    lost_third,
+    named_twice,
+    out_of_order,
+    small_part,
+    start_beside,
+    turned_in_file,
+)
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.inanimate import (
-    bends_to_and_fro,
     has_trunk,
+    is_alive,
     may_be_a_thing,
     may_be_wings,
     of_machine,
@@ -231,7 +239,7 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         len(found) == 4 and all(k.kind == "leg" for k in found) and not {"head", "hips", "spine"} & set(bones)
     )
     beside = body and body.legs and body.arms and body.legs.pair.above == body.arms.pair.above
-    if four and beside and _corners(draft, found) < 4 and not _is_alive(draft, body):
+    if four and beside and _corners(draft, found) < 4 and not is_alive(draft, body):
         return "no trunk is between its front and its hind legs"
     return ""
 
@@ -273,16 +281,6 @@ def _corners(draft: Draft, found: Sequence[Found]) -> int:
         if each.kind == "leg" and each.side and alive and len(places) == 1:
             corners.add((each.side, places.pop()))
     return len(corners)
-
-
-def _is_alive(draft: Draft, body: Body | None) -> bool:
-    """Whether the hind legs bend to and fro, as no table's, and one end of the trunk has a head."""
-    plane = draft.shape.plane
-    if body is None or body.legs is None or plane is None or not any(draft.facing):
-        return False
-    paths = body.legs.pair.paths
-    to_and_fro = all(bends_to_and_fro(draft.tree, path, draft.facing) for path in paths)
-    return to_and_fro and head_end(draft.tree, body, plane, draft.poses, draft.shape.limbs) != 0
 
 
 def _by_words(each: Found) -> bool:
@@ -362,12 +360,13 @@ _OF_JOINTS = (other_bend, ankle_as_knee, later_start, goes_on, middle_bone, reac
 # What is asked of every limb, of those whose three joints a naming scheme knows, and of those that shape or
 # single words tell: each gives what speaks against a limb, in words, or "". What is plainer comes first.
 _OF_ANY = (
-    *_alone(_other_limb, _trunk_aside, _other_side, _against_the_tree, folded),
+    *_alone(_other_limb, _trunk_aside, _other_side, turned_in_file, _against_the_tree, folded),
     _no_trunk,
     _no_body,
 )
 _OF_NAMES = (
     *_alone(_unnamed_between),
+    called_end,
     _unlike_twin,
     *_alone(_counted, _one_of_several, split_bone),
     named_twice,
@@ -394,6 +393,10 @@ _OF_SHAPES = (
         may_be_wings,
         start_beside,
         out_of_order,
+        end_elsewhere,
+        loose_joints,
+        small_part,
         may_be_a_thing,
     ),
+    called_end,
 )

@@ -7,8 +7,9 @@ from math import inf
 
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_words import NO_WORDS, LimbWords
+from rigtri.recognition.limb_words import NO_WORDS, LimbWords, in_order, other_words
 from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 
 # What is so long a part of an upper bone, and further beside it than this part of its own length, may be
@@ -31,6 +32,11 @@ _BACK, _UP_AGAIN = 0.5, 0.5
 _ALONG = 0.8
 # Legs down to an ankle and feet on from there, as cosines with up (37°, and feet on high heels).
 _DOWN, _LEVEL = 0.8, 0.6
+# So many joints that stand alone, so far apart (of the longest limb), may be the bones of one; what hangs at
+# one of them reaches less far than this part of the way to the next.
+_ALONE, _APART, _SHORT = 3, 0.5, 0.7
+# A finger is at most so long a part of a whole body with its arms spread.
+_FINGER = 0.1
 
 
 def lost_third(draft: Draft, each: Found, found: Sequence[Found] = ()) -> str:
@@ -39,8 +45,11 @@ def lost_third(draft: Draft, each: Found, found: Sequence[Found] = ()) -> str:
     parts = [node for node in draft.segments if rig.is_below(node, each.joints[-1])]
     if len(parts) > 1:
         return f"'{rig.title(min(parts))}' and others follow, which may be its bones and no parts of one"
-    if draft.words.get(each.joints[-1], NO_WORDS).levels == {"upper": 1.0}:
+    words = [draft.words.get(joint, NO_WORDS) for joint in each.joints]
+    if words[-1].levels == {"upper": 1.0}:
         return f"'{rig.title(each.joints[-1])}' is called as its start is"
+    if in_order(words)[0].keys() == {"before"}:
+        return f"'{rig.title(each.joints[0])}' is called as what leads to a limb is"
     if other := _called_so(draft, each, found):
         return other
     named = draft.reading is not None and each.joints in draft.reading.limbs.values()
@@ -198,4 +207,97 @@ def _stands_on(draft: Draft, each: Found) -> str:
         way = tree.at[node] - tree.at[end]
         if way.length > _LONG * lower.length and way.unit.dot(lower.unit) > _ALONG:
             return f"'{tree.rig.title(node)}' stands beyond its end and may be that"
+    return ""
+
+
+def called_end(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """A limb by names whose end is not called as an end, where a joint on its side is that is of no limb.
+
+    Of joints that hang side by side a shield is nearer to the elbow than the wrist is, and toes may be nearer
+    to the knee than a foot with a name of its own.
+    """
+    tree, end, names = draft.tree, each.joints[2], draft.tree.rig.names
+    own = [draft.words.get(joint, NO_WORDS) for joint in each.joints]
+    if not own[1].levels or "end" in own[2].levels:
+        return ""
+    if tree.is_own and own[2].levels.keys() == {"after"}:
+        return f"the file has no hierarchy, and {_title(draft, end)} is called as what follows an end is"
+    taken, key = {joint for limb in found for joint in limb.joints}, other_words(names[each.joints[1]])
+    for node in (k for k in tree.nodes if k not in taken and not tree.is_below(k, end)):
+        words, side = draft.words.get(node, NO_WORDS), parse_name(names[node]).side
+        is_end = words.levels == {"end": 1.0} and words.kind in ("", each.kind)
+        same = (side, words.place, other_words(names[node])) == (each.side, own[1].place, key)
+        if is_end and same and not roles_in_name(names[node]):
+            return f"{_title(draft, node)} is called as its end is"
+    return ""
+
+
+def end_elsewhere(draft: Draft, each: Found) -> str:
+    """A limb of the shape whose end the file parents elsewhere, where another joint stands alone along it.
+
+    So stands a knee that hangs at the hips as its foot does, beside what helps it below the thigh.
+    """
+    mine, tree, (start, middle, end) = each.pair, draft.tree, each.joints
+    over = int(tree.rig.parents[end])
+    if mine is None or mine.named > 0.0 or tree.is_below(end, middle) or over not in tree.below:
+        return ""
+    for node in (k for k in tree.below[over] if k != end and not tree.is_below(start, k)):
+        for one, other in ((start, middle), (middle, end)):
+            bone, way = tree.at[other] - tree.at[one], tree.at[node] - tree.at[one]
+            along = min(max(way.dot(bone) / (bone.dot(bone) or inf), 0.0), 1.0)
+            if (way - bone * along).length < _BESIDE * bone.length and draft.poses.moves_points(node):
+                return f"{_title(draft, node)} stands alone along it and may be its middle"
+    return ""
+
+
+def loose_joints(draft: Draft, each: Found) -> str:
+    """A limb of the shape in a body of which joints stand alone, as far apart as the bones of a limb are.
+
+    So hang the joints of a leg that are all children of the hips: what stands there as a limb is a part of
+    one, or another limb than it seems.
+    """
+    mine, body, tree, plane = each.pair, draft.shape.body, draft.tree, draft.shape.plane
+    if mine is None or mine.named > 0.0 or body is None or plane is None:
+        return ""
+    pairs = [limbs for limbs in (body.legs, body.arms) if limbs is not None]
+    size = max(limbs.size for limbs in pairs)
+    # Along its own bones a limb has pistons; a group that stands where the hips do is no bone.
+    own = {k for limbs in pairs for way in (0, 1) for k in limbs.joints(way) if tree.bone[k] > 0.01 * size}
+    hold = (nodes for over, nodes in tree.below.items() if over >= 0 and over not in own)
+    for below in (nodes for nodes in hold if len(nodes) >= _ALONE):
+        for way in (1.0, -1.0):
+            aside = [
+                k for k in below if way * plane.side_of(tree.at[k]) > 0.0 and draft.poses.moves_points(k)
+            ]
+            alone = [k for k in aside if _stands_alone(tree, k, aside)]
+            far = max(((tree.at[a] - tree.at[b]).length for a in alone for b in alone), default=0.0)
+            if len(alone) >= _ALONE and far > _APART * size:
+                return f"{_title(draft, alone[0])} and others stand alone, and may be the bones of a limb"
+    return ""
+
+
+def _stands_alone(tree: Tree, node: int, others: Sequence[int]) -> bool:
+    """Whether what hangs at a joint reaches less far than to the next of those beside it."""
+    apart = ((tree.at[k] - tree.at[node]).length for k in others if k != node)
+    return tree.reach[node] < _SHORT * min(apart, default=0.0)
+
+
+def small_part(draft: Draft, each: Found) -> str:
+    """A limb of the shape that is hardly as long as a finger of the body: others may be its limbs."""
+    mine = each.pair
+    if mine is None or mine.named > 0.0 or mine.size > _FINGER * draft.tree.span:
+        return ""
+    return "it is as small beside the whole as a finger is"
+
+
+def _title(draft: Draft, node: int) -> str:
+    return f"'{draft.tree.rig.title(node)}'"
+
+
+def turned_in_file(draft: Draft, each: Found) -> str:
+    """A limb by its names that the file parents the wrong way round: its first joint below its second."""
+    start, middle, end = each.joints
+    for over, node in ((start, middle), (middle, end)):
+        if draft.tree.rig.is_below(over, node):
+            return f"the file parents {_title(draft, over)} to {_title(draft, node)}"
     return ""

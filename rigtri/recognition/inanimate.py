@@ -13,6 +13,7 @@ from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import feet_ahead
+from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import beside
@@ -75,6 +76,12 @@ def has_trunk(draft: Draft) -> bool:
     names = trunk_names(draft)
     heads = [name for name in names if not _HEADS.isdisjoint(roles_in_name(name))]
     return len(names) > min(1, len(heads))
+
+
+def has_hips_or_spine(draft: Draft) -> bool:
+    """Whether names tell of a trunk beside head and neck: a guitar has a body, a neck and a head."""
+    names = [name for name in trunk_names(draft) if _HEADS.isdisjoint(roles_in_name(name))]
+    return any("body" not in parse_name(name).words for name in names)
 
 
 def is_of_machine(draft: Draft) -> bool:
@@ -196,3 +203,13 @@ def bends_to_and_fro(tree: Tree, path: Sequence[int], ahead: Vector) -> bool:
     """Whether the joints of a leg stand ahead of the line of their neighbours and behind it by turns."""
     aside = [beside(tree, joints).dot(ahead) for joints in zip(path, path[1:], path[2:], strict=False)]
     return max(aside, default=0.0) > ZIGZAG and min(aside, default=0.0) < -ZIGZAG
+
+
+def is_alive(draft: Draft, body: Body | None) -> bool:
+    """Whether the hind legs bend to and fro, as no table's, and one end of the trunk has a head."""
+    plane = draft.shape.plane
+    if body is None or body.legs is None or plane is None or not any(draft.facing):
+        return False
+    paths = body.legs.pair.paths
+    to_and_fro = all(bends_to_and_fro(draft.tree, path, draft.facing) for path in paths)
+    return to_and_fro and head_end(draft.tree, body, plane, draft.poses, draft.shape.limbs) != 0

@@ -28,7 +28,7 @@ _SAME_POSITION = 1e-3
 # Of what robots call axes of joints, the one that others call twist joints.
 _ROLL = "roll"
 # What riggers call a node that only holds another, with whose name: ``forearm_L_offset``, ``arm_grp``.
-_HOLDERS = frozenset(["offset", "grp", "group", "zero"])
+HOLDERS = frozenset(["offset", "grp", "group", "zero"])
 
 
 class Tree:
@@ -245,7 +245,7 @@ def segments_of(tree: Tree) -> frozenset[int]:
         over = tree.above[node]
         while over in found:
             over = tree.above[over]
-        if over >= 0 and _held(names[node]) in called:
+        if over >= 0 and (_held(names[node]) in called or _is_empty(tree, node)):
             found.add(node)
             continue
         if over < 0 or len(tree.below[node]) > 1 or not is_segment(names[node], names[over]):
@@ -260,10 +260,16 @@ def segments_of(tree: Tree) -> frozenset[int]:
     return frozenset(found)
 
 
+def _is_empty(tree: Tree, node: int) -> bool:
+    """Whether a joint is called a group and stands where the one above does, so that it is no bone."""
+    group = not HOLDERS.isdisjoint(parse_name(tree.rig.names[node]).words)
+    return group and bool(tree.below[node]) and tree.bone[node] <= _SAME_POSITION * tree.span
+
+
 def _held(name: str) -> tuple[str, tuple[str, ...]] | None:
     """The side and words of the joint that a node is called to hold; None without a word for a group."""
     parsed = parse_name(name)
-    more = tuple(word for word in parsed.kept if word not in _HOLDERS)
+    more = tuple(word for word in parsed.kept if word not in HOLDERS)
     return (parsed.side, more) if more and len(more) < len(parsed.kept) else None
 
 

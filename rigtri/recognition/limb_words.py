@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.model.dataclass import dataclass
-from rigtri.model.joint_names import Side, spread, words
+from rigtri.model.joint_names import SIDES, Side, spread, words
 from rigtri.recognition.layout import LimbKind
 from rigtri.recognition.word_tables import our_table
 from rigtri.text import is_number
@@ -119,6 +119,20 @@ def limb_words(name: str) -> LimbWords:
     last = {level: _HALF for each in levels_of_words for level in each}
     levels = last | ({"after": 1.0} if "after" in last else {})
     return LimbWords(levels, kind, place, animal=animal, corner=corner, alive=alive)
+
+
+@lru_cache(_NAMES)
+def other_words(name: str) -> tuple[str, ...]:
+    """The words of a name that say nothing of a limb, in order: those by which two limbs are told apart.
+
+    >>> other_words("front_upper_leg_2_L"), other_words("rider_LeftFoot")
+    (('2',), ('rider',))
+    """
+    table = _table()
+    known = (table.clear, table.vague, table.kinds, table.places, table.corners)
+    apart = _split(words(spread(name)))
+    found = (word for word in apart if word not in SIDES and not any(word in each for each in known))
+    return tuple(str(int(word)) if is_number(word) else word for word in found)
 
 
 def is_corner(word: str) -> bool:

@@ -14,6 +14,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.joint_names import Side
 from rigtri.model.rig import Rig
 from rigtri.recognition.arms_legs import Found, find_limbs
+from rigtri.recognition.chains_in_names import order_of_chains
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
 from rigtri.recognition.evidence_against import doubted
@@ -97,7 +98,9 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     body = [node for node in body if node not in segments]
     reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
     bones = certain or (reading.bones if reading is not None else {})
-    if after := followers(Tree(rig, body, poses.rest), bones):
+    own_tree = Tree(rig, body, poses.rest)
+    after = {} if certain else order_of_chains(own_tree)
+    if after := {**after, **followers(own_tree, bones)}:
         poses.after.update(after)
         poses.measured.clear()
         reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))

@@ -68,6 +68,7 @@ def of_twin(each: Found, found: Sequence[Found], doubts: Mapping[int, str]) -> s
     """What speaks against the twin of a limb without names (by its id): one choice of joints made both."""
     mine = each.pair
     twins = (k for k in found if mine is not None and mine.named <= 0.0 and k.pair is mine)
+    twins = (k for k in twins if len(k.joints) == len(each.joints))  # names tell of one that has an elbow
     return next(filter(None, (doubts[id(k)] for k in twins)), "")
 
 

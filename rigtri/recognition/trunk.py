@@ -8,7 +8,7 @@ from itertools import pairwise
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.inanimate import has_trunk
+from rigtri.recognition.inanimate import has_hips_or_spine
 from rigtri.recognition.layout import MAP, NAMES
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.naming_schemes import parse_name, roles_in_name
@@ -135,7 +135,7 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
     bones = draft.known_bones
     neck, head = _neck(draft), bones.get("head", -1)
     sure, why = (0.99 if draft.certain else 0.92), _whose(draft)
-    if not (draft.certain or any(each.is_sure for each in limbs) or has_trunk(draft)):
+    if not (draft.certain or any(each.is_sure for each in limbs) or has_hips_or_spine(draft)):
         sure = _ALONE
     if head >= 0 and not draft.certain:
         head = _last_numbered(draft, head)

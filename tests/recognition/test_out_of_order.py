@@ -3,7 +3,17 @@
 from __future__ import annotations
 
 import pytest
-from recognition_bodies.skeletons import ARM, FINGERS, MAN, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import (
+    ARM,
+    FINGERS,
+    MAN,
+    TRUNK,
+    Joint,
+    both,
+    line,
+    renamed,
+    rig_with,
+)
 
 from rigtri.recognition.joint_tree import Tree, segments_of
 from rigtri.recognition.layout import Chain
@@ -131,3 +141,146 @@ def test_what_helps_a_joint_by_its_name_is_not_surely_the_joint() -> None:
     joints = [("root", "", (0.0, 0.0, 0.0)), *((name, "root", at) for name, at in trunk)]
     joints += both([(name, "root", at) for name, _, at in legs])
     assert not [each for each in sure(joints, named=True) if "corrective" in each[1]]
+
+
+FLAT_LEGS = {"shin": "hips", "foot": "hips"}
+BESIDE = [
+    FLAT_LEGS,
+    {"forearm": "chest", "hand": "chest"},
+    {"upper_arm": "chest", "forearm": "chest", "hand": "chest"},
+    {"thigh": "root", "shin": "root", "foot": "root", "upper_arm": "root", "forearm": "root", "hand": "root"},
+]
+FOUR = {
+    tuple(f"{bone}.{side}" for bone in bones)
+    for side in "LR"
+    for bones in (("upper_arm", "forearm", "hand"), ("thigh", "shin", "foot"))
+}
+ROOT: list[Joint] = [("root", "", (0.0, 0.0, 0.0))]
+HORSE = [
+    *line("hips spine chest neck head", "", (0, 1, -0.6), (0, 1, 0), (0, 1, 0.5), (0, 1.2, 0.8), (0, 1.4, 1)),
+    *both(
+        [
+            (f"{end}_{part}.L", above, (0.12, y, z + dz))
+            for end, above, z in (("front", "chest", 0.5), ("hind", "hips", -0.6))
+            for part, y, dz in (("upper_leg", 0.9, 0.0), ("lower_leg", 0.5, 0.06), ("foot", 0.1, 0.0))
+        ]
+    ),
+]
+
+
+@pytest.mark.parametrize("above", BESIDE, ids=" ".join)
+def test_names_tell_which_joint_follows_where_the_file_has_them_side_by_side(above: dict[str, str]) -> None:
+    """Before, arms whose forearms and hands hang at the chest were missing though each joint is called so."""
+    joints = [*ROOT, *((name, over or "root", at) for name, over, at in WITH_HANDS)]
+    assert sure(parented(joints, above), named=True) == FOUR
+
+
+def test_names_tell_which_joint_follows_in_the_legs_of_animals() -> None:
+    """All joints of each leg hang at the hips or the chest, in no order."""
+    expected = {
+        (f"{end}_upper_leg.{side}", f"{end}_lower_leg.{side}", f"{end}_foot.{side}")
+        for end in ("front", "hind")
+        for side in "LR"
+    }
+    assert sure(HORSE, named=True) == expected
+
+
+def test_a_limb_that_is_parented_the_wrong_way_round_is_told_by_its_names_and_not_sure() -> None:
+    """Before, the hand and what hangs at it was told as an arm, or nothing was."""
+    joints = parented(MAN, {"hand": "clavicle", "forearm": "hand", "upper_arm": "forearm"})
+    arms = [k for k in limbs(joints, named=True) if k.kind == "arm"]
+    assert {tuple(joints[k][0] for k in arm.bend) for arm in arms} == {k for k in FOUR if "hand" in k[2]}
+    assert not any(arm.is_sure for arm in arms)
+
+
+def test_names_that_are_swapped_put_no_joint_elsewhere() -> None:
+    """What hangs at a bone of the other leg may be called wrongly, or be parented so: neither is sure."""
+    joints = parented(MAN, {})
+    swapped = {"shin.L": "shin.R", "shin.R": "shin.L"}
+    joints = [(swapped.get(name, name), swapped.get(over, over), at) for name, over, at in joints]
+    assert not [each for each in sure(joints, named=True) if "thigh" in each[0]]
+
+
+def test_what_is_left_of_a_body_whose_leg_bones_stand_alone_is_not_sure() -> None:
+    """The shoulder blades and thighs of a centaur's front legs are no legs of a person."""
+    places = ((0.0, 1.05, -0.6), (0.0, 1.07, -0.2), (0.0, 1.07, 0.15), (0.0, 1.07, 0.55))
+    trunk = line("hips a b chest", "", *places)
+    trunk += line(
+        "waist c d neck n head", "chest", *((0.0, y, 0.6) for y in (1.17, 1.39, 1.6, 1.75, 1.82, 1.9))
+    )
+    front = (
+        (0.04, 1.12, 0.46),
+        (0.08, 0.85, 0.57),
+        (0.08, 0.47, 0.48),
+        (0.08, 0.08, 0.57),
+        (0.08, 0.04, 0.65),
+    )
+    legs = line("blade.L f_thigh.L f_shin.L f_foot.L f_toe.L", "chest", *front)
+    hind = ((0.95, -0.6), (0.59, -0.46), (0.32, -0.73), (0.07, -0.64))
+    legs += [(f"hind_{k}.L", "hips", (0.08, y, z)) for k, (y, z) in enumerate(hind)]
+    arm = ((0.03, 1.69, 0.61), (0.18, 1.72, 0.6), (0.36, 1.51, 0.6), (0.52, 1.31, 0.62))
+    joints = [*trunk, *both([*legs, *line("e.L f.L g.L h.L", "d", *arm)])]
+    assert not [each for each in sure(joints) if "blade.L" in each]
+
+
+def test_a_helper_in_the_place_of_a_knee_that_hangs_elsewhere_is_not_surely_the_knee() -> None:
+    """Before, a helper below the thigh was the knee at 0.94 where the knee and the foot hang at the hips."""
+    helpers = both([("helper.L", "hind_upper_leg.L", (0.12, 0.5, -0.54))])
+    ends = both(
+        [(f"{end}_toe.L", f"{end}_foot.L", (0.12, 0.04, z)) for end, z in (("front", 0.6), ("hind", -0.5))]
+    )
+    front = {
+        "front_upper_leg": "chest",
+        "front_lower_leg": "front_upper_leg",
+        "front_foot": "front_lower_leg",
+    }
+    joints = parented([*HORSE, *helpers, *ends, ("muzzle", "head", (0.0, 1.35, 1.2))], front)
+    assert not [each for each in sure(joints) if "helper.L" in each]
+
+
+def test_a_clavicle_and_a_stump_are_no_arm_of_two_joints() -> None:
+    """Before, ``RightShoulder`` and ``RightArm`` of a body without that arm were an arm at 0.94."""
+    names = {"clavicle": "Shoulder", "upper_arm": "Arm", "forearm": "ForeArm", "hand": "Hand"}
+    joints = renamed([joint for joint in MAN if joint[0] not in ("forearm.R", "hand.R")], names)
+    found = sure(joints, named=True)
+    assert ("Arm.L", "ForeArm.L", "Hand.L") in found
+    assert not [each for each in found if "Arm.R" in each]
+
+
+@pytest.mark.parametrize("other", ["blade_mount", "shield"])
+def test_without_a_hierarchy_an_end_of_another_name_is_not_sure(other: str) -> None:
+    """Toes end no leg whose foot has another name, and a shield no arm."""
+    called = {"foot.L": "blade_mount.L"} if other == "blade_mount" else {}
+    places = {"blade_mount.L": (0.1, 0.3, -0.06), "toe.L": (0.1, 0.15, 0.02)}
+    joints = [(called.get(name, name), "hips" if name != "hips" else "", at) for name, _, at in MAN]
+    joints = [(name, over, places.get(name, at) if called else at) for name, over, at in joints]
+    joints += [("shield", "hips", (0.5, 1.3, 0.12))] if other == "shield" else []
+    assert sure(joints, named=True) <= {*FOUR, ("thigh.L", "shin.L", "blade_mount.L")}
+
+
+def test_the_neck_and_head_of_a_guitar_are_not_sure() -> None:
+    """It has a body, too."""
+    pegs = both([(f"peg_{k}.L", "head", (0.04, 1.33 + 0.04 * k, 0.0)) for k in range(3)])
+    flat = [("body", "", (0, 0.3, 0)), ("neck", "body", (0, 0.8, 0)), ("head", "body", (0, 1.3, 0))]
+    joints: list[Joint] = [*flat, *((name, "body", at) for name, _, at in pegs)]
+    found = recognise(rig_with(joints)).characters
+    assert not [chain for each in found for chain in each.chains if chain.is_sure]
+
+
+def test_a_group_that_stands_where_its_parent_does_begins_no_limb() -> None:
+    """Before, ``arm_grp`` was the shoulder of a claw whose joints stand beside one another below it."""
+    legs = [
+        joint
+        for k, z in enumerate((-0.1, 0.0, 0.1, 0.2))
+        for joint in line(
+            f"leg_a_{k}.L leg_b_{k}.L leg_c_{k}.L", "carapace", (0.1, 0.25, z), (0.33, 0.45, z), (0.58, 0, z)
+        )
+    ]
+    claw = [("arm_grp.L", "carapace", (0.0, 0.25, 0.0))]
+    claw += [
+        ("claw_upper.L", "arm_grp.L", (0.15, 0.25, 0.15)),
+        ("claw_lower.L", "arm_grp.L", (0.35, 0.3, 0.3)),
+    ]
+    claw += line("claw_hand.L claw_pincer.L", "arm_grp.L", (0.3, 0.25, 0.5), (0.22, 0.25, 0.6))
+    joints: list[Joint] = [("carapace", "", (0.0, 0.25, 0.0)), *both([*legs, *claw])]
+    assert not [each for each in limbs(joints, named=True) if "grp" in joints[each.joints[0]][0]]
