@@ -7,25 +7,24 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdLux, UsdSkel
+from pxr import UsdGeom, UsdLux, UsdSkel
 
 from rigtri.errors import FileError
 from rigtri.evaluation.timelines import as_played
 from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_cameras_lights import read_camera, read_light
 from rigtri.export.conversion.usd_deformation import lost_deformations
+from rigtri.export.conversion.usd_instances import without_instances
 from rigtri.export.conversion.usd_material_reader import MaterialReader, shows_colours
 from rigtri.export.conversion.usd_motion import PrimMotion, unit_rotations
 from rigtri.export.conversion.usd_triangles import Faces, colour_of, materials_of, read_faces, with_points
 from rigtri.export.conversion.usd_unread import Unread
 from rigtri.export.conversion.usd_values import HereOrAbove, json_value, rest_value
-from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.composition.value_types import integers, vectors
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.loose_animations import nearest, tracks_of
 from rigtri.formats.usd.reading.mesh_reader import at_start, drives_shapes
-from rigtri.formats.usd.reading.reader import read_source
 from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -40,25 +39,10 @@ _SAME_TIME = 0.02
 _SMALLEST = np.nextafter(np.float32(0), np.float32(1))
 
 
-def _without_instances(document: UsdDocument) -> UsdDocument:
-    """The document with every instance as prims of its own: glTF has no prototypes but meshes."""
-    stage = document.source.stage
-    if not any(prim.IsInstance() for prim in stage.Traverse()):
-        return document
-    whole = Usd.Stage.Open(stage.GetRootLayer(), Usd.Stage.LoadAll)
-    # The session is this stage's own: nothing reaches the layers of the file.
-    whole.SetEditTarget(whole.GetSessionLayer())
-    while instances := [prim for prim in whole.Traverse() if prim.IsInstance()]:
-        for prim in instances:
-            prim.SetInstanceable(False)
-    options = ReadOptions(empty=True)
-    return UsdDocument(read_source(document.source.path, options, whole), options, whole.GetRootLayer())
-
-
 def read_scene(document: UsdDocument, name: str) -> Scene:
     """All of a stage that glTF can say; the rest is in `Scene.lost`. Its rig has clips in seconds."""
     with quiet(f"{document.source.path}: USD cannot read what it shows"):
-        return _Reader(_without_instances(document), name, document.image).read()
+        return _Reader(without_instances(document), name, document.image).read()
 
 
 def _is_invisible(prim: Any) -> bool:

@@ -44,12 +44,23 @@ _READ = {
     "UsdTransform2d": "info: outputs: inputs:in inputs:rotation inputs:scale inputs:translation",
     "UsdPrimvarReader_float2": "info: outputs: inputs:varname",
     "UsdPrimvarReader_float3": "info: outputs: inputs:varname",
-    "Xform": "",
+    # Point instancers are Xforms here, whose prims have what places their instances.
+    "Xform": "protoIndices positions orientations orientationsf scales prototypes ids invisibleIds",
     "SkelRoot": "",
     "Scope": "",
 }
 # What is converted with its samples, or reported where it is read; nobody draws an extent.
-_MOVES = ("xformOp:", "translations", "rotations", "scales", "blendShapeWeights", "points", "extent")
+_MOVES = (
+    "xformOp:",
+    "positions",
+    "orientations",
+    "scales",
+    "translations",
+    "rotations",
+    "blendShapeWeights",
+    "points",
+    "extent",
+)
 _METADATA = ("assetInfo", "documentation", "comment")
 _OWN_DATA = ("extras", "unlit", "rigtri")
 

@@ -11,6 +11,10 @@ from program import cli
 from pxr import Usd, UsdGeom, UsdSkel
 from usd_files import MESH, animation, save, scene, skeleton
 
+from rigtri.evaluation.sampling import locals_at, worlds
+from rigtri.evaluation.skinning import deformed
+from rigtri.formats import read
+
 ROCK = """def Mesh "Rock"
 {
     point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
@@ -158,3 +162,35 @@ def test_a_skeleton_below_a_class_alone_is_told_where_it_is(tmp_path: Path) -> N
     source = save(tmp_path, f'{text}\ndef Xform "World"\n{{\n}}\n')
     printed = cli("orient-joints", source, "-o", tmp_path / "out.usda", code=3).stderr
     assert "</Root/Skel> is no prim of the scene, because </Root> is a class" in printed
+
+
+@pytest.mark.parametrize("below", [True, False], ids=["below", "beside"])
+def test_instances_are_nodes_of_gltf_where_they_are_drawn(below: bool, tmp_path: Path) -> None:
+    """Each instance has a place on a line, and a skin with the motion of its prototype.
+
+    OpenUSD takes angles from the real part alone, so half floats are to be unit.
+    """
+    text = stage_of(below=below, scales=True, above=SCALED).replace("(0.7071, 0, 0.7071, 0)", "(0, 0, 1, 0)")
+    source = save(tmp_path, text)
+    out = tmp_path / "out.glb"
+    ran = cli("convert", source, "-o", out, code=0)
+    assert "not converted" not in ran.stderr
+    document = read(out)
+    rig = document.rig
+    (clip,) = rig.clips
+    army = set(rig.below(rig.find("Army")))
+    for time in (1.0, 5.0):
+        world = worlds(rig, locals_at(rig, clip, np.array([time / 24.0])))
+        found = [deformed(m, rig, world, np.zeros((1, 0)))[0] for m in document.meshes() if m.node in army]
+        expected = drawn(source, time)
+        assert np.abs(np.concatenate(found) - expected).max() < 1e-6 * np.abs(expected).max()
+
+
+def test_instancers_whose_instances_come_and_go_are_reported_and_not_converted(tmp_path: Path) -> None:
+    text = stage_of(below=True, scales=False).replace(
+        "int[] protoIndices = [0, 1, 0]",
+        "int[] protoIndices.timeSamples = {\n1: [0, 1, 0],\n3: [1, 1, 0],\n}",
+    )
+    source = save(tmp_path, text)
+    ran = cli("convert", source, "-o", tmp_path / "out.glb", code=0)
+    assert "not converted: PointInstancer </World/Army> with its prototypes" in " ".join(ran.stderr.split())

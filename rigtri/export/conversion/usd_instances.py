@@ -1,0 +1,139 @@
+"""Instances of a stage as prims of their own: glTF has no prototypes but meshes.
+
+All is said in the session layer of a stage of its own, so nothing reaches the layers of the file. A point
+instancer becomes an Xform with a prim for each instance, which references its prototype.
+
+Source: OpenUSD glossary, "Instancing"; UsdGeomPointInstancer (a prototype's own ops come first, then scale,
+orientation and position).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from pxr import Gf, Sdf, Usd, UsdGeom
+
+from rigtri.formats.document import ReadOptions
+from rigtri.formats.usd.document import UsdDocument
+from rigtri.formats.usd.reading.reader import read_source
+
+# More instances of a point instancer are not written as nodes: viewers take minutes for so many.
+_MOST = 10_000
+# What places instances, by the op that takes it. Those of the second name win over those of the first.
+_PLACES = {
+    "translate": ("positions",),
+    "orient": ("orientations", "orientationsf"),
+    "scale": ("scales",),
+}
+_FLOAT = UsdGeom.XformOp.PrecisionFloat
+# What moves or shows instances in a way that ops have no samples of.
+_MOTION = ("velocities", "accelerations", "angularVelocities")
+_FIXED = ("protoIndices", "ids", "invisibleIds")
+Values = dict[float | None, Any]
+
+
+def without_instances(document: UsdDocument) -> UsdDocument:
+    """The document with every instance as prims of its own.
+
+    Point instancers stay that have too many instances, or others at some times than at others.
+    """
+    stage = document.source.stage
+    if not any(prim.IsInstance() or prim.IsA(UsdGeom.PointInstancer) for prim in stage.Traverse()):
+        return document
+    whole = Usd.Stage.Open(stage.GetRootLayer(), Usd.Stage.LoadAll)
+    session = whole.GetSessionLayer()
+    session.timeCodesPerSecond = whole.GetTimeCodesPerSecond()
+    whole.SetEditTarget(session)
+    kept = set[Any]()
+    while found := [prim for prim in whole.Traverse() if _is_shared(prim, kept)]:
+        for prim in found:
+            if not prim:  # below an instancer that was expanded
+                continue
+            if prim.IsInstance():
+                prim.SetInstanceable(False)
+            elif not _expand(whole, UsdGeom.PointInstancer(prim)):
+                kept.add(prim.GetPath())
+    options = ReadOptions(empty=True)
+    return UsdDocument(read_source(document.source.path, options, whole), options, whole.GetRootLayer())
+
+
+def _is_shared(prim: Any, kept: set[Any]) -> bool:
+    return prim.IsInstance() or (prim.IsA(UsdGeom.PointInstancer) and prim.GetPath() not in kept)
+
+
+def _expand(stage: Any, instancer: Any) -> bool:
+    """Give a point instancer a prim for each of its instances; whether that can be said with ops."""
+    prim = instancer.GetPrim()
+    prototypes = instancer.GetPrototypesRel().GetForwardedTargets()
+    rows = _rows(instancer.GetProtoIndicesAttr())
+    fixed = all(len(prim.GetAttribute(name).GetTimeSamples()) < 2 for name in _FIXED)
+    moved = any(prim.GetAttribute(name).HasAuthoredValue() for name in _MOTION)
+    if not fixed or moved or len(rows) > _MOST or not all(0 <= row < len(prototypes) for row in rows):
+        return False
+    if any(prim.GetPath().HasPrefix(path) or not stage.GetPrimAtPath(path) for path in prototypes):
+        return False
+    values = {op: _values(prim, names) for op, names in _PLACES.items()}
+    lengths = {-1 if array is None else len(array) for each in values.values() for array in each.values()}
+    if not values["translate"] or lengths != {len(rows)}:
+        return False
+    mask = instancer.ComputeMaskAtTime(Usd.TimeCode.EarliestTime()) or [True] * len(rows)
+    taken = {child.GetName() for child in prim.GetAllChildren()}
+    places = _paths(prim.GetPath(), [prototypes[row].name for row in rows], taken)
+    shown = [number for number in range(len(rows)) if mask[number]]
+    with Sdf.ChangeBlock():
+        layer = stage.GetEditTarget().GetLayer()
+        Sdf.CreatePrimInLayer(layer, prim.GetPath()).typeName = "Xform"
+        for name in taken:  # what is below an instancer is shown by its instances alone
+            Sdf.CreatePrimInLayer(layer, prim.GetPath().AppendChild(name)).SetInfo("active", False)
+        for number in shown:
+            place, prototype = places[number], prototypes[rows[number]]
+            above = Sdf.CreatePrimInLayer(layer, place)
+            above.specifier, above.typeName = Sdf.SpecifierDef, "Xform"
+            spec = Sdf.CreatePrimInLayer(layer, place.AppendChild(prototype.name))
+            spec.specifier = Sdf.SpecifierDef
+            spec.SetInfo("active", True)
+            spec.referenceList.prependedItems = [Sdf.Reference("", prototype)]
+    for number in shown:
+        _place(UsdGeom.Xformable(stage.GetPrimAtPath(places[number])), values, number)
+    return True
+
+
+def _rows(attribute: Any) -> list[int]:
+    return list(attribute.Get(Usd.TimeCode.EarliestTime()) or ())
+
+
+def _paths(parent: Any, names: Sequence[str], taken: set[str]) -> list[Any]:
+    """A path below an instancer for each instance: ``Hero_0``, or with more behind it where that is taken."""
+    found = []
+    for number, name in enumerate(names):
+        one = f"{name}_{number}"
+        while one in taken:
+            one += "_"
+        found.append(parent.AppendChild(one))
+    return found
+
+
+def _values(prim: Any, names: Sequence[str]) -> Values:
+    """The values of the last of some attributes that has any, at each of its times; None is the default."""
+    for name in reversed(names):
+        attribute = prim.GetAttribute(name)
+        if attribute and attribute.HasAuthoredValue():
+            times = attribute.GetTimeSamples()
+            return {time: attribute.Get(time) for time in times} or {None: attribute.Get()}
+    return {}
+
+
+def _place(xformable: Any, values: dict[str, Values], number: int) -> None:
+    """Give the prim of an instance its ops."""
+    for name, samples in values.items():
+        for time, array in samples.items():
+            value = array[number]
+            if name == "translate":
+                op, value = xformable.GetTranslateOp() or xformable.AddTranslateOp(), Gf.Vec3d(value)
+            elif name == "orient":
+                precision = UsdGeom.XformOp.PrecisionHalf if isinstance(value, Gf.Quath) else _FLOAT
+                op = xformable.GetOrientOp() or xformable.AddOrientOp(precision)
+            else:
+                op = xformable.GetScaleOp() or xformable.AddScaleOp()
+            op.Set(value, Usd.TimeCode.Default() if time is None else time)
