@@ -19,7 +19,8 @@ from rigtri.model.joint_names import Side
 VERSION = 1
 TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
 # What the script of export-blender puts below an IK end, with its name; before, with Blender's number.
-SWITCH = re.compile(r"rigtri_ik([._].+)?")
+# And what it puts below a character without IK whose pose readers drive.
+SWITCH, DRIVE = re.compile(r"rigtri_(ik([._].+)?|drive([._][0-9]+)?)"), "rigtri_drive"
 
 Triple = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]

@@ -25,7 +25,7 @@ from rigtri.model.content import Content, RigSource
 from rigtri.model.dataclass import dataclass
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
-from rigtri.model.metadata import ADDED, RECORDS, SWITCH, Place, Record, references, with_references
+from rigtri.model.metadata import ADDED, DRIVE, RECORDS, SWITCH, Place, Record, references, with_references
 from rigtri.model.node_names import NodeNames
 from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.skin import Skin
@@ -251,7 +251,8 @@ class Rig(NodeNames):
             node
             for node, name in enumerate(self.names)
             if SWITCH.fullmatch(name)
-            and (self.parents[node] in made or identifier(name) in ends)
+            and (self.parents[node] in made or identifier(name) in ends or name.startswith(DRIVE))
+            and made
             and self.attachment[node] < 0
             and not self.children[node]
         )

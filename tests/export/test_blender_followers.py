@@ -28,7 +28,7 @@ from rigtri.formats import ReadOptions, read
 from rigtri.maths.quaternions import multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
-from rigtri.model.metadata import PoseWeightRecord, RivetRecord
+from rigtri.model.metadata import DRIVE, PoseWeightRecord, RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.options.add_posereader import Goal
 from rigtri.operations.take_clips.driven_channels import driven_channels
@@ -365,6 +365,29 @@ def test_what_readers_and_rivets_drive_in_blender_is_no_edit(
             seen = PoseCache(each, sample_parts(each, clip, times))
             places.append(seen.world(each.find(one.names[node]))[:, 3, :3])
         assert np.abs(places[0] - places[1]).max() <= BAKED
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", [".glb", ".usdc"])
+def test_what_readers_drive_in_blender_is_no_edit_without_ik(suffix: str, tmp_path: Path) -> None:
+    """Only the switches of IK limbs said that the script was at work, and keys of readers were taken."""
+    rigged, edited, home, script = (
+        str(tmp_path / name) for name in ("rigged.glb", f"edited{suffix}", "home.glb", "setup.py")
+    )
+    document = read(SAMPLES / "biped.glb")
+    free = document.rig.find("toe_L")
+    clips = (replace(c, tracks=tuple(t for t in c.tracks if t.node != free)) for c in document.rig.clips)
+    rig = rigtri.add_controls(replace(document.rig, clips=tuple(clips)), below=["hips"])
+    rig = rigtri.add_posereader(
+        rig, driver="thigh_L", target=["up=0,-1,0.4"], joint=[("up", "toe_L", "rz=30")]
+    )
+    document.write(rig, Path(rigged), Path(rigged))
+    cli("export-blender", rigged, "-o", script, code=0)
+    blender_trip({"script": script, "target": edited, "clip": "walk", "keys": {}}, folder=tmp_path)
+    assert any(name.startswith(DRIVE) for name in read(Path(edited)).rig.names)
+    told = cli("take-clips", rigged, "--from", edited, "-o", home, code=0).stderr
+    after = read(Path(home)).rig
+    assert after.find("toe_L") not in _changed(read(Path(rigged)).rig, after), told
 
 
 def _changed(before: Rig, after: Rig) -> set[int]:

@@ -744,6 +744,8 @@ class Setup:
             self.constrain(about)
         if RIG["values"]:
             self.compute()
+            if not RIG["limbs"]:
+                self.add_switch()
         if self.solver:
             self.settle()
 
@@ -754,21 +756,28 @@ class Setup:
         thing.hide_viewport = thing.hide_render = thing.hide_select = True
         return thing
 
-    def add_switch(self, bone: str) -> None:
+    def add_switch(self, bone: str = "") -> None:
         """A visible empty below an IK end, whose scale says in what is exported whether IK moves the limb.
 
         Half or one and a half: IK is off or on; one: nothing drives. ``rigtri bake --rig`` reads it. It has
-        the end's name: Blender's USD has no prims below joints.
+        the end's name: Blender's USD has no prims below joints. Without a bone, below the character, it
+        says that pose readers drive, where no limb has IK.
         """
         switch = self.added(SWITCH)
-        switch.name = f"{SWITCH}_{bone}"
+        switch.name = f"{SWITCH}_{bone}" if bone else DRIVE
         switch.hide_viewport = switch.hide_render = False
         switch.empty_display_size = 1e-4
-        switch.parent, switch.parent_type, switch.parent_bone = self.rig, "BONE", bone
+        if bone:
+            switch.parent, switch.parent_type, switch.parent_bone = self.rig, "BONE", bone
+        else:
+            switch.parent = self.master
         for curve in switch.driver_add("scale"):
-            path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"]["{SWITCH}"]'
-            self.by_switches(curve.driver, [("drive", self.master, f'["{DRIVE}"]'), ("ik", self.rig, path)])
-            curve.driver.expression = "1 + drive * (ik - 0.5)"
+            self.by_switches(curve.driver, [("drive", self.master, f'["{DRIVE}"]')])
+            curve.driver.expression = "1 + 0.5 * drive"
+            if bone:
+                path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"]["{SWITCH}"]'
+                self.by_switches(curve.driver, [("ik", self.rig, path)])
+                curve.driver.expression = "1 + drive * (ik - 0.5)"
 
     def empty(self, about: dict[str, Any]) -> Any:
         thing = self.added(about["name"])

@@ -20,7 +20,7 @@ from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.maths.matrices import decompose
 from rigtri.model.animation import Path, Track
 from rigtri.model.dataclass import dataclass
-from rigtri.model.metadata import SWITCH, ControlRecord, OffsetRecord
+from rigtri.model.metadata import DRIVE, SWITCH, ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 from rigtri.text import identifier, list_names
@@ -32,22 +32,28 @@ _OFF, _ON = 0.75, 1.25
 
 @dataclass(frozen=True)
 class Switches:
-    """The IK ends whose IK was on while somebody animated, and those whose IK was off."""
+    """The IK ends whose IK was on while somebody animated, and those whose IK was off.
+
+    drives: whether controls and pose readers drove, which the switches of IK ends or one of its own say.
+    """
 
     on: frozenset[int]
     off: frozenset[int]
+    drives: bool = False
 
 
 def switches(edited: Rig, ends: Mapping[int, int]) -> Switches:
     """The switches of a file's IK ends: ``ends`` has their nodes there, and what they are in the rig."""
-    sizes: dict[int, float] = {}
-    for end, node in _of(edited, ends).items():
-        x, y, z = decompose(edited.local[node])[2]
-        sizes[ends[end]] = float(x + y + z) / 3
-    return Switches(
-        frozenset(end for end, size in sizes.items() if size > _ON),
-        frozenset(end for end, size in sizes.items() if size < _OFF),
-    )
+    sizes = {ends[end]: _size(edited, node) for end, node in _of(edited, ends).items()}
+    on = frozenset(end for end, size in sizes.items() if size > _ON)
+    off = frozenset(end for end, size in sizes.items() if size < _OFF)
+    alone = (k for k, name in enumerate(edited.names) if name.startswith(DRIVE) and SWITCH.fullmatch(name))
+    return Switches(on, off, bool(on or off) or any(_size(edited, node) > _ON for node in alone))
+
+
+def _size(rig: Rig, node: int) -> float:
+    x, y, z = decompose(rig.local[node])[2]
+    return float(x + y + z) / 3
 
 
 def switches_of(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> Switches:

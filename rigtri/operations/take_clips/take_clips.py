@@ -128,7 +128,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
 def _moved_in_blender(rig: Rig, switched: Switches) -> tuple[frozenset[int], Driven]:
     """What controls, readers and rivets move in a file that the script of export-blender was at work in."""
     follow = follow_controls(rig) if switched.on and not switched.off else frozenset[int]()
-    return follow, driven_channels(rig) if switched.on | switched.off else Driven()
+    return follow, driven_channels(rig) if switched.drives else Driven()
 
 
 def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
