@@ -33,7 +33,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.operation import operation
 from rigtri.operations.options.pose import PoseOptions as PoseOptions
-from rigtri.operations.solver_warnings import solver_warnings
+from rigtri.operations.solver_warnings import refuse_overstretch, solver_warnings
 from rigtri.report import Report
 from rigtri.text import and_more
 
@@ -41,10 +41,13 @@ from rigtri.text import and_more
 KEPT = ("control", "offset", "poleVector", "group", "constraintWeight")
 
 
-def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> PoseCache:
+def pose_of(
+    rig: Rig, options: PoseOptions, report: Report | None = None, *, written: bool = False
+) -> PoseCache:
     """The pose, one row for each requested node. What cannot be as requested is a warning of the report.
 
-    Raises UsageError, NameNotFoundError (a clip), GeometryError (a cycle).
+    written: it is to be a rest pose, which no limb stretched without end can be. Raises UsageError,
+    NameNotFoundError (a clip), GeometryError (a cycle, such a limb).
     """
     timeline, time = timeline_and_time(rig, options.at)
     if report is not None and timeline is not None:
@@ -56,6 +59,8 @@ def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> Pos
     solver = Solver(seen, at_work)
     sampled = {} if timeline is None else sample_parts(rig, timeline.clip, np.array([time]))
     posed = solver.run({node: parts for node, parts in sampled.items() if node not in nodes})
+    if written:
+        refuse_overstretch(solver, posed, lambda _: options.at)
     if report is not None:
         report.extend(solver_warnings(solver, posed, lambda _: options.at))
     return PoseCache(rig, {**sampled, **posed.parts}) if nodes else posed
@@ -122,7 +127,7 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     Bind poses do not change, so meshes show the pose. Raises as `pose_of`, and GeometryError for a
     pose that is no numbers.
     """
-    posed = pose_of(rig, options, report)
+    posed = pose_of(rig, options, report, written=True)
     kept = {*driven_joints(rig), *rig.nodes_of(*KEPT)}
     parts = {node: posed.part(node) for node in sorted(set(posed.parts) - kept)}
     for node, now in parts.items():

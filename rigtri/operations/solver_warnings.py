@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.ik import Ik
@@ -32,6 +33,8 @@ EVEN = 1e-4
 # Degrees. A pole that stands beside the plane of its limb by less does not turn it visibly.
 TURNED = 1.0
 
+# So many times its length a bone may be: float32 has seven digits, and the pose is to have some of them.
+MOST = 1e4
 
 # Names the moment of a row.
 Moment = Callable[[int], str]
@@ -67,7 +70,7 @@ def clip_solver_warnings(
     }
     found: dict[tuple[str, str | None], Notice] = {}
     for rows in blocks(len(times)):
-        moment = _moment(timeline.name, times[rows])
+        moment = moment_of(timeline.name, times[rows])
         for notice in solver_warnings(solver, PoseCache(rig, cut(parts, rows)), moment):
             if notice.code != "control-scale" or notice.joint not in as_shown:
                 found.setdefault((notice.code, notice.joint), notice)
@@ -81,7 +84,7 @@ def _shown(track: Track | None, times: Floats, scale: Floats) -> bool:
     return bool(np.abs(sample(track, times) - scale).max() <= EVEN * np.abs(scale).max())
 
 
-def _moment(clip: str, times: Floats) -> Moment:
+def moment_of(clip: str, times: Floats) -> Moment:
     return lambda row: f"{clip}@{times[row]:g}"
 
 
@@ -110,6 +113,22 @@ def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
     else:
         return
     yield Notice("control-scale", text, name)
+
+
+def refuse_overstretch(solver: Solver, posed: PoseCache, at: Moment) -> None:
+    """GeometryError where IK with stretch makes bones more than `MOST` times as long as at rest."""
+    still = PoseCache(solver.rig)
+    for limb in (ik.limb for ik in solver.limbs if ik.limb.stretch):
+        for node in limb.chain[1:]:
+            size = float(length(still.part(node).translation)[0])
+            grown = length(posed.part(node).translation) / (size if size > 0 else np.inf)
+            row = int(np.argmax(grown > MOST))
+            if grown[row] > MOST:
+                raise GeometryError(
+                    f"'{solver.rig.title(limb.control)}' is so far away at {at(row)} that its limb would be "
+                    f"{grown[row]:.2g} times as long; {MOST:g} times is the most. Bring it nearer, or bake "
+                    "with --no-stretch"
+                )
 
 
 def turned_at_rest(ik: Ik) -> float:

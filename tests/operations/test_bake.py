@@ -40,6 +40,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
+from rigtri.operations.pose import take_pose
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -209,6 +210,10 @@ def test_a_limb_that_would_stretch_without_end_is_refused_by_name() -> None:
     far = animated(rig, hand, "translation", [[0, 0, 0], [1e30, 0, 0]])
     with pytest.raises(GeometryError, match=r"'hand_L_ik_ctl' is so far away at new@.* --no-stretch"):
         bake(far, options=BakeOptions(stretch=True))
+    # A rest pose is no other; before, pose wrote it.
+    stored = replace(far, metadata={**far.metadata, hand: {**far.metadata[hand], "stretch": True}})
+    with pytest.raises(GeometryError, match=r"'hand_L_ik_ctl' is so far away at new@1 "):
+        take_pose(stored, at="new@1")
     for target, stretch in ((1e30, False), (1e3, True)):
         near = animated(rig, hand, "translation", [[0, 0, 0], [target, 0, 0]])
         baked = bake(near, options=BakeOptions(stretch=stretch))

@@ -69,13 +69,18 @@ from rigtri.operations.bake.unbaked import (
     refuse_replaced,
     warn_overruled,
 )
-from rigtri.operations.bake.warnings import fidelity, refuse_overstretch, warn_of_result
+from rigtri.operations.bake.warnings import fidelity, warn_of_result
 from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
 from rigtri.operations.options.bake import BakeOptions as BakeOptions
 from rigtri.operations.pose import KEPT, at_rest
 from rigtri.operations.rigtri_nodes import readdressed, with_record
-from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warnings
+from rigtri.operations.solver_warnings import (
+    clip_solver_warnings,
+    moment_of,
+    refuse_overstretch,
+    solver_warnings,
+)
 from rigtri.operations.take_clips.ik_switches import ik_ends
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
@@ -255,7 +260,7 @@ class _Baker:
         times, scales = samples.times, self.rig.scale
         parts = {node: mirrored_as(each, scales[node]) for node, each in samples.parts.items()}
         held = times if steps_only(timing) else jumps(timing)
-        refuse_overstretch(self.rig, solver.limbs, parts, timeline.name, times)
+        refuse_overstretch(solver, PoseCache(self.rig, parts), moment_of(timeline.name, times))
         tracks = [
             track
             for node in nodes

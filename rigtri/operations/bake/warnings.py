@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import NOTHING
-from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.curve_refinement import MOST_A_SECOND
-from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.inverse_solver import Block
-from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.rig_space import uneven_above
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.quaternions import dot
@@ -102,31 +99,6 @@ def _swings(track: Track) -> Iterator[float]:
     if track.path == "rotation" and track.interpolation == "CUBICSPLINE":
         values = key_values(track)
         yield from track.times[np.flatnonzero(dot(values[:-1], values[1:]) < _OPPOSITE)].tolist()
-
-
-# So many times its length a bone may be: float32 has seven digits, and the pose is to have some of them.
-MOST = 1e4
-
-
-def refuse_overstretch(
-    rig: Rig, limbs: Iterable[Ik], parts: Mapping[int, Parts], clip: str, times: Floats
-) -> None:
-    """GeometryError where IK with stretch makes bones more than `MOST` times as long as at rest.
-
-    parts: of all nodes that are moved, at ``times``, (f,), of a clip.
-    """
-    still = PoseCache(rig)
-    for limb in (ik.limb for ik in limbs if ik.limb.stretch):
-        for node in (node for node in limb.chain[1:] if node in parts):
-            size = float(length(still.part(node).translation)[0])
-            grown = length(parts[node].translation) / (size if size > 0 else np.inf)
-            frame = int(np.argmax(grown > MOST))
-            if grown[frame] > MOST:
-                raise GeometryError(
-                    f"'{rig.title(limb.control)}' is so far away at {clip}@{times[frame]:g} that its limb "
-                    f"would be {grown[frame]:.2g} times as long; {MOST:g} times is the most. Bring it "
-                    "nearer, or bake with --no-stretch"
-                )
 
 
 def fidelity(
