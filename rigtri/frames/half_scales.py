@@ -19,6 +19,8 @@ from rigtri.model.rig import Rig
 # A share of a number: products that half floats round by less are theirs. It is what float32 leaves of a rest
 # matrix from which a share comes, and moves nothing by a tenth of what a comparison allows.
 HELD = 1e-6
+# How far a half float may be from the number that it stands for, as a share of that.
+STEP = 2.0**-11
 
 
 def is_half(rig: Rig, track: Track) -> bool:
@@ -67,7 +69,10 @@ def _held_share(values: Floats, share: float) -> float | None:
     one = float(values[0])
     if one == 0.0 or (values != one).any():
         return None
-    return float(_half(np.array(one * share))) / one or None
+    product = one * share
+    nearest = float(_half(np.array(product)))
+    # A scale that rests as it is keyed gets 1 at its keys, though half floats have rounded these.
+    return (np.sign(product) if abs(abs(product) - 1.0) <= STEP else nearest) / one or None
 
 
 def _half(values: Floats) -> Floats:

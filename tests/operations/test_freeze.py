@@ -340,16 +340,18 @@ def test_scales_with_keys_that_sixteen_bits_cannot_hold_stay_and_are_named(tmp_p
     cli("freeze", source, "-o", out, "--overwrite", "--strict", code=5)
 
 
-def test_a_scale_that_all_keys_have_gets_the_nearest_that_sixteen_bits_hold(tmp_path: Path) -> None:
+@pytest.mark.parametrize("rest", [0.01, 1.1])
+def test_a_scale_that_all_keys_have_is_1_in_all_of_them(rest: float, tmp_path: Path) -> None:
     """As a half float 0.01 is 0.010002136, and what makes 1 of that makes 0.99979 of the rest pose."""
-    keys = "1: [(0.01, 0.01, 0.01), (1, 1, 1), (1, 1, 1)], 5: [(0.01, 0.01, 0.01), (1, 1, 1), (1, 1, 1)]"
-    source, out, again = scaled_middle(0.01, keys, tmp_path), tmp_path / "out.usda", tmp_path / "again.usda"
+    both = f"[({rest}, {rest}, {rest}), (1, 1, 1), (1, 1, 1)]"
+    keys = f"1: {both}, 5: {both}"
+    source, out, again = scaled_middle(rest, keys, tmp_path), tmp_path / "out.usda", tmp_path / "again.usda"
     ran = cli("freeze", source, "-o", out, code=0)
     assert "stays" not in ran.stderr
     made = read(out).rig
     keyed = [t.values for t in made.clips[0].tracks if t.path == "scale" and t.node == made.find("b")]
     assert [(values == 1.0).all() for values in keyed] == [True]
-    assert np.allclose(made.scale[made.find("b")], 0.01 / float(np.float16(0.01)))
+    assert np.allclose(made.scale[made.find("b")], rest / float(np.float16(rest)))
     assert verify(read(source), read(out)).deviation < 1e-6
     cli("freeze", out, "-o", again, code=0)
     assert again.read_bytes() == out.read_bytes()
