@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.errors import GeometryError
 from rigtri.evaluation.skinning import normalised_weights
 from rigtri.export.conversion.gltf_buffers import ARRAY, BufferBuilder
 from rigtri.export.conversion.gltf_materials import MaterialWriter
@@ -114,6 +115,12 @@ class GltfWriter:
                 self.scene.lose(f"the shear of {rig.title(k)}, which glTF forbids")
                 if k not in self._animated:
                     return {"matrix": local.reshape(-1).tolist()}
+                if not np.isfinite(parts[1]).all():
+                    raise GeometryError(
+                        f"The rest pose of '{rig.title(k)}' is flat: its axes span no space, so that no "
+                        "rotation and scale say where it rests, as glTF needs for what clips move. Let it "
+                        "rest as it is bound: rigtri set-rest --pose bind"
+                    )
         none = [0.0] * 3, [0.0, 0.0, 0.0, 1.0], [1.0] * 3
         names = "translation", "rotation", "scale"
         parts = parts[0], np.clip(parts[1], -1.0, 1.0), parts[2]  # a unit one may round beyond

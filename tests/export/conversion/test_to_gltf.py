@@ -463,3 +463,14 @@ def test_a_sheared_rest_pose_of_joints_that_move_is_refused_with_what_to_do(tmp_
     assert "The rest pose of 'b' is sheared" in " ".join(printed.split())
     cli("set-rest", source, "--pose", "bind", "-o", tmp_path / "bound.usda", code=0)
     cli("convert", tmp_path / "bound.usda", "-o", tmp_path / "out.glb", code=0)
+
+
+def test_a_flat_rest_pose_of_joints_that_move_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    """Before: "out.glb: this is not valid JSON: NaN is not a JSON number"."""
+    flat = "((1, 0.5, 0, 0), (2, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
+    rest = f"uniform matrix4d[] restTransforms = [{at(0, 0, 0)}, {flat}, {at(0, 2, 1)}]"
+    source = save(tmp_path, scene(skeleton(rest=rest), animation(), MESH))
+    printed = cli("convert", source, "-o", tmp_path / "out.glb", code=5).output
+    assert "The rest pose of 'b' is flat" in " ".join(printed.split())
+    cli("set-rest", source, "--pose", "bind", "-o", tmp_path / "bound.usda", code=0)
+    cli("convert", tmp_path / "bound.usda", "-o", tmp_path / "out.glb", code=0)
