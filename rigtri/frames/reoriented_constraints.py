@@ -27,10 +27,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import rotate_after, rotate_before
 from rigtri.maths.quaternions import IDENTITY, between, conjugate, multiply, quadruple, rotate, to_axes
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import triple
+from rigtri.maths.vectors import length, triple
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.constraints import Constraint, constraint_record, constraints_of
 from rigtri.model.metadata import (
@@ -49,6 +50,9 @@ from rigtri.model.rig import Rig
 
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.
 _SAME = 1e-9
+# What float32 leaves of the axes of a node below many others, as differences of unit vectors.
+SAME_AXES = 1e-4
+POINTS = "points in another direction"
 _AXES: tuple[RollAxis, ...] = ("x", "y", "z")
 _NONE = np.zeros(3)
 # What a change of frames gives new numbers; the rest of a record stays as it was written.
@@ -63,6 +67,25 @@ def coupled_nodes(rig: Rig, constraint: NodeConstraint) -> tuple[int, int] | Non
     if constraint.kind == "roll":
         first, second = int(rig.parents[first]), int(rig.parents[second])
     return (first, second) if first != second else None
+
+
+def changed_meaning(
+    before: Rig, constraint: NodeConstraint, now: NodeConstraint, nodes: Integers, axes: tuple[Floats, Floats]
+) -> str:
+    """What is otherwise of a constraint than it was, in words; "" where it does the same.
+
+    now: the same constraint after an edit. nodes: where each node is then, −1 where it is gone. axes: of the
+    nodes in the world at rest before and then, (n, 3, 3).
+    """
+    was, seen = constraint.axis @ axes[0][constraint.node], now.axis @ axes[1][now.node]
+    ways = (seen, -seen) if constraint.kind == "roll" else (seen,)
+    if all(length(was - way) > SAME_AXES for way in ways):
+        return POINTS
+    first, second = (
+        axes[0][node] @ axes[1][nodes[node]].T if node >= 0 and nodes[node] >= 0 else np.eye(3)
+        for node in coupled_nodes(before, constraint) or (-1, -1)
+    )
+    return "compares axes that no longer correspond" if np.abs(first - second).max() > SAME_AXES else ""
 
 
 def axes_compared(rig: Rig) -> tuple[NodeConstraint, ...]:

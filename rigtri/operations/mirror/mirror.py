@@ -16,7 +16,9 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.frames.mirroring import MIRRORS
+from rigtri.frames.reoriented_constraints import changed_meaning, constraints_from_metadata, coupled_nodes
 from rigtri.frames.skeleton import reference, skeleton
+from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
@@ -68,6 +70,7 @@ def _one(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     options = replace(options, across=parted.across)
     before, known = rig, len(report.warnings)
     rig = _mirrored(rig, options, report)
+    _refuse_turned_constraints(before, rig)
     if any(notice.code == NOT_VRM for notice in report.warnings[known:]):
         _warn_modes(before, options, report)
     return rig
@@ -78,6 +81,27 @@ def _mirrored(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         if what in (options.what or WHAT):
             rig = _STEPS[what](rig, options, report)
     return rig
+
+
+def _refuse_turned_constraints(before: Rig, after: Rig) -> None:
+    """GeometryError where a node constraint of others ties what was built to axes that mirroring changes."""
+    ours = constraints_from_metadata(before)
+    foreign = [c for c in before.node_constraints if c.key is not None and ours.get(c.node) != c.kind]
+    tied = [c for c in foreign if {c.node, c.source, *(coupled_nodes(before, c) or ())} & before.own]
+    if not tied:
+        return
+    places = {key: node for node, key in enumerate(after.keys) if key is not None}
+    nodes = np.array([places.get(key, -1) for key in before.keys])
+    axes = nearest_rotation(before.world), nearest_rotation(after.world)
+    there = {c.key: c for c in after.node_constraints}
+    for c in tied:
+        if c.key in there and (change := changed_meaning(before, c, there[c.key], nodes, axes)):
+            child, driver = before.title(c.node), before.title(c.source)
+            raise GeometryError(
+                f"The {c.kind} constraint of '{child}' by '{driver}', which is not rigtri's, {change} once "
+                "what is built here is mirrored. Take it out of the file and mirror again, or name what to "
+                "mirror with --what"
+            )
 
 
 def _warn_modes(rig: Rig, options: MirrorOptions, report: Report) -> None:

@@ -11,18 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.reoriented_constraints import constraints_from_metadata, coupled_nodes
+from rigtri.frames.reoriented_constraints import POINTS, changed_meaning, constraints_from_metadata
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.bindings import Bound, NodeConstraint
+from rigtri.model.bindings import Bound
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.correspondence import Correspondence
 
 # Of their length: what float32 leaves of a vector that was turned.
 SAME_VECTOR = 1e-5
-# What float32 leaves of the axes of a node below many others, as differences of unit vectors.
-SAME_AXES = 1e-4
 
 
 def compare_attached(before: Rig, after: Rig, m: Correspondence) -> list[str]:
@@ -92,29 +90,10 @@ def _constraints(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Float
             continue  # exported from a constraint of ours before, and no longer
         if now is None:
             yield f"{title} by {before.title(c.source)} is gone"
-        elif not _same_axis(c, now, axes):
-            yield f"the axis of {title} points in another direction"
-        elif not _same_rotation(before, c, m, axes):
-            yield f"{title} compares axes that no longer correspond"
+        elif change := changed_meaning(before, c, now, m.node, axes):
+            yield f"{'the axis of ' if change == POINTS else ''}{title} {change}"
 
     was = {(c.kind, int(m.node[c.node]), int(m.node[c.source])) for c in before.node_constraints}
     for c in after.node_constraints:
         if c.kind != "tail" and (c.kind, c.node, c.source) not in was and new.get(c.node) != c.kind:
             yield f"the {c.kind} constraint of {after.title(c.node)} by {after.title(c.source)} is new"
-
-
-def _same_axis(c: NodeConstraint, now: NodeConstraint, axes: tuple[Floats, Floats]) -> bool:
-    was, seen = c.axis @ axes[0][c.node], now.axis @ axes[1][now.node]
-    ways = (seen, -seen) if c.kind == "roll" else (seen,)
-    return any(not length(was - way) > SAME_AXES for way in ways)
-
-
-def _same_rotation(before: Rig, c: NodeConstraint, m: Correspondence, axes: tuple[Floats, Floats]) -> bool:
-    pair = coupled_nodes(before, c)
-    if pair is None:
-        return True
-    first, second = (
-        axes[0][node] @ axes[1][m.node[node]].T if node >= 0 and m.node[node] >= 0 else np.eye(3)
-        for node in pair
-    )
-    return not np.abs(first - second).max() > SAME_AXES
