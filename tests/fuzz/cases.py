@@ -67,7 +67,7 @@ def run(seed: int, number: int, corpus: Path, names: list[str], keep: str = "") 
         found, path, random = _made(seed, number, corpus, names, Path(place))
         if keep:
             shutil.copytree(place, keep, dirs_exist_ok=True)
-        _judge(found, path, Path(place), random)
+        judge(found, path, Path(place), random)
         return found
 
 
@@ -84,8 +84,8 @@ def _made(seed: int, number: int, corpus: Path, names: list[str], place: Path) -
     folder = place / "in"
     folder.mkdir()
     path, done = _mutated(corpus / name, folder, random)
-    inside = _names(corpus / name, random)
-    command = commands.command(path, place, random, inside, _root(corpus / name))
+    inside = names_of(corpus / name, random)
+    command = commands.command(path, place, random, inside, root_of(corpus / name))
     return Found(number, "", "", name, done, command), path, random
 
 
@@ -125,7 +125,7 @@ def _chain(source: Path, random: Random) -> list[str]:
     return [end.rsplit("/", 2)[0], end.rsplit("/", 1)[0], end]
 
 
-def _names(source: Path, random: Random) -> commands.Names:
+def names_of(source: Path, random: Random) -> commands.Names:
     """What a command may name of the file before it was mutated."""
     chain = _chain(source, random)
     if source.suffix not in GLTF_SUFFIXES:
@@ -138,7 +138,7 @@ def _names(source: Path, random: Random) -> commands.Names:
     return commands.Names(chain, every, meshes, clips, source.parent.name == "rigged")
 
 
-def _root(source: Path) -> str:
+def root_of(source: Path) -> str:
     """The top of the hierarchy where a file of the corpus has no skeleton; "" where it has."""
     if source.suffix not in GLTF_SUFFIXES:
         return "" if usd.joints(source) else usd.top(source)
@@ -150,7 +150,7 @@ def _root(source: Path) -> str:
 # --- judging
 
 
-def _judge(found: Found, path: Path, place: Path, random: Random) -> None:
+def judge(found: Found, path: Path, place: Path, random: Random) -> None:
     before = _contents(place)
     result, noise = _invoke(found.command)
     after = _contents(place)
@@ -247,7 +247,7 @@ def _judge_output(
     # Joints without a skin are no rig where a USD file has no skeleton.
     readable = target.suffix == path.suffix and not {"--edit-target", "--no-skin"} & set(found.command)
     if random.randrange(SHARE) == 0 and readable:
-        _judge_closely(found, source, target, place, after[own])
+        judge_closely(found, source, target, place, after[own])
 
 
 def _explained(found: Found, path: Path) -> bool:
@@ -279,7 +279,7 @@ def _options(found: Found) -> ReadOptions:
     return ReadOptions(lenient="--lenient" in found.command, root=root, allow_external_paths=external)
 
 
-def _judge_closely(found: Found, source: Path, target: Path, place: Path, content: bytes) -> None:
+def judge_closely(found: Found, source: Path, target: Path, place: Path, content: bytes) -> None:
     """Compare every point of both files, and make the output once more."""
     changing = found.command[0] in commands.CHANGING or {"--split-weights", "--unit", "--up-axis"} & set(
         found.command

@@ -62,7 +62,7 @@ def command(path: Path, place: Path, random: Random, names: Names, root: str) ->
     if random.random() < (0.05 if root == "" else 0.95):
         reading += ["--root", root or random.choice(["#0", "arm", "/Root", "joint 0"])]
     if random.random() < (0.8 if names.is_rigged else 0.4):
-        return _of_all(path, place, random, names, reading)
+        return of_all(path, place, random, names, reading)
     what = random.random()
     if what < 0.05:
         return ["inspect", str(path), *reading, *random.choice([[], ["--json"]])]
@@ -135,7 +135,7 @@ def _pole(chain: list[str], r: Random) -> list[str]:
 Arguments = Callable[[Names, Random], list[str]]
 
 
-def _of_all(path: Path, place: Path, r: Random, names: Names, reading: list[str]) -> list[str]:
+def of_all(path: Path, place: Path, r: Random, names: Names, reading: list[str]) -> list[str]:
     """One of all other commands, each as often as any other; operations without an entry, too."""
     name = r.choice(sorted({*EVERY, *OPERATIONS} - {"orient-joints", "add-polevector"}))
     arguments = EVERY[name](names, r) if name in EVERY else _drawn(name, names, r)

@@ -492,9 +492,16 @@ def _dangling(a: Asset, r: Random) -> None:
     _at(a.gltf, path[:-1])[path[-1]] = r.choice([one_past, one_past, 999, -1, 2**31])
 
 
+def record(node: Json) -> Json | None:
+    """What rigtri has stored on a node, if anything."""
+    extras = node.get("extras")
+    stored = extras.get("rigtri") if isinstance(extras, dict) else None
+    return stored if isinstance(stored, dict) else None
+
+
 def _record(a: Asset, r: Random) -> None:
     """What rigtri has stored on a node lacks a field, or has one that is another, or stands elsewhere."""
-    holders = [n for n in a.listed("nodes") if isinstance((n.get("extras") or {}).get("rigtri"), dict)]
+    holders = [n for n in a.listed("nodes") if record(n) is not None]
     stored = r.choice(holders)["extras"]["rigtri"]
     key = r.choice([*sorted(stored), "v", "type"])
     what = r.randrange(6)
@@ -517,7 +524,7 @@ def _record(a: Asset, r: Random) -> None:
 
 def _vanished(a: Asset, r: Random) -> None:
     """A node that metadata name has another name now."""
-    holders = [n for n in a.listed("nodes") if isinstance((n.get("extras") or {}).get("rigtri"), dict)]
+    holders = [n for n in a.listed("nodes") if record(n) is not None]
     words = [word for word in r.choice(holders)["extras"]["rigtri"].values() if isinstance(word, str)]
     gone = r.choice(words)
     for node in a.listed("nodes"):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
-import shutil
 import struct
-import tempfile
+import subprocess
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -18,8 +19,6 @@ from fuzz import raw
 
 # pxr's threads would fight over the machine with the other children.
 Work.SetConcurrencyLimit(1)
-# So many copies are read to see whether pxr reads one as it reads another; some look alike by chance.
-COPIES = 8
 
 WORDS = [
     "Skeleton",
@@ -156,7 +155,7 @@ TEXT: list[Callable[[str, Random], str]] = [
 # --- the layer
 
 
-def _specs(layer: Any, kind: str = "") -> list[Any]:
+def specs(layer: Any, kind: str = "") -> list[Any]:
     found: list[Any] = []
 
     def visit(path: Any) -> None:
@@ -169,7 +168,7 @@ def _specs(layer: Any, kind: str = "") -> list[Any]:
 
 
 def _attribute(layer: Any, r: Random) -> Any:
-    attributes = [a for prim in _specs(layer) for a in prim.attributes]
+    attributes = [a for prim in specs(layer) for a in prim.attributes]
     skeletal = [
         a for a in attributes if a.owner.typeName in ("Skeleton", "SkelAnimation") or "skel:" in a.name
     ]
@@ -225,19 +224,19 @@ def _block(layer: Any, r: Random) -> None:
 
 
 def _retype(layer: Any, r: Random) -> None:
-    prim = r.choice(_specs(layer))
+    prim = r.choice(specs(layer))
     prim.typeName = r.choice(
         ["Skeleton", "SkelRoot", "SkelAnimation", "Mesh", "Xform", "Scope", "", "Camera", "Nothing"]
     )
 
 
 def _specifier(layer: Any, r: Random) -> None:
-    prim = r.choice(_specs(layer))
+    prim = r.choice(specs(layer))
     prim.specifier = r.choice([Sdf.SpecifierDef, Sdf.SpecifierOver, Sdf.SpecifierClass])
 
 
 def _metadata(layer: Any, r: Random) -> None:
-    prim, what = r.choice(_specs(layer)), r.randrange(5)
+    prim, what = r.choice(specs(layer)), r.randrange(5)
     if what == 0:
         prim.instanceable = True
     elif what == 1:
@@ -258,16 +257,16 @@ def _root(layer: Any, r: Random) -> None:
 
 def _target(layer: Any, r: Random) -> None:
     """A relationship leads elsewhere: to any prim, to nobody, to two."""
-    relations = [rel for prim in _specs(layer) for rel in prim.relationships]
+    relations = [rel for prim in specs(layer) for rel in prim.relationships]
     if relations:
-        prims = [str(prim.path) for prim in _specs(layer)]
+        prims = [str(prim.path) for prim in specs(layer)]
         r.choice(relations).targetPathList.explicitItems = r.choice(
             [[], [r.choice(prims)], ["/nobody"], prims[:2]]
         )
 
 
 def _op(layer: Any, r: Random) -> None:
-    prim = r.choice(_specs(layer))
+    prim = r.choice(specs(layer))
     name = r.choice(["xformOp:translate", "xformOp:scale", "xformOp:rotateXYZ", "xformOp:translate:pivot"])
     if name not in prim.attributes:
         attribute = Sdf.AttributeSpec(prim, name, Sdf.ValueTypeNames.Double3)
@@ -282,7 +281,7 @@ def _op(layer: Any, r: Random) -> None:
 
 def _matrix(layer: Any, r: Random) -> None:
     """A joint's bind or rest matrix is scaled, mirrored, flat, sheared or not a number."""
-    skeletons = _specs(layer, "Skeleton")
+    skeletons = specs(layer, "Skeleton")
     if not skeletons:
         return
     attribute = r.choice(skeletons).attributes.get(r.choice(["bindTransforms", "restTransforms"]))
@@ -300,7 +299,7 @@ def _matrix(layer: Any, r: Random) -> None:
 
 
 def _tokens(layer: Any, r: Random) -> None:
-    owners = [p for p in _specs(layer) if "joints" in p.attributes and p.attributes["joints"].default]
+    owners = [p for p in specs(layer) if "joints" in p.attributes and p.attributes["joints"].default]
     if owners:
         attribute = r.choice(owners).attributes["joints"]
         items = list(attribute.default)
@@ -312,7 +311,7 @@ def _tokens(layer: Any, r: Random) -> None:
 
 def _dangling(layer: Any, r: Random) -> None:
     """An influence, an xform op or a binding names what does not exist."""
-    everything = [a for prim in _specs(layer) for a in prim.attributes]
+    everything = [a for prim in specs(layer) for a in prim.attributes]
     indices = [a for a in everything if a.name.endswith("skel:jointIndices") and a.default]
     what = r.randrange(3)
     if what == 0 and indices:
@@ -322,7 +321,7 @@ def _dangling(layer: Any, r: Random) -> None:
         attribute.default = Vt.IntArray(items)
     elif what == 1:
         relations = [
-            rel for prim in _specs(layer) for rel in prim.relationships if rel.name.startswith("skel:")
+            rel for prim in specs(layer) for rel in prim.relationships if rel.name.startswith("skel:")
         ]
         r.choice(relations).targetPathList.explicitItems = [r.choice(["/nobody", "/nobody/joint", "/"])]
     else:
@@ -342,7 +341,7 @@ def _odd_token(layer: Any, r: Random) -> None:
     }
     name = r.choice(sorted(kinds))
     odd = r.choice(["", "smooth", "Y Z", "é", "classiclinear"])
-    prim = r.choice(_specs(layer, kinds[name]))
+    prim = r.choice(specs(layer, kinds[name]))
     if name not in prim.attributes:
         Sdf.AttributeSpec(prim, name, Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform)
     prim.attributes[name].default = odd
@@ -353,7 +352,7 @@ def _odd_token(layer: Any, r: Random) -> None:
 
 def _record(layer: Any, r: Random) -> None:
     """What rigtri has stored lacks a value, or has another, also of another type."""
-    stored = [a for prim in _specs(layer) for a in prim.attributes if a.name.startswith("rigtri:")]
+    stored = [a for prim in specs(layer) for a in prim.attributes if a.name.startswith("rigtri:")]
     chosen = r.choice(stored)
     prim, name = chosen.owner, chosen.name
     what = r.randrange(4)
@@ -433,30 +432,25 @@ def read_plainly(path: Path) -> None:
 
 
 def is_read_otherwise(source: Path) -> bool:
-    """Whether pxr alone reads copies of a file as different texts.
+    """Whether pxr alone reads a file as different texts where memory that nobody has written is different.
 
-    Where the integers of a damaged crate end early, OpenUSD gives what was in memory before, in each layer
-    something else.
+    Where the integers of a damaged crate end early, OpenUSD gives what was in memory before. glibc fills
+    that with MALLOC_PERTURB_; elsewhere no file is read otherwise.
     """
-    texts: set[str] = set()
-    layers = []  # held, so that the next one lies elsewhere in memory
-    with tempfile.TemporaryDirectory() as folder:
-        for number in range(COPIES):
-            copy = Path(folder, f"{number}{source.suffix}")
-            shutil.copyfile(source, copy)
-            _fill_free_memory(number)
-            try:
-                layers.append(Sdf.Layer.FindOrOpen(str(copy)))
-                texts.add(layers[-1].ExportToString())
-            except Tf.ErrorException:
-                return False
-    return len(texts) > 1
+    texts = {_text_of(source, byte) for byte in (1, 254)}
+    return len(texts) > 1 and None not in texts
 
 
-def _fill_free_memory(byte: int) -> None:
-    """Blocks of many sizes, full of one byte, that are free again: what is not written shows them."""
-    blocks = [bytes([byte]) * (1 << bits) * part for bits in range(6, 17) for part in range(4, 8)]
-    del blocks
+def _text_of(source: Path, byte: int) -> bytes | None:
+    """A file as pxr exports it in a process whose fresh memory is of one byte; None where it cannot."""
+    program = "import sys; from pxr import Sdf; print(Sdf.Layer.FindOrOpen(sys.argv[1]).ExportToString())"
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(source)],
+        env={**os.environ, "MALLOC_PERTURB_": str(byte)},
+        capture_output=True,
+        check=False,
+    )
+    return None if done.returncode else done.stdout
 
 
 def top(source: Path) -> str:
@@ -468,14 +462,14 @@ def top(source: Path) -> str:
 def joints(source: Path) -> list[str]:
     """The joint tokens of all skeletons in a file of the corpus."""
     layer = Sdf.Layer.FindOrOpen(str(source))
-    found = [prim.attributes.get("joints") for prim in _specs(layer, "Skeleton")]
+    found = [prim.attributes.get("joints") for prim in specs(layer, "Skeleton")]
     return [str(token) for attribute in found if attribute is not None for token in attribute.default or ()]
 
 
 def names(source: Path) -> tuple[list[str], list[str], list[str]]:
     """What a file has: joints and prims, meshes, and clips."""
     layer = Sdf.Layer.FindOrOpen(str(source))
-    prims = {kind: [str(prim.path) for prim in _specs(layer, kind)] for kind in ("", "Mesh", "SkelAnimation")}
+    prims = {kind: [str(prim.path) for prim in specs(layer, kind)] for kind in ("", "Mesh", "SkelAnimation")}
     clips = [path.rsplit("/", 1)[1] for path in prims["SkelAnimation"]]
     return [*joints(source), *prims[""]], prims["Mesh"], clips
 

@@ -119,6 +119,28 @@ def test_a_chain_that_names_no_joint_is_reported_and_left_out(samples: Path, nam
     assert "control 'hand_L_ik_ctl' is not mirrored: the other side has no such joint" in left_out
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "why"),
+    [
+        ("aim", "nobody", "'nobody' is not a valid axis"),
+        ("up", "x" * 300, "is not a valid axis"),
+        ("upFrom", "world:nobody", "'nobody' is not a valid axis"),
+        ("upFrom", "nobody", "'' is not a valid direction"),
+    ],
+)
+def test_a_limb_whose_stored_axes_are_damaged_is_left_out(
+    name: str, value: str, why: str, samples: Path
+) -> None:
+    """Before, a traceback."""
+    rig = left(read(samples / "biped.glb").rig)
+    (first,) = (node for node, kept in rig.metadata.items() if kept.get("type") == "limb" and "aim" in kept)
+    report = Report()
+    damaged = replace(rig, metadata={**rig.metadata, first: {**rig.metadata[first], name: value}})
+    mirror(damaged, report=report)
+    (told,) = (w.text for w in report.warnings if "what is stored of its axes is damaged: " in w.text)
+    assert why in told
+
+
 @pytest.mark.parametrize("chain", [(), ("hand_L",)])
 def test_a_control_whose_limb_is_not_named_is_left_out(samples: Path, chain: tuple[str, ...]) -> None:
     """Before, the IK control and the pole vector of such a limb ended in a traceback."""

@@ -12,7 +12,7 @@ from random import Random
 import numpy as np
 import pytest
 from fuzz import __main__ as program
-from fuzz import cases, commands, floor, gltf, rigged, usd
+from fuzz import cases, commands, floor, gltf, metadata, rigged, usd
 from gltf_files import character
 from places import SAMPLES
 from program import cli
@@ -162,7 +162,7 @@ def test_dual_quaternions_are_compared_as_linear_skinning_also_below_an_added_ro
     command = ["add-root", str(source), "-o", str(out), "--above", "a"]
     cli(*command, code=0)
     found = cases.Found(0, "verified", command=command)
-    cases._judge_closely(found, source, out, tmp_path, out.read_bytes())
+    cases.judge_closely(found, source, out, tmp_path, out.read_bytes())
     assert found.kind == "verified", found.detail
 
 
@@ -214,3 +214,31 @@ def test_a_run_with_too_few_outputs_reports_it(capsys: pytest.CaptureFixture[str
     tally.add(cases.Found(1, "verified"), "gltf")
     assert program.verdict(tally, 7) == 0
     assert capsys.readouterr().out == ""
+
+
+def test_every_stored_field_is_left_out_once_and_is_another_once(tmp_path: Path, person: gltf.Asset) -> None:
+    source = tmp_path / "character.glb"
+    assert cli("add-controls", source, "-o", source, "--overwrite", "--joints", "leg").exit_code == 0
+    stored = records(source)
+    wanted = {f"{one['type']} {one.get('kind', '')} {key}" for one in stored for key in one}
+    made = {(meaning, what): make for meaning, what, make in metadata.changes(source)}
+    assert {(meaning, what) for meaning in wanted for what in ("left out", "[]")} <= made.keys()
+    (place := tmp_path / "in").mkdir()
+    (changed,) = [one for one in records(made["control fk joint", "[]"](place)) if one not in stored]
+    assert {**changed, "joint": "leg"} in stored
+    assert changed["joint"] == []
+
+
+def records(path: Path) -> list[dict[str, object]]:
+    """What rigtri has stored on the nodes of a glTF file."""
+    return [stored for node in gltf.load(path).gltf["nodes"] if (stored := gltf.record(node))]
+
+
+def test_of_usd_arrays_and_relationships_are_others_too(tmp_path: Path) -> None:
+    (source := tmp_path / "scene.usda").write_text(scene(skeleton(), animation(), MESH), "utf-8")
+    assert cli("add-controls", source, "-o", source, "--overwrite", "--ik", "a", "b", "c").exit_code == 0
+    done = {(meaning, what): make for meaning, what, make in metadata.changes(source)}
+    (tmp_path / "in").mkdir()
+    for key in [("control ik rigtri:joint:target", "targets []"), ("control ik rigtri:chain", "shorter")]:
+        changed = done[key](tmp_path / "in").read_text("utf-8")
+        assert changed != source.read_text("utf-8")

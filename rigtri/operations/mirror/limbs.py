@@ -119,7 +119,7 @@ def _first_record(
         record,
         chain=addresses,
         middle=where.get(record.middle, record.middle),
-        **_style(record, options),
+        **_readable_style(record, options),
         hinge=hinge,
         locators=_locators(rig, record.locators),
         end_aim=_end_aim(rig, record.end_aim, options),
@@ -140,6 +140,13 @@ def _end_aim(rig: Rig, end: str | Triple | None, options: MirrorOptions) -> str 
     if end is None:
         return None
     return triple(options.across.points(np.array(end, dtype=np.float64)))
+
+
+def _readable_style(record: LimbRecord, options: MirrorOptions) -> dict[str, Any]:
+    try:
+        return _style(record, options)
+    except ValueError as error:
+        raise NotMirroredError(f"what is stored of its axes is damaged: {error}") from None
 
 
 def _style(record: LimbRecord, options: MirrorOptions) -> dict[str, Any]:
