@@ -28,7 +28,8 @@ _STILL = {"t": 0.0, "r": 0.0, "s": 1.0}
 
 
 def joint_output(rig: Rig, target: str, name: str, changes: str, readers: Iterable[int]) -> OutputRecord:
-    """What a target does to a joint: ``tx=0.02,rz=15,sx=1.1``, degrees about x, then y, then z of the joint.
+    """What a target does to a joint: ``tx=0.02,rz=15,sx=1.1``, along the axes of its parent, and degrees
+    about x, then y, then z of its own.
 
     readers: the driver and the frame, which may not move with the joint.
     """

@@ -86,7 +86,7 @@ class AddPosereaderOptions(OneCharacter):
     joint: Changes = option(
         (),
         help="Let a target drive a corrective joint. CHANGES are those from rest at weight 1, such as "
-        "tx=0.02,rz=15,sx=1.1, in its own axes and degrees. Repeatable.",
+        "tx=0.02,rz=15,sx=1.1: along the axes of its parent, and degrees about its own. Repeatable.",
         group="what",
     )
     name: str = option(
