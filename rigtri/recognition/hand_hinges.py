@@ -55,6 +55,10 @@ TURNED_BACK = 0.01
 _NO_WIDTH = 1e-4
 # The rule of hands that show neither a thumb nor a bend: which way their fingers close is a guess.
 AS_HANDS_HANG = "palm of a hand hanging at the side"
+# The rule of hands with neither a second finger nor a bend: that of the arm, as it swings. Where the lower
+# arm is raised ahead by more than this (a cosine) it is a guess: it may be turned about itself there.
+AS_ARMS_SWING, AS_ARMS_SWING_AHEAD = "arm, for hands hanging at the sides", "arm, for hands raised ahead"
+RAISED_AHEAD = cosine_below(45)
 # The rule of thumbs whose bend, which is more than none, may be their joints' noise or the shape of the hand.
 NOT_ITS_BEND = "palm of the hand, not the thumb's own bend"
 FOUR = ("index", "middle", "ring", "little")
@@ -181,7 +185,8 @@ def _posed_hand(
     lines = [k.joints for k in four] or [wrist[1:]] * (len(wrist) > 1)
     joints = (*wrist, *(joint for finger in fingers for joint in finger.joints))
     guessed = all(k.evidence[0] == BY_PLACE for k in four)
-    return _PosedHand(joints, lines, thumb, wrist[0], lower, at, natural, is_left, guessed)
+    ahead = body is not None and float(dot(normalise(lower), body[0])) > RAISED_AHEAD
+    return _PosedHand(joints, lines, thumb, wrist[0], lower, at, natural, is_left, guessed, ahead)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +194,8 @@ class _PosedHand:
     """A hand in a pose. fingers: from the index finger on, without the thumb. arm: of the lower arm, (3,).
 
     at: the places of all nodes, (n, 3). natural: about which hands close that hang, palms at the thighs, or
-    are raised from there, unit, (3,). guessed: which finger is the first is known by place alone.
+    are raised from there, unit, (3,). guessed: which finger is the first is known by place alone. is_ahead:
+    whether the lower arm points ahead.
     """
 
     joints: Sequence[int]
@@ -201,6 +207,7 @@ class _PosedHand:
     natural: Floats | None
     is_left: bool | None
     guessed: bool
+    is_ahead: bool
 
     def line(self, finger: Sequence[int]) -> Floats:
         """Where a finger points, unit, (3,); one of a single joint as the hand does there."""
@@ -224,7 +231,8 @@ class _PosedHand:
             turned = known and not self.guessed and curl.closes < -BEYOND_SQUARE
             return Hinge("plane of the bent fingers", -curl.hinge if turned else curl.hinge)
         if across is None:
-            return None if natural is None else Hinge("arm, for hands hanging at the sides", natural)
+            rule = AS_ARMS_SWING_AHEAD if self.fingers and self.is_ahead else AS_ARMS_SWING
+            return None if natural is None else Hinge(rule, natural)
         rule = "palm of the hand"
         if not known:
             shown = _shown(self.fingers, self.at)

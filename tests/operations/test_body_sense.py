@@ -180,6 +180,16 @@ def test_a_guess_to_which_side_fingers_close_is_a_warning(names: str) -> None:
     assert [notice.geometry for notice in notices] == [True] * (names == "none")
 
 
+@pytest.mark.parametrize("forward", [0.0, 80.0])
+def test_which_way_one_straight_finger_closes_is_a_guess_where_arms_are_raised_ahead(forward: float) -> None:
+    """Before, nothing was said, though its hand may be turned about the arm by 90°."""
+    report = Report()
+    pose = Pose("mixamo", thumb=False, fingers=1, curl=0.0, arms=90.0, forward=forward)
+    orient_joints(posed_body(pose).rig, report=report)
+    notices = [notice for notice in report.warnings if notice.code == "unsure-hand"]
+    assert ["one straight finger" in notice.text for notice in notices] == [True] * (forward > 45)
+
+
 @pytest.mark.parametrize("side", ["", "right"])
 def test_a_hand_alone_closes_too(side: str) -> None:
     """Without a body the thumb, or a bend, says on which side the palm is."""

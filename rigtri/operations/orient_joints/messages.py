@@ -26,7 +26,7 @@ from rigtri.operations.orient_joints.joint_frames import DeadBand
 from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
-from rigtri.recognition.hand_hinges import AS_HANDS_HANG, NOT_ITS_BEND
+from rigtri.recognition.hand_hinges import AS_ARMS_SWING_AHEAD, AS_HANDS_HANG, NOT_ITS_BEND
 from rigtri.report import Report
 from rigtri.text import and_more, straightness
 
@@ -115,6 +115,16 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
             "taken for those of hands hanging at the sides. Names such as index_01_l make it sure",
             geometry=True,
             names=guessed,
+        )
+    lone = [rig.title(joint) for joint in outcome.targets.joints if ups.source[joint] == AS_ARMS_SWING_AHEAD]
+    if lone:
+        report.warn(
+            "unsure-hand",
+            f"{and_more(lone, 3)}: one straight finger at the end of an arm that is raised ahead does not "
+            "show to which side it closes; it is taken for that of a hand with the thumb up. If it closes "
+            "elsewhere, say --chain START END --up-from vector:x,y,z.",
+            geometry=True,
+            names=lone,
         )
     _warn_thumbs(outcome, report)
     for joint in (joint for joint in outcome.targets.joints if ups.step[joint] >= 7):

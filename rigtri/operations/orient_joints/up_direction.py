@@ -27,6 +27,7 @@ from rigtri.maths.vectors import cross, length, normalise
 from rigtri.operations.option_kinds import vector
 from rigtri.operations.orient_joints.bend_planes import BendPlanes, UpDirections
 from rigtri.operations.orient_joints.joints_to_orient import Targets
+from rigtri.recognition.hand_hinges import AS_ARMS_SWING, AS_ARMS_SWING_AHEAD
 from rigtri.report import Report
 
 # The steps whose direction is an axis as it is, and no hinge that left-handed axes reverse.
@@ -37,7 +38,8 @@ _TEXT = {
     "other pose": "the other pose of the file",
     "carried from the joint above": "the parent joint (parallel transport)",
     "its present axis": "the joint's current axis",
-    "arm, for hands hanging at the sides": "the arm, as if it hung at the side",
+    AS_ARMS_SWING: "the arm, as if it hung at the side",
+    AS_ARMS_SWING_AHEAD: "the arm, as if it had hung at the side and was raised ahead",
 }
 
 
