@@ -96,7 +96,8 @@ class Draft:
     @property
     def is_mirrored(self) -> bool:
         """Whether most of its joints have left-handed axes, as below a root with a scale of −1."""
-        return float(handedness(self.tree.rig.world[list(self.tree.nodes)]).sum()) < 0.0
+        hands: list[float] = handedness(self.tree.rig.world[list(self.tree.nodes)]).tolist()
+        return 2 * len([hand for hand in hands if hand < 0.0]) > len(hands)
 
     def side_in_names(self, joints: Sequence[int]) -> Side:
         """The side that names of joints say, "" where they say none or both."""
