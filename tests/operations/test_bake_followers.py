@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from gltf_files import glb_bytes, glb_parts
 from morphs import arm, arm_usd
 from numpy.testing import assert_allclose
-from places import slow
+from places import SAMPLES, slow
+from program import cli
 from rigs import chain
 
 from rigtri.errors import GeometryError
@@ -201,3 +204,19 @@ def test_keys_of_a_corrective_joint_s_own_say_when_what_follows_it_jumps() -> No
     (found,) = (track for track in tracks if (track.node, track.path) == (2, "rotation"))
     assert 0.5 in found.times
     assert [warning.code for warning in report.warnings] == []
+
+
+def test_what_others_have_put_below_a_control_is_named_where_a_bake_would_move_it(tmp_path: Path) -> None:
+    """Before, with 6: "The result would look different"; `strip` has always said it."""
+    built, path, out = (tmp_path / name for name in ("built.glb", "in.glb", "out.glb"))
+    cli("add-controls", SAMPLES / "biped.glb", "-o", built, "--joints", "forearm_L", code=0)
+    gltf, binary = glb_parts(built)
+    (control,) = (node for node in gltf["nodes"] if node["name"] == "forearm_L_ctl")
+    control["children"] = [*control.get("children", []), len(gltf["nodes"])]
+    gltf["nodes"].append({"name": "sword", "mesh": 0})
+    path.write_bytes(glb_bytes(json.dumps(gltf).encode(), binary))
+    printed = " ".join(cli("bake", path, "-o", out, "--to", "controls", code=5).stderr.split())
+    assert (
+        "'sword' is a child of 'forearm_L_ctl', with which it would move otherwise in clip 'walk'" in printed
+    )
+    assert "parent it to 'forearm_L'" in printed

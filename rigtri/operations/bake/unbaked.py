@@ -17,6 +17,7 @@ from rigtri.evaluation.rig_space import seen_alone
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, keys_and_between, timelines
+from rigtri.limits import TOLERANCE
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.ranking import largest
 from rigtri.maths.trigonometry import Floats
@@ -151,20 +152,47 @@ class _Keys:
 def refuse_replaced(
     before: Rig, after: Rig, timeline: Timeline, times: Floats, size: float, bound: float
 ) -> None:
-    """GeometryError where new keys of controls move joints otherwise in a clip than the old ones.
+    """GeometryError where keys of controls move joints, or what is below controls, otherwise.
 
     times: where both are compared, (f,). bound: by how much, as a share of the size. What constraints make of
     joints is in both.
     """
+    (now,) = (each for each in timelines(after) if each.members == timeline.members)
+    _refuse_carried(before, after, (timeline, now), times, size)
     driven = controls_at_work(before, timeline)
     if not driven:
         return
-    (now,) = (each for each in timelines(after) if each.members == timeline.members)
     sampled = sample_parts(after, now.clip, times)
     posed = Solver(after, driven | controls_at_work(after, now)).run(sampled)
     was = Solver(before, driven)
     old = was.run(sample_parts(before, timeline.clip, times))
     _refuse(_difference(was, old, posed, f"in clip '{timeline.name}'", size, bound))
+
+
+def _refuse_carried(
+    before: Rig, after: Rig, timelines: tuple[Timeline, Timeline], times: Floats, size: float
+) -> None:
+    """GeometryError where what others have put below a control is seen to move with its new keys."""
+    hung = [
+        k for k, above in enumerate(before.parents.tolist()) if above in before.own and k not in before.own
+    ]
+    shown = [k for k in hung if any(before.attachment[n] >= 0 for n in (k, *before.below(k)))]
+    if not shown:
+        return
+    was, now = (
+        PoseCache(rig, sample_parts(rig, each.clip, times))
+        for rig, each in zip((before, after), timelines, strict=True)
+    )
+    for node in shown:
+        if _deviation(was, now, node, size) > TOLERANCE:
+            control = int(before.parents[node])
+            joint = getattr(before.record(control), "joint", None)
+            where = f"'{joint}' or another node" if joint else "a node"
+            raise GeometryError(
+                f"'{before.title(node)}' is a child of '{before.title(control)}', with which it would move "
+                f"otherwise in clip '{timelines[0].name}', and is not from rigtri. In the program that put "
+                f"it there, parent it to {where} that is not from rigtri; then bake again"
+            )
 
 
 def refuse_followed(
