@@ -27,8 +27,9 @@ COMPLETION = "_RIGTRI_COMPLETE"
 _NEAR = 0.5
 _last = -_NEAR
 # How many more objects there must be before rings of them are looked for, and how often that must have been
-# before older ones are looked at, too: what is imported has none that go, and what a command reads few.
-_RINGS = 20_000, 5, 10
+# before older ones are looked at, too: what is imported, 50,000 to 75,000, has none that go, and what a
+# command reads few.
+_RINGS = 100_000, 5, 10
 # Seconds until an interrupt is tried again that came where it cannot be an exception.
 _LATER = 0.01
 
