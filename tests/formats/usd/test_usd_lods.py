@@ -89,6 +89,21 @@ def test_joints_that_move_points_of_another_variant_are_not_removed(
     cli("prune-joints", source, "-o", out, "--ends", "--exclude", "[bc]", code=0)
 
 
+def test_a_mesh_of_another_variant_that_counts_past_a_joint_needs_joints_of_its_own(tmp_path: Path) -> None:
+    joints = 'uniform token[] joints = ["a", "a/b", "a/c"]'
+    late = MESH.replace("[0, 1, 1, 2, 2, 1]", "[2, 2, 2, 2, 2, 2]")
+    few = MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, 0, 0, 0, 0, 0]")
+    own = few.replace("point3f", 'uniform token[] skel:joints = ["a/c"]\npoint3f', 1)
+    for high, code in ((late, 3), (own, 0)):
+        blocks = skeleton(joints=joints), animation(joints=joints), variant_set("lod", hi=high, lo=few)
+        text = choosing(scene(*blocks), lod="lo")
+        source, out = save(tmp_path, text), tmp_path / "out.usda"
+        ran = cli("merge-joints", source, "-o", out, "--joints", "b", code=code)
+        assert ("a list of its own joints (skel:joints)" in " ".join(ran.output.split())) == (code == 3)
+    for variant in ("hi", "lo"):
+        assert apart(source, out, {"lod": variant}) < 1e-5
+
+
 def test_unused_joints_of_all_variants_are_removed(tmp_path: Path) -> None:
     """Though a mesh of another variant is bound by numbers of its own."""
     skin = MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, 1, 1, 0, 0, 1]")

@@ -168,12 +168,18 @@ def check_moves_nothing(stage: Any, skeleton: str, tokens: Sequence[str], gone: 
             order = list(map(str, own)) if own else list(tokens)
             moving = [token for token, moves in zip(order, weighted([query], order), strict=True) if moves]
             first = len(order) if own else min(map(order.index, gone))
-            if lost := [token for token in moving if token in gone or order.index(token) > first]:
-                names = and_more([f"'{token.rpartition('/')[2]}'" for token in lost], 3)
+            lost = [token for token in moving if token in gone]
+            behind = [token for token in moving if order.index(token) > first]
+            if lost or behind:
+                names = and_more([f"'{token.rpartition('/')[2]}'" for token in lost or behind], 3)
+                moved = f"{names} {'moves' if len(lost or behind) == 1 else 'move'}"
+                why = f"which {moved}. Leave out the joints that it needs (--exclude)"
+                if not lost:
+                    why = f"which {moved}, by a number that would be another joint's. Give that mesh a list "
+                    why += "of its own joints (skel:joints)"
                 raise FileError(
-                    f"A joint of <{skeleton}> cannot be removed: {in_words(chosen)} has <{mesh}>, "
-                    f"which {names} {'moves' if len(lost) == 1 else 'move'}. Leave out the joints that it "
-                    "needs (--exclude), or give each variant a file of its own."
+                    f"A joint of <{skeleton}> cannot be removed: {in_words(chosen)} has <{mesh}>, {why}, or "
+                    "give each variant a file of its own."
                 )
 
 
