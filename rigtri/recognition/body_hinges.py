@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rigtri.errors import UsageError
-from rigtri.maths.angle_limits import cosine_below
+from rigtri.maths.angle_limits import cosine_below, radians_below
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, multiply, rotate, rotation_angle
+from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular, triple
 from rigtri.model.dataclass import dataclass
@@ -40,6 +41,9 @@ ALONG_UP = 0.1
 TURNED = cosine_below(20)
 # … and beyond this (a cosine) by more than a walk or a stance turns them: it may be an error of a pose.
 FAR_TURNED = cosine_below(60)
+# A knee that bends by more than this (radians) about an axis that is further from the lateral one than this
+# (a cosine) is turned out or in with its whole leg.
+CROSSED, TURNED_OUT = radians_below(45), cosine_below(45)
 _TRUNK = ("spine", "neck", "head")
 
 
@@ -303,6 +307,13 @@ def _hinges(
                 # A spine shares what the chest is turned against the hips.
                 share = k / len(chain.joints) if chain.kind == "spine" else chain.kind in _TRUNK
                 yield joint, Hinge("lateral axis of the body", _between(hips, left, up, float(share)))
+    for leg, foot in _legs_and_feet(character):
+        hip, knee, ankle = (at[joint] for joint in leg.bend)
+        hinge = normalise(cross(knee - hip, ankle - knee))
+        # A leg that is turned out, as of who sits with legs crossed, takes its foot with it.
+        if bend_angle(hip, knee, ankle) > CROSSED and abs(float(dot(hinge, hips))) < TURNED_OUT:
+            for joint in foot.joints:
+                yield joint, Hinge("hinge of the knee", hinge)
     bones = character.bones
     chest = cross(left, _up_of_chest(chains, at, up))
     shoulders = [bones[f"{side}Shoulder"] for side in ("left", "right") if f"{side}Shoulder" in bones]
@@ -310,6 +321,13 @@ def _hinges(
         yield joint, Hinge("facing direction of the chest", chest, ahead=True)
     # Of a body whose names say left where it faces right, the place says which hand it is.
     yield from hand_hinges(chains, {"left": not mirrored, "right": mirrored}, at, (facing[1], up))
+
+
+def _legs_and_feet(character: Character) -> Iterator[tuple[Chain, Chain]]:
+    """The sure legs of a body on two with their feet."""
+    legs = [k for k in character.sure_chains if k.kind == "leg" and len(k.bend) == 3]
+    feet = [k for k in character.sure_chains if k.kind == "foot" and character.form == "biped"]
+    return ((leg, foot) for leg in legs for foot in feet if foot.joints[0] == leg.bend[2])
 
 
 def _further_shoulders(rig: Rig, character: Character) -> Iterator[int]:

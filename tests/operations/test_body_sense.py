@@ -534,3 +534,15 @@ def test_arms_without_hands_have_no_bend_and_are_no_error() -> None:
     ]
     assert [chain.bend for chain in chains] == [(), ()]
     assert len(add_polevector(rig, limbs="auto").nodes_of("poleVector")) == 2
+
+
+def test_feet_of_who_sits_with_legs_crossed_bend_as_the_knees_do() -> None:
+    """Before, about the lateral axis of the body, to which the soles are turned there: 80° off."""
+    leg = [(0.1, 0.95, 0), (0.42, 0.9, 0.28), (0.02, 0.85, 0.38), (-0.02, 0.83, 0.5)]
+    joints = [*TRUNK, *both([*ARM, *line("thigh.L shin.L foot.L toe.L", "hips", *leg)])]
+    out = orient_joints(rig_with(joints))
+    for side in "LR":
+        hip, knee, ankle = (out.world[out.find(f"{k}.{side}"), 3, :3] for k in ("thigh", "shin", "foot"))
+        hinge = np.cross(knee - hip, ankle - knee)
+        axis = out.world[out.find(f"foot.{side}"), 1, :3]
+        assert axis @ hinge / np.linalg.norm(hinge) > 0.9
