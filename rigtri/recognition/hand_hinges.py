@@ -207,7 +207,7 @@ class _PosedHand:
     natural: Floats | None
     is_left: bool | None
     guessed: bool
-    is_ahead: bool
+    is_ahead: bool = False
 
     def line(self, finger: Sequence[int]) -> Floats:
         """Where a finger points, unit, (3,); one of a single joint as the hand does there."""
