@@ -203,7 +203,7 @@ def _judge_error(found: Found, result: Result, before: dict[str, bytes], after: 
         found.kind = "read"  # and found wanting
     elif result.exit_code not in (2, 3, 4, 5, 6):
         found.kind, found.detail = "finding: exit code", f"{result.exit_code}: {result.stderr}"
-    elif len(lines) != 1 or not lines[0].startswith("rigtri: "):
+    elif not lines or not lines[0].startswith("rigtri: ") or lines[1:] != _faults(lines):
         found.kind, found.detail = "finding: message", result.stderr
     elif before != after:
         found.kind, found.detail = (
@@ -214,6 +214,13 @@ def _judge_error(found: Found, result: Result, before: dict[str, bytes], after: 
         found.kind, found.detail = "finding: differs from itself", lines[0]
     else:
         found.kind, found.detail = f"refused with {result.exit_code}", lines[0]
+
+
+def _faults(lines: Sequence[str]) -> Sequence[str]:
+    """The lines of an error that names several faults of a spec: one each, and one of what to do or none."""
+    several = re.fullmatch(r"rigtri: .*: (\d+) faults in the spec", lines[0])
+    more = lines[1:] if several and len(lines) - 1 - int(several[1]) in (0, 1) else []
+    return more if all(line.startswith("  ") for line in more) else []
 
 
 def _is_named_spec(name: str, found: Found, result: Result) -> bool:

@@ -242,3 +242,18 @@ def test_of_usd_arrays_and_relationships_are_others_too(tmp_path: Path) -> None:
     for key in [("control ik rigtri:joint:target", "targets []"), ("control ik rigtri:chain", "shorter")]:
         changed = done[key](tmp_path / "in").read_text("utf-8")
         assert changed != source.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("more", "allowed"),
+    [
+        (["  a.yaml:1:30 step 2: x", "  a.yaml:1:59 step 3: y"], True),
+        (["  a.yaml:1:30 step 2: x", "  a.yaml:1:59 step 3: y", "  List what is there"], True),
+        (["  a.yaml:1:30 step 2: x"], False),
+        (["  a.yaml:1:30 step 2: x", "a.yaml:1:59 step 3: y"], False),
+    ],
+)
+def test_several_faults_of_a_spec_are_a_line_each(more: list[str], allowed: bool) -> None:
+    lines = ["rigtri: a.yaml: 2 faults in the spec", *more]
+    assert (cases._faults(lines) == more) == allowed
+    assert cases._faults(["rigtri: No joint is named 'b'", *more]) == []
