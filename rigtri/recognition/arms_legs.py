@@ -24,6 +24,8 @@ from rigtri.text import a
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
 _MAPPED, _AGREES, _CONTRADICTED = 0.99, 0.7, 0.7
 AGREED = "its shape agrees"
+# What evidence of a side begins with where shape tells it.
+FACES = "faces so that: "
 # What names of all three joints of a pair add to its shape, and how far they name a pair that shape alone
 # would not take for limbs.
 _WORDS, _NAMED = 0.85, 0.5
@@ -256,7 +258,7 @@ def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
         return [replace(each, side=_side(draft, each)) for each in pairs] if by_names else []
     sure, why = _faces(draft, draft.shape.body, by_names)
     share = 1.0 if by_names else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 2.0 * _DOUBT)
-    because = () if by_names else tuple(f"faces so that: {w}" for w in why[:1])
+    because = () if by_names else tuple(f"{FACES}{w}" for w in why[:1])
     if draft.shape.legs and not by_names and sure < _SEEN:
         return list(pairs)  # nothing shows what is front, and so what is left
     return [

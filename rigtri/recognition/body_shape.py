@@ -303,19 +303,18 @@ def height(tree: Tree, legs: Limbs, up: Vector) -> float:
 
 def stands_too(tree: Tree, body: Body, limbs: Sequence[Limbs]) -> bool:
     """Whether another pair reaches as low as a body's legs do, and is as long: it may be legs, too."""
-    legs = body.legs
-    if legs is None:
+    if (legs := body.legs) is None:
         return False
     ground = lowest(tree, legs, body.up)
+    below = {k: [j for path in k.pair.paths for j in tree.branch(path[0])] for k in limbs}
     return any(
         len(k.at) == 3
         and k not in (legs, body.arms)
         and k.kind in ("leg", "")
         and k.quality > LEG
         and k.size > SIMILAR * legs.size
-        and k.pair.above not in legs.pair.nodes
-        and k.pair.above != legs.pair.above
-        and lowest(tree, k, body.up) < ground + LEVEL * legs.size
+        and k.pair.above not in (*legs.pair.nodes, legs.pair.above)
+        and min(tree.at[j].dot(body.up) for j in below[k]) < ground + LEVEL * legs.size
         for k in limbs
     )
 

@@ -11,6 +11,7 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.guessed_hierarchy import (
     called_end,
     end_elsewhere,
+    is_told_by_legs,
     loose_joints,
     lost_third,
     named_twice,
@@ -214,8 +215,8 @@ def _one_of_several(draft: Draft, each: Found) -> str:
 
 def _twin(each: Found, found: Sequence[Found]) -> Found | None:
     """The limb of the other side that bends, too."""
-    others = (k for k in found if k.kind == each.kind and {k.side, each.side} == {"left", "right"})
-    return next((k for k in others if len(k.joints) == 3), None)
+    sides, bent = {"left", "right"}, (k for k in found if k.kind == each.kind and len(k.joints) == 3)
+    return next((k for k in bent if {k.side, each.side} == sides), None)
 
 
 def _is_named(draft: Draft, each: Found) -> bool:
@@ -318,29 +319,25 @@ def _numbers(name: str) -> list[int]:
 def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found], doubts: Mapping[int, str]) -> str:
     """Arms without hands are told by the legs: where evidence denies these, they are not sure.
 
-    Chairs have both. Which joints of a leg bend does not matter. doubts: what speaks against each limb, by
-    its id.
-    """
+    Chairs have both. Which joints of a leg bend does not matter. doubts: against each limb, by its id."""
     body = draft.shape.body
     if len(each.joints) != 3 or _is_named(draft, each) or _by_words(each):
         return ""
     if body is None or each.pair is None or each.pair is not body.arms:
         return ""
-    if each.pair.thumb and each.pair.fingers >= HAND:
-        return ""
-    for leg in (k for k in found if k.pair is body.legs):
-        why = doubts[id(leg)] if len(leg.joints) == 3 else ""
-        if skirt(draft, leg) or (why and all(why != doubt(draft, leg) for doubt in _OF_JOINTS)):
-            return "its legs are not sure"
-    return ""
+    legs = [k for k in found if k.pair is body.legs]
+    whys = {id(leg): doubts[id(leg)] if len(leg.joints) == 3 else "" for leg in legs}
+    denied = [k for k in legs if whys[id(k)] and all(whys[id(k)] != doubt(draft, k) for doubt in _OF_JOINTS)]
+    if is_told_by_legs(each) and (denied or any(len(leg.joints) < 3 for leg in legs)):
+        return "its side is told by legs that are not sure"
+    hand = each.pair.thumb and each.pair.fingers >= HAND
+    return "its legs are not sure" if not hand and (denied or any(skirt(draft, k) for k in legs)) else ""
 
 
 def _has_fingers(draft: Draft, arm: Found) -> bool:
     """Whether several joints below an arm's end are called as fingers are."""
     below = draft.tree.branch(arm.joints[-1]) if arm.kind == "arm" else []
-    return (
-        len({finger for node in below if (finger := finger_in_name(draft.tree.rig.names[node]))}) >= _ENOUGH
-    )
+    return len({finger_in_name(draft.tree.rig.names[node]) for node in below} - {""}) >= _ENOUGH
 
 
 _Doubt = Callable[[Draft, Found, Sequence[Found]], str]

@@ -44,6 +44,10 @@ _FULL, _SLIGHT = 0.04, 0.02
 _SOLE = 0.1
 # Feet that make something sure point ahead by so much, in votes: an axle behind an ankle is shorter.
 _FEET, _TOES = "the feet point there", 1.4
+_KNEES, _THIGHS = "the knees bend there", "the thighs go there, as of one who sits"
+# What legs tell, and the trunk from there on.
+_LEANING = "the trunk leans there"
+BY_LEGS = (_FEET, _KNEES, _THIGHS, _LEANING)
 # A thumb stands aside by this much (a sine) to count; hands that are raised beyond this may turn either way.
 _ASIDE, _RAISED = 0.3, 0.5
 # The thumb of three fingers goes so far another way (40°), and so many times as far as the others do.
@@ -118,10 +122,10 @@ def _votes(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tupl
         if body.form == "quadruped" and body.lead > 0.02:
             yield 3.0 * along, "the front legs are ahead of the hind legs"
         elif body.form == "biped" and abs(along) > _LEANS:
-            yield 3.0 * along, "the trunk leans there"
+            yield 3.0 * along, _LEANING
     if body.legs:
         yield 2.0 * feet_ahead(tree, body, ahead, poses), _FEET
-        yield 2.0 * _thighs(tree, body, ahead), "the thighs go there, as of one who sits"
+        yield 2.0 * _thighs(tree, body, ahead), _THIGHS
     if body.arms and body.form == "biped":
         yield _thumbs(tree, body.arms, body.up, ahead), "the thumbs are there"
 
@@ -165,7 +169,7 @@ def _bends(
             yield feet, 0.0, 0.0, _FEET, True
             continue
         weight = -0.5 if limbs is body.arms else 0.3 if _goes_on(tree, limbs) else 1.0
-        words = "the elbows bend away from there" if limbs is body.arms else "the knees bend there"
+        words = "the elbows bend away from there" if limbs is body.arms else _KNEES
         yield weight * clear, weight * small, weight * (all_ - clear - small), words, far
 
 

@@ -38,7 +38,7 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
         if draft.poses.has_weights and not any(draft.poses.moves_points(k) for k in nodes):
             continue  # controls
         taken |= nodes
-        lost = wing and _is_beside(draft, limbs)
+        lost = wing and (_is_beside(draft, limbs) or _is_guessed(draft, limbs))
         for which, path in enumerate(limbs.pair.paths):
             chain = _along_wing(draft, path) if wing else path
             joints = _of_wing(draft, limbs, chain) if wing else limbs.joints(which)
@@ -61,6 +61,13 @@ def _is_beside(draft: Draft, limbs: Limbs) -> bool:
                 if on_the_way and "wing" in roles and "feather" not in roles:
                     return True
     return False
+
+
+def _is_guessed(draft: Draft, limbs: Limbs) -> bool:
+    """Whether the file has no hierarchy, and a joint that bends is not called as one of a wing."""
+    names = draft.tree.rig.names
+    roles = [roles_in_name(names[k]) for which in (0, 1) for k in limbs.joints(which)]
+    return draft.tree.is_own and not all("wing" in each or "feather" in each for each in roles)
 
 
 def _along_wing(draft: Draft, path: Sequence[int]) -> list[int]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf
 
-from rigtri.recognition.arms_legs import Found
+from rigtri.recognition.arms_legs import FACES, Found
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.facing import BY_LEGS
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords, in_order, other_words
@@ -35,6 +36,8 @@ _DOWN, _LEVEL = 0.8, 0.6
 # So many joints that stand alone, so far apart (of the longest limb), may be the bones of one; what hangs at
 # one of them reaches less far than this part of the way to the next.
 _ALONE, _APART, _SHORT = 3, 0.5, 0.7
+# What stands less far from the plane between both sides, as a part of a limb, is of the trunk or a tail.
+_MIDDLE = 0.02
 # A finger is at most so long a part of a whole body with its arms spread.
 _FINGER = 0.1
 
@@ -169,7 +172,7 @@ def _loose_before(draft: Draft, each: Found, mine: Limbs) -> str:
         way, on = tree.at[node] - tree.at[above], top - tree.at[node]
         if way.dot(on) <= 0.0 or on.length < max(_BEFORE * mine.size, tree.reach[node]):
             continue
-        if not draft.poses.has_weights or draft.poses.moves_points(node):
+        if _may_be_bone(draft, node):
             return f"'{tree.rig.title(node)}' stands before it and is not above it: it may be its upper bone"
     return ""
 
@@ -245,7 +248,7 @@ def end_elsewhere(draft: Draft, each: Found) -> str:
         for one, other in ((start, middle), (middle, end)):
             bone, way = tree.at[other] - tree.at[one], tree.at[node] - tree.at[one]
             along = min(max(way.dot(bone) / (bone.dot(bone) or inf), 0.0), 1.0)
-            if (way - bone * along).length < _BESIDE * bone.length and draft.poses.moves_points(node):
+            if (way - bone * along).length < _BESIDE * bone.length and _may_be_bone(draft, node):
                 return f"{_title(draft, node)} stands alone along it and may be its middle"
     return ""
 
@@ -266,14 +269,18 @@ def loose_joints(draft: Draft, each: Found) -> str:
     hold = (nodes for over, nodes in tree.below.items() if over >= 0 and over not in own)
     for below in (nodes for nodes in hold if len(nodes) >= _ALONE):
         for way in (1.0, -1.0):
-            aside = [
-                k for k in below if way * plane.side_of(tree.at[k]) > 0.0 and draft.poses.moves_points(k)
-            ]
+            aside = [k for k in below if way * plane.side_of(tree.at[k]) > _MIDDLE * size]
+            aside = [k for k in aside if _may_be_bone(draft, k)]
             alone = [k for k in aside if _stands_alone(tree, k, aside)]
             far = max(((tree.at[a] - tree.at[b]).length for a in alone for b in alone), default=0.0)
             if len(alone) >= _ALONE and far > _APART * size:
                 return f"{_title(draft, alone[0])} and others stand alone, and may be the bones of a limb"
     return ""
+
+
+def _may_be_bone(draft: Draft, node: int) -> bool:
+    """Whether a joint moves points, or nothing shows which ones do."""
+    return not draft.poses.has_weights or draft.poses.moves_points(node)
 
 
 def _stands_alone(tree: Tree, node: int, others: Sequence[int]) -> bool:
@@ -301,3 +308,8 @@ def turned_in_file(draft: Draft, each: Found) -> str:
         if draft.tree.rig.is_below(over, node):
             return f"the file parents {_title(draft, over)} to {_title(draft, node)}"
     return ""
+
+
+def is_told_by_legs(arm: Found) -> bool:
+    """Whether first of all legs tell where a body without names looks, and so which arm is the left one."""
+    return any(f"{FACES}{words}" in arm.evidence for words in BY_LEGS)

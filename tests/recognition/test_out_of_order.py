@@ -284,3 +284,13 @@ def test_a_group_that_stands_where_its_parent_does_begins_no_limb() -> None:
     claw += line("claw_hand.L claw_pincer.L", "arm_grp.L", (0.3, 0.25, 0.5), (0.22, 0.25, 0.6))
     joints: list[Joint] = [("carapace", "", (0.0, 0.25, 0.0)), *both([*legs, *claw])]
     assert not [each for each in limbs(joints, named=True) if "grp" in joints[each.joints[0]][0]]
+
+
+def test_a_wing_of_a_guessed_hierarchy_that_begins_at_a_shoulder_is_not_sure() -> None:
+    """Before, ``shoulder``, ``wing_1`` and ``wing_2`` were a wing at 0.9 where all joints hang at one."""
+    places = ((0.08, 1.53, -0.13), (0.36, 1.68, -0.16), (0.64, 1.63, -0.19), (0.92, 1.78, -0.22))
+    wing = both([(f"wing_{k}.L", "root", at) for k, at in enumerate(places)])
+    flat = [(name, "root", at) for name, _, at in MAN]
+    joints = [*ROOT, *flat, *wing]
+    found = [k for k in limbs(joints, named=True) if k.kind == "wing" and k.is_sure]
+    assert not [k for k in found if any("wing" not in joints[node][0] for node in k.bend)]
