@@ -20,6 +20,9 @@ from rigtri.model.rig import Rig
 
 # Weights that differ by less stay the same all the time, and get one key.
 STILL = 1e-9
+# So much of the bound is tested: gaps are, at quarters, and a corner elsewhere in one, such as where a weight
+# begins, may be off by a third more than at the nearest of these.
+_SEEN = 0.75
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +87,7 @@ def reader_keys(
     if not steps_only(moving):
         of = f"'{name}' in clip '{timeline.name}'"
         try:
-            times = adaptive_key_times(read, _error, times, within=within, of=of)
+            times = adaptive_key_times(read, _error, times, within=_SEEN * within, of=of)
         except GeometryError as error:
             raise GeometryError(f"{error}. Or allow more with --between") from None
     found = read(times)
