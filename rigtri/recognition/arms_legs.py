@@ -240,10 +240,18 @@ def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]
                 across = across + next(way for way in apart if way.length >= _FIRST_APART * widest)
     up = Vector(*draft.tree.rig.rules.up)
     if body is not None and (
-        _is_clear(body) or abs(across.unit.dot(up)) > _LATERAL or lies(draft.tree, body, up)
+        _is_clear(body)
+        or abs(across.unit.dot(up)) > _LATERAL
+        or (_has_legs_of(body, named) and lies(draft.tree, body, up))
     ):
         up = body.up
     draft.stand(up, across.cross(up))
+
+
+def _has_legs_of(body: Body, named: Sequence[Found]) -> bool:
+    """Whether a body's legs are those that names tell of, if they tell of any."""
+    legs = [set(each.joints) for each in named if each.kind == "leg"]
+    return not legs or (body.legs is not None and any(set(body.legs.joints(k)) in legs for k in (0, 1)))
 
 
 def _are_twins(one: Found, other: Found) -> bool:

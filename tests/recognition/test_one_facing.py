@@ -172,3 +172,19 @@ def test_a_bird_without_names_faces_where_its_knees_point_not_its_hocks(ahead: f
     legs = [limb.bend for limb in bird.limbs if limb.kind == "leg"]
     place = [name for name, _, _ in joints]
     assert sorted(place[leg[1]] for leg in legs) == ["shin.L", "shin.R"]
+
+
+def test_a_flat_body_that_crouches_stands_on_the_legs_that_names_tell_of() -> None:
+    """Its forearms are near the knees, and followed these by place. Before, up was down, and surely so."""
+    trunk = [(0, 0.23, 0), (0, 0.27, 0.01), (0, 0.33, 0.06), (0, 0.38, 0.11), (0, 0.44, 0.16), (0, 0.5, 0.2)]
+    spine = line("Pelvis Spine Spine1 Spine2 Spine3 Neck Head", "", *trunk, (0, 0.57, 0.22))
+    arm = line("UpperArm.L Forearm.L Hand.L", "", (0.19, 0.49, 0.19), (0.25, 0.34, 0.21), (0.23, 0.28, 0.34))
+    leg = line("Thigh.L Calf.L Foot.L", "", (0.1, 0.22, -0.01), (0.15, 0.2, 0.16), (0.13, 0.07, 0.05))
+    joints: list[Joint] = []
+    for name, _, place in [*spine, *both([*arm, *leg])]:
+        part, _, side = name.partition(".")
+        own = f"Bip01 {side} {part}" if side else f"Bip01 {part}"
+        joints.append((own, "Bip01 Pelvis" if joints else "", place))
+    (man,) = recognise(rig_with(joints)).characters
+    assert man.up == (0, 1, 0)
+    assert man.facing == pytest.approx((0, 0, 1), abs=0.05)
