@@ -78,20 +78,24 @@ class _Part:
 
     def __init__(self, base: sqlite3.Connection, folder: Path, most: int) -> None:
         base.row_factory = sqlite3.Row
-        base.create_function("here", 1, partial(_here, os.path.abspath(folder)), deterministic=True)
+        here = partial(_here, os.path.abspath(folder))
+        base.create_function("here", 1, here, deterministic=True)
         self.statuses = Counter(
             dict(base.execute("SELECT status, count(*) FROM files GROUP BY status").fetchall())
         )
         (self.unfinished,) = base.execute("SELECT count(*) FROM ready").fetchone()
         (total,) = base.execute("SELECT total(seconds) FROM files").fetchone()
         self.seconds = float(total)
-        columns = "SELECT here(source) AS file, here(output) AS output, status, deviation, seconds FROM files"
+        # Those that are listed are named, and not all that are sorted for it.
+        columns = "SELECT source AS file, output, status, deviation, seconds FROM files"
         self.worst = _rows(
             base, f"{columns} WHERE deviation > 0 ORDER BY deviation DESC, files.output LIMIT ?", (most,)
         )
         self.slowest = _rows(
             base, f"{columns} WHERE seconds IS NOT NULL ORDER BY seconds DESC, files.output LIMIT ?", (most,)
         )
+        for row in (*self.worst, *self.slowest):
+            row["file"], row["output"] = here(row["file"]), here(row["output"])
         self.errors = _rows(
             base,
             "SELECT status, kind, reason, count(*) AS files, here(min(source)) AS example FROM files "

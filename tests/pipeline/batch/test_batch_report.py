@@ -21,6 +21,7 @@ from rigtri.errors import FileError
 from rigtri.frames.reframe import reframe
 from rigtri.maths.matrices import from_frame, inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
+from rigtri.pipeline.batch import report as module
 from rigtri.pipeline.batch.axis_summary import Axes, angles, axes_of
 from rigtri.pipeline.batch.file_task import Record
 from rigtri.pipeline.batch.inputs import Entry
@@ -153,6 +154,23 @@ def test_files_are_named_as_they_are_seen_from_here(tmp_path: Path, monkeypatch:
     (base / "x").mkdir()
     monkeypatch.chdir(base / "x")
     assert f"1.00e-07  {base / 'in' / 'a.glb'}" in report("..").stdout
+
+
+def test_only_files_that_are_listed_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of very many with the same figures that takes longest."""
+    named = list[str]()
+    known = module._here
+
+    def here(folder: str, name: str) -> Any:
+        named.append(name)
+        return known(folder, name)
+
+    monkeypatch.setattr(module, "_here", here)
+    path = wrote(tmp_path, {f"{number:02}.glb": ok(1e-7, 0.5) for number in range(40)})
+    found = summarise([path], most=3)
+    first = [f"in/{number:02}.glb" for number in range(3)]
+    assert [row["file"] for row in found["worst"]] == [row["file"] for row in found["slowest"]] == first
+    assert len(named) == 4 * 3  # source and output of the worst and of the slowest
 
 
 def test_a_manifest_of_old_gets_what_a_quick_summary_needs(tmp_path: Path) -> None:
