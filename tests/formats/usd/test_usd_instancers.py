@@ -13,6 +13,7 @@ from usd_files import MESH, animation, save, scene, skeleton
 
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.skinning import deformed
+from rigtri.export.conversion import usd_instances
 from rigtri.formats import read
 
 ROCK = """def Mesh "Rock"
@@ -184,6 +185,19 @@ def test_instances_are_nodes_of_gltf_where_they_are_drawn(below: bool, tmp_path:
         found = [deformed(m, rig, world, np.zeros((1, 0)))[0] for m in document.meshes() if m.node in army]
         expected = drawn(source, time)
         assert np.abs(np.concatenate(found) - expected).max() < 1e-6 * np.abs(expected).max()
+
+
+def test_instancers_that_would_be_too_many_nodes_are_reported_and_not_converted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two characters of four prims and three joints each, and a rock: 18 nodes, as each gets one above it."""
+    source = save(tmp_path, stage_of(below=True, scales=False))
+    for most in (18, 17):
+        monkeypatch.setattr(usd_instances, "MOST_NODES", most)
+        ran = cli("convert", source, "-o", tmp_path / f"{most}.glb", code=0)
+        assert ("PointInstancer </World/Army> with its prototypes" in " ".join(ran.stderr.split())) == (
+            most < 18
+        )
 
 
 def test_instancers_whose_instances_come_and_go_are_reported_and_not_converted(tmp_path: Path) -> None:
