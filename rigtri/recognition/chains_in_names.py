@@ -55,8 +55,13 @@ def _is_of_another(tree: Tree, chain: Sequence[int]) -> bool:
     """Whether a joint hangs at a bone of another limb: its own, or the names of both, may be wrong."""
     names = tree.rig.names
     over = (names[above] for k in chain if (above := tree.above[k]) >= 0 and above not in chain)
-    bones = (name for name in over if parse_name(name).side and HOLDERS.isdisjoint(parse_name(name).words))
+    bones = (name for name in over if parse_name(name).side and not _is_held_by(name))
     return any(levels and "before" not in levels for levels in (limb_words(name).levels for name in bones))
+
+
+def _is_held_by(name: str) -> bool:
+    """Whether a node is called a group or a control, which only moves what hangs at it."""
+    return not (HOLDERS.isdisjoint(parse_name(name).words) and BESIDE.isdisjoint(roles_in_name(name)))
 
 
 def _is_balanced(tree: Tree, bend: Sequence[int]) -> bool:

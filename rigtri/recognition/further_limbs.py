@@ -11,7 +11,8 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.inanimate import is_of_machine
 from rigtri.recognition.layout import NAMES, Kind
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.naming_schemes import roles_in_name
+from rigtri.recognition.limb_words import limb_words, other_words
+from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 from rigtri.recognition.symmetry import SIMILAR_LENGTH
 
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
@@ -38,7 +39,7 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
         if draft.poses.has_weights and not any(draft.poses.moves_points(k) for k in nodes):
             continue  # controls
         taken |= nodes
-        lost = wing and (_is_beside(draft, limbs) or _is_guessed(draft, limbs))
+        lost = wing and any(ask(draft, limbs) for ask in (_is_beside, _is_guessed, _goes_on))
         for which, path in enumerate(limbs.pair.paths):
             chain = _along_wing(draft, path) if wing else path
             joints = _of_wing(draft, limbs, chain) if wing else limbs.joints(which)
@@ -68,6 +69,18 @@ def _is_guessed(draft: Draft, limbs: Limbs) -> bool:
     names = draft.tree.rig.names
     roles = [roles_in_name(names[k]) for which in (0, 1) for k in limbs.joints(which)]
     return draft.tree.is_own and not all("wing" in each or "feather" in each for each in roles)
+
+
+def _goes_on(draft: Draft, limbs: Limbs) -> bool:
+    """Whether a joint elsewhere in the file is called as those of a wing are, but for its place in it."""
+    names, tree = draft.tree.rig.names, draft.tree
+    for path in limbs.pair.paths:
+        key = parse_name(names[path[0]]).side, other_words(names[path[0]])
+        away = (names[k] for k in tree.nodes if k not in path and not tree.is_below(k, path[0]))
+        for name in (name for name in away if "feather" not in roles_in_name(name)):
+            if limb_words(name).levels and (parse_name(name).side, other_words(name)) == key:
+                return True
+    return False
 
 
 def _along_wing(draft: Draft, path: Sequence[int]) -> list[int]:

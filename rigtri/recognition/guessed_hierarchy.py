@@ -51,8 +51,10 @@ def lost_third(draft: Draft, each: Found, found: Sequence[Found] = ()) -> str:
     words = [draft.words.get(joint, NO_WORDS) for joint in each.joints]
     if words[-1].levels == {"upper": 1.0}:
         return f"'{rig.title(each.joints[-1])}' is called as its start is"
-    if in_order(words)[0].keys() == {"before"}:
-        return f"'{rig.title(each.joints[0])}' is called as what leads to a limb is"
+    first = in_order(words)[0].keys()
+    if first in ({"before"}, {"end"}, {"after"}):
+        other = "what leads to a limb" if first == {"before"} else "the end of a limb"
+        return f"'{rig.title(each.joints[0])}' is called as {other} is"
     if other := _called_so(draft, each, found):
         return other
     named = draft.reading is not None and each.joints in draft.reading.limbs.values()

@@ -294,3 +294,20 @@ def test_a_wing_of_a_guessed_hierarchy_that_begins_at_a_shoulder_is_not_sure() -
     joints = [*ROOT, *flat, *wing]
     found = [k for k in limbs(joints, named=True) if k.kind == "wing" and k.is_sure]
     assert not [k for k in found if any("wing" not in joints[node][0] for node in k.bend)]
+
+
+def test_names_tell_the_order_of_joints_below_a_control() -> None:
+    """Before, ``left_leg_ctrl``, to which all joints of a leg are parented, was taken for a bone of one."""
+    controls = both([("leg_ctrl.L", "hips", (0.1, 0.95, 0.05))])
+    hung = parented([*WITH_HANDS, *controls], {"thigh": "leg_ctrl", "shin": "leg_ctrl", "foot": "leg_ctrl"})
+    assert sure(hung, named=True) == FOUR
+
+
+def test_a_wing_whose_next_bone_hangs_elsewhere_is_not_sure() -> None:
+    """Before, ``wing_upper`` and ``wing_lower`` alone were a wing at 0.9, and ``wing_hand`` was left over."""
+    wing = line("wing_upper.L wing_lower.L", "chest", (0.1, 1.4, -0.1), (0.5, 1.6, -0.1))
+    wing += line("wing_hand.L wing_tip.L", "root", (1.0, 1.5, -0.1), (1.4, 1.3, -0.2))
+    joints = [*ROOT, *((name, over or "root", at) for name, over, at in MAN), *both(wing)]
+    found = [k for k in limbs(joints, named=True) if k.kind == "wing"]
+    assert found
+    assert not any(k.is_sure for k in found)
