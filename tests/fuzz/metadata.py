@@ -125,7 +125,7 @@ def _replacements(spec: Any) -> Iterator[tuple[str, Callable[[Any], None]]]:
     yield "a relationship", _related
     yield "blocked", lambda one: setattr(one, "default", Sdf.ValueBlock())
     value = spec.default
-    if hasattr(value, "__len__") and not isinstance(value, str):
+    if spec.typeName.isArray:
         yield "empty", lambda one: setattr(one, "default", type(value)())
         yield "shorter", lambda one: setattr(one, "default", type(value)(list(value)[:-1]))
         yield "longer", lambda one: setattr(one, "default", type(value)([*value, *list(value)[:1]]))
@@ -133,7 +133,7 @@ def _replacements(spec: Any) -> Iterator[tuple[str, Callable[[Any], None]]]:
             for number in (-1, 99, 2**31 - 1):
                 yield f"all {number}", lambda one, number=number: _filled(one, value, number)
         if isinstance(value, Vt.StringArray):
-            yield from _in_notes(value)
+            yield from _in_notes(list(value))
     elif isinstance(value, str):
         for word in WORDS:
             yield f"word {word}"[:40], lambda one, word=word: setattr(one, "default", word)
@@ -142,7 +142,7 @@ def _replacements(spec: Any) -> Iterator[tuple[str, Callable[[Any], None]]]:
             yield f"number {other}", lambda one, other=other: setattr(one, "default", type(value)(other))
 
 
-def _in_notes(value: Any) -> Iterator[tuple[str, Callable[[Any], None]]]:
+def _in_notes(value: list[str]) -> Iterator[tuple[str, Callable[[Any], None]]]:
     """What is stored of joints: a text of JSON for each."""
     seen = set()
     for number, text in enumerate(value):
