@@ -430,3 +430,16 @@ def test_a_skeleton_without_points_is_frozen(blocks: list[str], more: list[str],
     large = "float3 xformOp:scale = (100, 100, 100)\nuniform token[] xformOpOrder = ['xformOp:scale']"
     path = save(tmp_path, scene(large, skeleton(), animation(), *blocks))
     cli("freeze", path, "-o", tmp_path / "out.usda", *more, code=0)
+
+
+@pytest.mark.parametrize("blocks", [[], [MESH]])
+def test_verify_says_of_frozen_joints_what_freeze_does(blocks: list[str], tmp_path: Path) -> None:
+    """Before, verify compared joints without points in two units, and was 99 of the size away."""
+    small = "float3 xformOp:scale = (0.01, 0.01, 0.01)\nuniform token[] xformOpOrder = ['xformOp:scale']"
+    path, out = save(tmp_path, scene(small, skeleton(), animation(), *blocks)), tmp_path / "out.usda"
+    cli("freeze", path, "-o", out, code=0)
+    cli("verify", path, out, code=0)
+    other = out.read_text("utf-8").replace("(0.6, 0.8, 0, 0)", "(0.8, 0.6, 0, 0)")
+    assert other != out.read_text("utf-8")
+    out.write_text(other, "utf-8")
+    cli("verify", path, out, code=6)

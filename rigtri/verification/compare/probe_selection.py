@@ -114,6 +114,9 @@ def skin_corners(
             continue
         owner = mine.name or f"skin #{number}"
         own, bound = np.isin(mine.joints, loose), [x for x in meshes if x.skin == number]
+        there = theirs.inverse_bind[:count]
+        if not bound:
+            there = _between_skins(before, after, mine, replace(theirs, joints=joints, inverse_bind=there))
         for bind, low, high, most in _skin_boxes(mine, bound):
             # Such a joint may move, but not what somebody has bound to it.
             holds = np.isfinite(low).all(axis=1) if bound else False
@@ -124,7 +127,7 @@ def skin_corners(
             points = _with_bind_origin(box_corners(low[rows], high[rows]), bind, mine.bind[rows])
             with np.errstate(invalid="ignore"):
                 points = points * most
-                moved = tuple(points @ bind @ s.inverse_bind[rows] for s in (mine, theirs))
+                moved = tuple(points @ bind @ matrices[rows] for matrices in (mine.inverse_bind, there))
             yield FramePoints(
                 (mine.joints[rows], joints[rows]), (moved[0], moved[1]), titles, [owner] * len(rows)
             )
@@ -149,6 +152,24 @@ def _without_added(after: Rig, skin: int, m: Correspondence, count: int) -> Skin
     if partners.sum() == count < keep.sum():
         keep = partners
     return whole if keep.all() else _rows(whole, keep)
+
+
+def _between_skins(before: Rig, after: Rig, mine: Skin, theirs: Skin) -> Floats:
+    """What takes points of one skin's bind pose into the joints of another, (m, 4, 4): inverse binds.
+
+    Meshes say where they are bound. Without any, joints are bound where the bind poses have them, or seen
+    from what holds the joints if they agree there: ``freeze`` takes a scale above a skeleton into it.
+    """
+    top = int(np.argmin(np.isin(before.parents[mine.joints], mine.joints)))
+    onto = np.eye(4)
+    for rig, joint in ((before, mine.joints[top]), (after, theirs.joints[top])):
+        above = int(rig.parents[joint])
+        world = rig.world[above] if above >= 0 else np.eye(4)
+        onto = world if rig is before else onto @ inverse(world)
+    here, there = mine.bind[:, 3], theirs.bind[:, 3]
+    with np.errstate(invalid="ignore", over="ignore"):
+        closer = np.abs(here @ onto - there).max() < np.abs(here - there).max()
+        return onto @ theirs.inverse_bind if closer else theirs.inverse_bind
 
 
 def _rows(skin: Skin, keep: Booleans) -> Skin:
