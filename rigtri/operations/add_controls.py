@@ -194,8 +194,8 @@ class _Builder:
         Not of what an earlier step has warned of: joints and controls have axes by the same rules.
         """
         if self.options.whole_character:
-            said = self.report.earlier
-            self.report.extend(k for k in self.axes.unknown if (k.code, k.joint) not in said)
+            earlier = self.report.earlier
+            self.report.extend(k for k in self.axes.unknown if (k.code, k.joint) not in earlier)
 
     def _give_names(self) -> None:
         """Names by the user's rule, and a record of those that new controls have."""

@@ -60,10 +60,10 @@ def name_all_missing(error: NameNotFoundError, rig: Rig, options: Any) -> None:
             except NameNotFoundError as other:
                 if not any(f"'{node}'" in text for text in texts):
                     texts.append(str(other))
-    told = [text.removesuffix(LIST_NAMES).rstrip() for text in texts]
-    told = [text if text.endswith((".", "?")) or len(told) == 1 else f"{text}." for text in told]
+    reasons = [text.removesuffix(LIST_NAMES).rstrip() for text in texts]
+    reasons = [text if text.endswith((".", "?")) or len(reasons) == 1 else f"{text}." for text in reasons]
     advice = [LIST_NAMES] if any(text.endswith(LIST_NAMES) for text in texts) else []
-    error.args = (" ".join((*told, *advice)),)
+    error.args = (" ".join((*reasons, *advice)),)
 
 
 def _words(value: Any) -> Iterator[str]:

@@ -95,7 +95,7 @@ def _hand(draft: Draft, arm: Found) -> None:
     tree, chains = draft.tree, finger_chains(draft, arm.joints[2], _lower(draft, arm))
     if len(chains) < 2:
         chains += _beside(draft, arm)
-    chains = [told for chain in chains if (told := _told(draft, arm.joints[2], chain))]
+    chains = [ordered for chain in chains if (ordered := _ordered(draft, arm.joints[2], chain))]
     way = [arm.joints[2]]
     moves, names = draft.poses.moves_points, tree.rig.names
     called = {k[0] for k in chains if _names_finger(names[k[0]]) or _is_called_finger(draft, k[0])}
@@ -111,7 +111,7 @@ def _hand(draft: Draft, arm: Found) -> None:
     lay_fingers(draft, arm.joints[2], chains, arm.side, arm.confidence)
 
 
-def _told(draft: Draft, hand: int, chain: list[int]) -> list[int]:
+def _ordered(draft: Draft, hand: int, chain: list[int]) -> list[int]:
     """The chain as far as the hierarchy or names tell what follows what, from two joints on; else none of it.
 
     Beyond that it goes on by place, and the nearest may be another finger, or the end of one.
@@ -120,8 +120,8 @@ def _told(draft: Draft, hand: int, chain: list[int]) -> list[int]:
     if draft.tree.is_own and not rig.is_below(chain[0], hand) and chain[0] not in after:
         return []
     follows = ((rig.is_below(b, a) or after.get(b) == a, b) for a, b in pairwise(chain))
-    told = [chain[0], *(joint for _, joint in takewhile(lambda each: each[0], follows))]
-    return told if len(told) > 1 or told == chain else []
+    ordered = [chain[0], *(joint for _, joint in takewhile(lambda each: each[0], follows))]
+    return ordered if len(ordered) > 1 or ordered == chain else []
 
 
 def _beside(draft: Draft, arm: Found) -> list[list[int]]:

@@ -70,7 +70,7 @@ class ToGltf:
     def compared(self, part: Path) -> Converted:
         """What was written, read again, beside what it was made of: in the stage's unit and axes."""
         found = self._partners(GltfDocument.read(part, ReadOptions()))
-        if all(_said_in_gltf(mesh) for mesh, _ in found.meshes):
+        if all(_skinned_alike(mesh) for mesh, _ in found.meshes):
             return found
         linear = [(_as_in_gltf(mesh), other) for mesh, other in found.meshes]
         return replace(found, meshes=linear, source_meshes=found.meshes)
@@ -123,14 +123,14 @@ class ToGltf:
         return replace(rig, rotation=rotation, scale=scale)
 
 
-def _said_in_gltf(mesh: Mesh) -> bool:
+def _skinned_alike(mesh: Mesh) -> bool:
     """Whether glTF skins a mesh of USD as UsdSkel does."""
     return not mesh.dual_quaternion and sums_to_one(mesh)
 
 
 def _as_in_gltf(mesh: Mesh) -> Mesh:
     """A mesh skinned as glTF does: linearly, with weights that are scaled to sum to 1."""
-    if _said_in_gltf(mesh):
+    if _skinned_alike(mesh):
         return mesh
     weights = added_up(mesh.joints, mesh.weights)
     return replace(mesh, weights=weights, dual_quaternion=False, raw_weights=False)

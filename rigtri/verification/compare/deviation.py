@@ -223,8 +223,8 @@ def denormalisation(rig: Rig, nodes: Booleans | None = None) -> float:
     """The largest | |q|−1 | of a rig's rotations, at rest and at keys; tangents do not count. nodes: (n,)."""
     some = np.ones(len(rig), dtype=bool) if nodes is None else nodes
     turns = [c for clip in rig.clips for c in clip.columns if c.path == "rotation"]
-    asked = ((c.key_values, some[c.nodes]) for c in turns)
-    keyed = (values if rows.all() else values[rows] for values, rows in asked)
+    tracks = ((c.key_values, some[c.nodes]) for c in turns)
+    keyed = (values if rows.all() else values[rows] for values, rows in tracks)
     return max(map(off_unit, chain([rig.rotation[~rig.has_matrix & some]], keyed)))
 
 

@@ -56,12 +56,12 @@ def bound_elsewhere(stage: Any, skeleton: str, animation: str) -> bool:
 
 
 def of_other_variants(
-    stage: Any, instances: SharedInstances, told: Set[str], joints: Mapping[str, Set[str]]
+    stage: Any, instances: SharedInstances, known_paths: Set[str], joints: Mapping[str, Set[str]]
 ) -> dict[str, tuple[str, list[str]]]:
     """The animations of unselected variants that no Skeleton plays there: in which variants, in words, and
     the Skeletons that are there and have their joints.
 
-    told: those that need no look. joints: those of the Skeletons.
+    known_paths: those that need no look. joints: those of the Skeletons.
     """
     known: set[Any] = set()
     shown = []
@@ -87,7 +87,7 @@ def of_other_variants(
             if _opinions(trial.GetPrimAtPath(path)) != _opinions(stage.GetPrimAtPath(path))
         }
         there = {path: known for path, known in joints.items() if trial.GetPrimAtPath(path)}
-        for path in sorted(here - played - told - found.keys()):
+        for path in sorted(here - played - known_paths - found.keys()):
             tokens = tokens_of(trial.GetPrimAtPath(path), "joints")
             found[path] = (in_words(chosen), fitting(path, tokens, there))
     return found

@@ -274,10 +274,10 @@ class _Reader:
                 self.skeletons[user] = replace(
                     skeleton, unbound=(*skeleton.unbound, path), decided=(*skeleton.decided, *varied)
                 )
-        told = {str(prim.GetPath()) for prim in prims}
+        known_paths = {str(prim.GetPath()) for prim in prims}
         if self.one_state:
             return
-        others = of_other_variants(self.stage, self.instances, told, known)
+        others = of_other_variants(self.stage, self.instances, known_paths, known)
         shown = [f"<{path}> ({where})" for path, (where, users) in others.items() if not users]
         joined += [f"<{path}> ({where})" for path, (where, users) in others.items() if users]
         for path, (_, users) in others.items():
