@@ -13,6 +13,7 @@ Examples:
 from __future__ import annotations
 
 from rigtri.operations.options.snap import SnapOptions
+from rigtri.operations.snap import NEAR
 from rigtri.report import Report
 
 from .edit_command import edit_command
@@ -26,7 +27,11 @@ def summary(report: Report) -> str:
     limbs = len({tuple(entry["limb"]) for entry in matched})
     if not report.reposed:
         return f"{counted(limbs, 'limb')} matched already; nothing was changed"
-    return f"{limbs} limbs to {matched[0]['to']}; their joints stay within {far:.2g} of the size"
+    text = f"{limbs} limbs to {matched[0]['to']}; their joints stay within {far:.2g} of the size"
+    elsewhere = max(entry["elsewhere"] for entry in matched)
+    if elsewhere > max(far, NEAR):
+        text += f"; at other times of the clip they move by up to {elsewhere:.2g}"
+    return text
 
 
 command = edit_command("snap", SnapOptions, summary, __doc__)

@@ -313,8 +313,10 @@ class _Limb:
     def _record(self, rig: Rig, times: Floats, changed: Collection[int]) -> None:
         solvers = self._solver(self.rig), self._solver(rig)
         joints = _joints_moved(rig, changed, solvers)
+        # Keys set at the moments alone change what the clip shows between them and its other keys.
+        all_times = times if self.timeline is None else np.union1d(times, self._all_times(self.timeline))
         far, elsewhere = (
-            self._deviation(solvers, joints, each) for each in (self.times, keys_and_between(times))
+            self._deviation(solvers, joints, each) for each in (self.times, keys_and_between(all_times))
         )
         name = self.rig.title(self.chain[2])
         if not far <= NEAR:

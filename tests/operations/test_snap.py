@@ -18,6 +18,7 @@ from program import cli
 from second_opinions import validator
 
 import rigtri
+from rigtri.cli.snap import summary
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.fk import Fk
@@ -219,6 +220,25 @@ def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
     np.testing.assert_array_equal(now.values[[0, 1, 3, 4]], was.values)
     for time in (0.2, 0.4, 0.7, 0.9):
         np.testing.assert_array_equal(sampling.sample(now, [time]), sampling.sample(was, [time]))
+
+
+@pytest.mark.ci
+def test_what_moves_at_other_times_of_a_limb_that_ik_drives_already_is_reported(tmp_path: Path) -> None:
+    """An FK control with one key moves the hand in the whole clip; IK takes that over at one moment alone."""
+    rig = posed_by_ik()
+    turn = from_axis_angle([0.0, 0.0, 1.0], 0.3)[None]
+    wrist = Track(control(rig, "forearm_L", "fk"), "rotation", "LINEAR", np.array([0.0]), turn)
+    walk = rig.clip("walk")
+    others = [t for t in walk.tracks if (t.node, t.path) != (wrist.node, wrist.path)]
+    walk = replace(walk, tracks=(*others, wrist))
+    rig = replace(rig, clips=tuple(walk if each.name == "walk" else each for each in rig.clips))
+    report = Report()
+    done = snap(rig, options=SnapOptions("ik", ("walk@0.5",), (ARM,)), report=report)
+    (entry,) = report.added
+    assert entry["deviation"] < BOUND
+    assert apart(rig, done, "walk@1.0") > 0.01
+    assert entry["elsewhere"] > 0.01
+    assert "at other times of the clip they move by up to" in summary(report)
 
 
 def test_an_end_joint_that_a_constraint_turns_once_fk_takes_over_is_reported() -> None:
