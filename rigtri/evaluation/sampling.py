@@ -203,9 +203,9 @@ def between_keys(keys: Floats) -> Floats:
 
 def morph_weights(mesh: Mesh, clip: Clip | None, times: Floats) -> Floats:
     """The morph weights of a mesh, (f, t), at ``times``; its own where no track drives them."""
-    for track in clip.tracks if clip is not None else ():
-        if track.path == "weights" and track.node == mesh.node:
-            return sample(track, times)
+    track = None if clip is None else clip.weights.get(mesh.node)
+    if track is not None:
+        return sample(track, times)
     return np.broadcast_to(mesh.morph_weights, (len(times), len(mesh.morph_weights)))
 
 

@@ -46,10 +46,11 @@ def sizes_of(rig: Rig, meshes: Sequence[Mesh]) -> Floats:
     the size of the whole.
     """
     sizes, world = np.full(len(rig), size_of(rig, meshes)), rig.normalised_world
+    placed = np.array([placing_node(rig, mesh) for mesh in meshes], dtype=np.int64)
     for nodes in characters(rig):
         some = np.zeros(len(rig), dtype=bool)
         some[nodes] = True
-        mine = [mesh for mesh in meshes if some[placing_node(rig, mesh)]]
+        mine = [meshes[k] for k in np.flatnonzero(some[placed]).tolist()]
         if mine and len(mine) == len(meshes):
             continue  # the only one: its size is that of the whole
         low, high = _box(rig, mine, world)

@@ -255,6 +255,11 @@ class Clip:
         """The tracks in few arrays."""
         return columns(self.tracks)
 
+    @cached_property
+    def weights(self) -> dict[int, Track]:
+        """The tracks of morph weights by their nodes, the first of each."""
+        return {track.node: track for track in reversed(self.tracks) if track.path == "weights"}
+
     @property
     def animation(self) -> Hashable:
         """The animation of a stage, whose clips are one for each skeleton; None in other formats."""

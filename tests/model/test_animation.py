@@ -59,3 +59,15 @@ def test_how_far_a_track_comes_from_rest(
 
 def test_a_rotation_of_the_other_sign_rests() -> None:
     assert off_rest(Track(0, "rotation", "LINEAR", TIMES, TURN.values * [[1], [-1]]), TURN.values[0]) == 0.0
+
+
+def test_the_weights_of_a_clip_are_by_node_and_the_first_of_each() -> None:
+    """A crowd has as many as characters: looked through for each mesh, they would take its square."""
+    one = np.zeros((1, 1))
+    tracks = [
+        Track(3, "translation", "LINEAR", np.zeros(1), np.zeros((1, 3))),
+        *(Track(node, "weights", "LINEAR", np.zeros(1), one) for node in (3, 1, 3)),
+    ]
+    clip = Clip("walk", tuple(tracks))
+    assert clip.weights == {3: tracks[1], 1: tracks[2]}
+    assert clip.weights is clip.weights

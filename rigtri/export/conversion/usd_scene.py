@@ -206,14 +206,17 @@ class _Reader:
         for node, key in enumerate(rig.keys):
             if key[0] == "prim":  # type: ignore[index]
                 names[node] = self.stage.GetPrimAtPath(rig.labels[node]).GetDisplayName() or names[node]
+        joints: dict[str, list[tuple[int, str]]] = {}
+        for node, (owner, token) in self.source.joints.items():
+            joints.setdefault(owner, []).append((node, token))
         for path, skeleton in self.source.skeletons.items():
             prim = self.stage.GetPrimAtPath(path)
             shown = UsdSkel.Skeleton(prim).GetJointNamesAttr().Get() if prim.IsA(UsdSkel.Skeleton) else None
             extras = prim.GetCustomDataByKey("extras") if prim.IsA(UsdSkel.Skeleton) else None
-            for node, (owner, token) in self.source.joints.items():
-                if owner == path and shown and len(shown) == len(skeleton.tokens):
+            for node, token in joints.get(path, ()):
+                if shown and len(shown) == len(skeleton.tokens):
                     names[node] = str(shown[skeleton.tokens.index(token)])
-                if owner == path and extras and token in extras:
+                if extras and token in extras:
                     self.scene.extras[node] = json_value(extras[token])
         return tuple(names)
 
