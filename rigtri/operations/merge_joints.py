@@ -22,7 +22,7 @@ from rigtri.operations.node_removal import staying, warn_lost_clips, without_nod
 from rigtri.operations.operation import operation
 from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJointsOptions
 from rigtri.operations.orient_joints.frame_sources import no_namesakes
-from rigtri.operations.prune_joints import named_nodes, sockets
+from rigtri.operations.prune_joints import sockets, why_named
 from rigtri.operations.reparented import reparented, uniform_parts
 from rigtri.report import Report
 from rigtri.text import and_more
@@ -101,7 +101,7 @@ class _Merging:
         self._next = self._above.copy()
         self._skins = [frozenset(skin.joints.tolist()) for skin in rig.skins]
         # Why nodes stay, for those that do not stay for the sake of others below them.
-        self._reasons = dict.fromkeys(named_nodes(rig), "is named by the file or rigtri's metadata")
+        self._reasons = why_named(rig)
         drawn = np.flatnonzero(rig.attachment >= 0).tolist()
         self._reasons |= dict.fromkeys(drawn, "has a mesh, camera or light")
         excluded = {node for glob in exclude for node in rig.match(glob)}
@@ -185,8 +185,13 @@ class _Merging:
 
     def _refuse(self, node: int, reasons: Mapping[int, str]) -> None:
         if reasons:
-            every = and_more([f"'{self.rig.title(k)}' {reasons[k]}" for k in sorted(reasons)], 3)
-            raise GeometryError(f"'{self.rig.title(node)}' cannot be merged: {every}. Leave it out")
+            named = [k for k in sorted(reasons) if k != node]
+            whose = ([f"it {reasons[node]}"] if node in reasons else []) + [
+                f"'{self.rig.title(k)}' below it {reasons[k]}" for k in named
+            ]
+            raise GeometryError(
+                f"'{self.rig.title(node)}' cannot be merged: {and_more(whose, 3)}. Leave it out"
+            )
 
     def take_alone(self, node: int, otherwise: str) -> None:
         """Let a joint go, and parent what stays below it anew; GeometryError where that is not possible.

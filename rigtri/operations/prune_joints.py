@@ -37,7 +37,7 @@ def prune_joints(rig: Rig, *, options: PruneJointsOptions, report: Report) -> Ri
 def _unneeded(rig: Rig, options: PruneJointsOptions) -> set[int]:
     """The nodes that go: joints, and their descendants that show nothing."""
     needed = weighted_joints(rig) | (rig.attachment >= 0)
-    needed[sorted(named_nodes(rig))] = True
+    needed[sorted(why_named(rig))] = True
     ends = rig.at_or_below(rig.is_joint) & ~rig.is_joint
     if not options.sockets and ((rig.is_joint | ends) & ~needed).any():
         needed[sorted(sockets(rig))] = True
@@ -65,14 +65,24 @@ def weighted_joints(rig: Rig) -> Booleans:
     return found
 
 
-def named_nodes(rig: Rig) -> set[int]:
-    """The nodes that the file's format, a constraint, or rigtri's metadata name; they cannot go."""
-    found = {*rig.humanoid.values(), *rig.rules.fixed, *rig.rules.data_nodes, *rig.rules.named, *rig.own}
-    found |= {one.node for one in rig.bound} | {*rig.metadata}
+def why_named(rig: Rig) -> dict[int, str]:
+    """The nodes that the file's format, a constraint, or rigtri's metadata name; they stay. Why, of each."""
+    rules = rig.rules
+    found = dict.fromkeys(rules.named, "is named by an extension of the file")
+    found |= {one.node: "has data of the file in its axes" for one in rig.bound}
+    found |= dict.fromkeys(rules.data_nodes, "is named by an extension of the file")
+    found |= {node: f"cannot change: {why}" for node, why in rules.fixed.items()}
     for constraint in rig.node_constraints:
-        found |= {constraint.node, constraint.source} - {-1}
-
-    return found.union(*map(rig.named_by, rig.metadata.values()))
+        what = "a swinging chain" if constraint.kind == "tail" else "a constraint"
+        both = {constraint.node, constraint.source} - {-1}
+        found |= dict.fromkeys(both, f"is named by {what} of the file")
+    for node, stored in rig.metadata.items():
+        found |= dict.fromkeys(
+            rig.named_by(stored), f"is named by the {rig.kind_of(node)} '{rig.title(node)}'"
+        )
+    found |= {node: f"is the humanoid's {bone}" for bone, node in rig.humanoid.items()}
+    found |= dict.fromkeys(rig.own, "was made by rigtri")
+    return found | {node: f"is a {rig.kind_of(node)} of rigtri" for node in rig.metadata}
 
 
 def _is_end(rig: Rig, node: int) -> bool:

@@ -16,6 +16,7 @@ from program import cli
 from pxr import Usd, UsdGeom
 from rigs import chain
 from usd_files import MESH, animation, deviation, save, scene, skeleton
+from vrm_files import vrm_1
 
 import rigtri
 from rigtri.errors import GeometryError
@@ -26,6 +27,7 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.skin import Skin, WeightLimit
 from rigtri.model.skin_weights import limited, within
+from rigtri.operations.prune_joints import why_named
 from rigtri.report import Report
 from rigtri.verification.checks import check
 
@@ -77,7 +79,7 @@ def test_the_top_nodes_of_a_plain_hierarchy_stay(tmp_path: Path) -> None:
     nodes = [{"name": "a", "children": [1]}, {"name": "b", "translation": [0, 1, 0]}]
     source.write_text(json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": nodes}))
     ran = cli("merge-joints", source, "-o", out, "--joints", "*", code=5)
-    assert "'a' cannot be merged: 'a' has no parent. Leave it out" in ran.stderr
+    assert "'a' cannot be merged: it has no parent. Leave it out" in ran.stderr
     assert not out.exists()
     ran = cli("merge-joints", source, "-o", out, "--joints", "b", code=0)
     assert "1 node merged: b\n" in ran.stderr
@@ -288,15 +290,24 @@ def test_still_joints_that_hold_something_are_named() -> None:
 
 
 def test_a_joint_that_something_names_is_not_merged() -> None:
+    """Before, the name stood there twice, and nothing said what names it."""
     rig = rigtri.add_polevector(rigtri.read(SAMPLES / "biped.glb"), limbs="auto")
+    pole = "is named by the poleVector 'forearm_L_pole'"
     for joint, why in (
-        ("forearm_L", "'forearm_L' is named by the file or rigtri's metadata, 'hand_L' is named"),
-        ("hips", "'hips' has no joint above it that is in all its skins"),
+        ("forearm_L", f"it {pole}, 'hand_L' below it {pole}"),
+        ("hips", "it has no joint above it that is in all its skins, 'head' below it is kept"),
+        ("head", "it is kept by exclude="),
     ):
-        with pytest.raises(GeometryError, match=f"'{joint}' cannot be merged: .*{why}"):
-            rigtri.merge_joints(rig, joints=(joint,))
-    with pytest.raises(GeometryError, match="'head' cannot be merged: 'head' is kept by exclude="):
-        rigtri.merge_joints(rig, joints=("head",), exclude=["head"])
+        with pytest.raises(GeometryError, match=f"'{joint}' cannot be merged: {why}"):
+            rigtri.merge_joints(rig, joints=(joint,), exclude=["head"])
+    (named,) = (k for k in rig.own if rig.names[k] == "forearm_L_pole")
+    assert why_named(rig)[named] == "is a poleVector of rigtri"
+
+
+def test_a_bone_of_the_humanoid_is_not_merged(tmp_path: Path) -> None:
+    rig = rigtri.read(vrm_1().glb(tmp_path / "in.vrm"))
+    with pytest.raises(GeometryError, match="cannot be merged: it is the humanoid's head"):
+        rigtri.merge_joints(rig, joints=("vrm:head",))
 
 
 @pytest.mark.parametrize(

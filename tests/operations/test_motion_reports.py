@@ -20,7 +20,7 @@ import rigtri
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
 from rigtri.formats import read
-from rigtri.formats.gltf.animation_writer import refuse_early
+from rigtri.formats.gltf.new_key_times import refuse_early
 from rigtri.model.animation import Clip, Track, Tracks
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import add_controls

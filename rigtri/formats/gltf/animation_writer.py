@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rigtri.errors import FileError, GeometryError
+from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import FLOAT, Accessors
 from rigtri.formats.gltf.animation_channels import (
     channels_by_sampler,
@@ -26,6 +26,7 @@ from rigtri.formats.gltf.animation_channels import (
 from rigtri.formats.gltf.buffer_writer import Role, Storage
 from rigtri.formats.gltf.float32_rounding import Singles, round_tracks, to_singles
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
+from rigtri.formats.gltf.new_key_times import refuse_ties
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Column, Track, Tracks, other_rows
@@ -33,27 +34,6 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
 KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
-
-
-def refuse_early(before: Rig, after: Rig) -> None:
-    """GeometryError for a key before 0 that an edit makes, which glTF does not have; old ones stay."""
-    olds = {clip.key: clip.columns for clip in before.clips}
-    early: list[tuple[str, Track]] = []
-    for k, clip in enumerate(after.clips):
-        old = [column for column in olds.get(clip.key, ()) if len(column.times)]
-        times = {id(column.times) for column in old}
-        first = min((float(column.times[0]) for column in old), default=0.0)
-        made = (c for c in clip.columns if id(c.times) not in times and len(c.times))
-        sooner = Tracks(c for c in made if c.times[0] < min(first, 0.0))
-        early += [(clip.name or f"#{k}", track) for track in sooner]
-    # The tracks of all clips are looked at once, and only where one of them can be at fault.
-    known = {id(track) for clip in before.clips for track in clip.tracks} if early else ()
-    for name, track in early:
-        if id(track) not in known:
-            raise GeometryError(
-                f"'{after.title(track.node)}' would get a key at {track.times[0]:g} s in clip "
-                f"'{name}', and glTF has no time before 0. Choose a later time, or move the keys of the clip"
-            )
 
 
 class _NewOutput(NamedTuple):
@@ -351,6 +331,7 @@ class ClipWriter:
                     self._inputs[id(known.times)] = sampler["input"]
         if id(track.times) not in self._inputs:
             rows = to_singles(track.times.reshape(-1, 1))
+            refuse_ties(track, rows[:, 0], self._rig.title(track.node))
             self._inputs[id(track.times)] = self._keys(rows, "SCALAR", bounds=True)
         return self._inputs[id(track.times)]
 

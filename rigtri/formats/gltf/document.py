@@ -20,12 +20,13 @@ from rigtri.files.mapped_file import load, pour
 from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animation_reader import ClipReader, animated_nodes
-from rigtri.formats.gltf.animation_writer import ClipWriter, refuse_early
+from rigtri.formats.gltf.animation_writer import ClipWriter
 from rigtri.formats.gltf.buffer_writer import Storage
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, Piece, open_container
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.mesh_reader import Drawn, MeshReader
+from rigtri.formats.gltf.new_key_times import refuse_early
 from rigtri.formats.gltf.node_reader import Rest, read_rest, read_tree
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.references import check_added, named_nodes

@@ -16,7 +16,8 @@ from places import ASSETS, GLTF, asset_files, sample_files, samples_of_all_kinds
 from rigs import lawful
 from second_opinions import khronos_errors
 
-from rigtri.errors import FileError
+import rigtri
+from rigtri.errors import FileError, GeometryError
 from rigtri.formats import Companion, ReadOptions
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.nonuniform_scale import ScaleTable
@@ -491,3 +492,14 @@ def test_a_track_with_other_times_gets_a_sampler_of_its_own_where_others_use_it(
         assert clip.tracks[0].times.tolist() == moved.tolist()
         assert clip.tracks[0].values.tolist() == np.eye(3).tolist()
     assert again.clips[0].tracks[1].times.tolist() == [0.0, 1.0]
+
+
+@pytest.mark.parametrize(("late", "why"), [(1.0 + 1e-9, "the same 32-bit number"), (0.5, "not in order")])
+def test_keys_that_gltf_cannot_tell_apart_are_refused(late: float, why: str, tmp_path: Path) -> None:
+    """Before, with verify=False they were written, and nobody could read the file."""
+    rig = rigtri.read(small(3).glb(tmp_path / "in.glb"))
+    track = Track(1, "translation", "LINEAR", np.array([0.0, 1.0, late]), np.zeros((3, 3)))
+    tied = replace(rig, clips=(Clip("wave", (track,)),))
+    with pytest.raises(GeometryError, match=f"at 1 s and {late:.12g} s, which are {why}"):
+        rigtri.write(tied, tmp_path / "out.glb", verify=False)
+    assert not (tmp_path / "out.glb").exists()
