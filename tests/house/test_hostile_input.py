@@ -747,6 +747,45 @@ def test_custom_data_that_cannot_be_unpacked_are_an_error_of_the_file() -> None:
         overridden_file(_Spoilt(), Path("in.usdc"))
 
 
+def test_a_number_of_a_stage_that_cannot_be_unpacked_is_an_error_of_the_file(tmp_path: Path) -> None:
+    """Where a crate keeps it beyond its own end. Before, a traceback."""
+    path, layer = tmp_path / "in.usdc", Sdf.Layer.CreateAnonymous(".usdc")
+    layer.pseudoRoot.SetInfo("metersPerUnit", 0.01)
+    layer.Export(str(path))
+    content = bytearray(path.read_bytes())
+    place = content.index(struct.pack("<d", 0.01))
+    where = content.index(place.to_bytes(1, "little"), place)
+    content[where : where + 2] = b"\xff\xff"
+    path.write_bytes(content)
+    assert "USD cannot read it: Corrupt asset" in error_of(path)
+
+
+def test_a_clock_without_length_is_looked_at_for_shear_all_the_same(tmp_path: Path) -> None:
+    """Where a frame is 1e-30 time codes; before, 1e30 times between two samples, and a traceback."""
+    path, crate = tmp_path / "in.usda", tmp_path / "in.usdc"
+    path.write_text("""#usda 1.0
+(
+    framesPerSecond = 24
+    timeCodesPerSecond = 1e-30
+)
+def Xform "top" {
+    def Xform "turning" {
+        matrix4d xformOp:transform.timeSamples = {
+            0: ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)),
+            10: ((0, 1, 0, 0), (-1, 0, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)),
+        }
+        uniform token[] xformOpOrder = ["xformOp:transform"]
+    }
+}
+""")
+    Sdf.Layer.FindOrOpen(str(path)).Export(str(crate))
+    rate = struct.pack("<fHBB", 24.0, 0, 9, 0x40)  # a double that is held as a float
+    assert rate in crate.read_bytes()
+    crate.write_bytes(crate.read_bytes().replace(rate, struct.pack("<fHBB", 0.0, 0, 9, 0x40)))
+    for file in (path, crate):
+        assert read_any(file, ReadOptions(root="top")).rig.clips
+
+
 def test_a_finding_of_openusd_that_quotes_bytes_is_reported_all_the_same() -> None:
     from rigtri.verification.checks.usd.usd_validation import _message
 

@@ -102,7 +102,7 @@ class UsdDocument:
         opened: what `open_file` gave for it, with these options.
         """
         options = options or ReadOptions()
-        with one_thread:
+        with quiet(f"{path}: USD cannot read it"):
             stage, layer, warnings = opened or open_file(
                 path, allow_external=options.allow_external_paths, allow_missing=options.allow_missing
             )

@@ -137,12 +137,13 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
     if not stage:
         raise FileError(f"{path}: no USD file, or a damaged one.")
     codeless_schemas.check_known()
-    for layer in stage.GetUsedLayers():
-        if layer.realPath and not external_paths.is_of_site(layer.identifier):
-            name = layer.identifier
-            external_paths.check_outside(layer.realPath, path, name, allow_external=allow_external)
-        _refuse_nan_times(layer)
-        _check_numbers(layer, _CLOCK if layer != stage.GetRootLayer() else (*_CLOCK, *_OF_STAGE))
+    with quiet(f"{path}: USD cannot read it"):
+        for layer in stage.GetUsedLayers():
+            if layer.realPath and not external_paths.is_of_site(layer.identifier):
+                name = layer.identifier
+                external_paths.check_outside(layer.realPath, path, name, allow_external=allow_external)
+            _refuse_nan_times(layer)
+            _check_numbers(layer, _CLOCK if layer != stage.GetRootLayer() else (*_CLOCK, *_OF_STAGE))
     return stage, _lacking(texts, path.parent, allow_missing=allow_missing)
 
 

@@ -26,6 +26,8 @@ _ON_WAY, _HALVINGS = 1e-6, 10
 # Axes that are further off their rotation, as a share of their length, show in what follows a prim: it is
 # the limit of a result.
 _SHEARED = 1e-5
+# So often is looked between two samples at most: elements go straight there, so shear is smooth.
+_LOOKS = 1000
 
 
 def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[Track] | None:
@@ -79,9 +81,9 @@ def notice_shear(
 ) -> None:
     """A notice of a prim that is sheared at frames between its samples, as its sampled tracks are not."""
     xformable = UsdGeom.Xformable(prim)
-    keys, stage = ops_times(xformable), prim.GetStage()
-    frame = stage.GetTimeCodesPerSecond() / stage.GetFramesPerSecond()
-    frames = [np.arange(a, b, frame)[1:] for a, b in pairwise(keys) if b - a > frame * (1.0 + 1e-6)]
+    keys, frame = ops_times(xformable), _frame(prim.GetStage())
+    long = [(a, b) for a, b in pairwise(keys) if b - a > frame * (1.0 + 1e-6)]
+    frames = [np.arange(a, b, max(frame, (b - a) / _LOOKS))[1:] for a, b in long]
     times = np.concatenate([*frames, np.zeros(0)])
     if interpolation == "STEP" or not len(times):
         return
@@ -100,6 +102,12 @@ def notice_shear(
         warnings.append(Notice("xform-sheared", text))
 
 
+def _frame(stage: Any) -> float:
+    """Time codes of a frame; 1 where the stage says nothing that could be one."""
+    frames = stage.GetFramesPerSecond()
+    return float(stage.GetTimeCodesPerSecond() / frames) if frames else 1.0
+
+
 def can_scale(xformable: Any) -> bool:
     """Whether one of its ops can scale."""
     kinds = (op.GetOpName().split(":")[1] for op in xformable.GetOrderedXformOps())
@@ -108,8 +116,7 @@ def can_scale(xformable: Any) -> bool:
 
 def _wraps(xformable: Any, times: list[float]) -> Floats:
     """The samples after which an Euler angle goes more than half a turn within a frame, as times (k,)."""
-    stage = xformable.GetPrim().GetStage()
-    frame = stage.GetTimeCodesPerSecond() / stage.GetFramesPerSecond()
+    frame = _frame(xformable.GetPrim().GetStage())
     ops = [op for op in xformable.GetOrderedXformOps() if op.GetOpName().startswith("xformOp:rotate")]
     starts: Floats = np.array(times[:-1])
     found = np.zeros(len(starts), dtype=bool)
