@@ -50,6 +50,7 @@ from rigtri.operations.control_drawing import (
 )
 from rigtri.operations.control_frames import ControlAxes, stored_style
 from rigtri.operations.control_sizes import ControlSizes
+from rigtri.operations.controls_check import refuse_carried
 from rigtri.operations.foot_roll import Foot, rolling_feet
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.operation import operation
@@ -329,6 +330,7 @@ class _Builder:
         local, noise = seen_from(above, place, axes)
         self.rig = self.new.stood(stand_local(before, offset, local, noise=noise))
         if self.rig is not before and not np.array_equal(before.local[offset], self.rig.local[offset]):
+            refuse_carried(before, offset, control)
             for node in before.children[control]:
                 if node in before.own:
                     there = unposed(before, node)

@@ -54,6 +54,19 @@ def refuse_other_rest(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
     _refuse_other_motion(rig, after, noisy, scales, TOLERANCE, f"{loses}. {command}")
 
 
+def refuse_carried(rig: Rig, offset: int, control: int) -> None:
+    """GeometryError where others have put what is seen below a control, whose offset gets another place."""
+    seen = rig.is_joint | (rig.attachment >= 0)
+    for node in (*rig.children[offset], *rig.children[control]):
+        if node not in rig.own and seen[[node, *rig.below(node)]].any():
+            mine, theirs, above = (rig.title(k) for k in (control, node, int(rig.parents[node])))
+            raise GeometryError(
+                f"'{mine}' would get another place, and '{theirs}', which is not from rigtri, is a child of "
+                f"'{above}', with which it would move. In the program that put it there, parent it to a "
+                "node that is not from rigtri; then run this again"
+            )
+
+
 def _refuse_other_motion(
     rig: Rig, after: Rig, noisy: Collection[int], scales: ScaleTable, tolerance: float, remedy: str
 ) -> None:

@@ -219,6 +219,25 @@ def test_a_control_that_was_put_below_another_node_leaves_that_where_it_is(
         assert f"'{control}' has no offset group above it" in result.stderr
 
 
+def test_a_control_does_not_move_from_under_what_others_have_put_below_it(tmp_path: Path) -> None:
+    """Before, the joint went with it, and the result was refused as one that would look different."""
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    rigtri.write(rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), joints=["hand_L"]), source)
+    document, data = glb_parts(source)
+    nodes = document["nodes"]
+    index = {node.get("name"): k for k, node in enumerate(nodes)}
+    nodes[index["forearm_L"]]["children"].remove(index["hand_L"])
+    nodes[index["hand_L_ctl"]]["children"] = [index["hand_L"]]
+    nodes[index["hand_L"]]["translation"] = [0.1, 0.0, 0.0]
+    source.write_bytes(glb_bytes(document, data))
+    ran = cli("add-controls", source, "-o", out, "--joints", "hand_L", code=5)
+    assert (
+        "'hand_L_ctl' would get another place, and 'hand_L', which is not from rigtri, is a child"
+        in ran.stderr
+    )
+    assert not out.exists()
+
+
 @pytest.mark.ci
 def test_controls_made_before_those_above_them_stay_where_they_are_and_report_it(
     samples: Path, tmp_path: Path
