@@ -44,6 +44,9 @@ FAR_TURNED = cosine_below(60)
 # A knee that bends by more than this (radians) about an axis that is further from the lateral one than this
 # (a cosine) is turned out or in with its whole leg.
 CROSSED, TURNED_OUT = radians_below(45), cosine_below(45)
+# Feet whose plane with the shin is further from the lateral axis than this (a cosine) are turned with the
+# leg, if they stand off the shin by this (radians) at least.
+FOOT_TURNED, FOOT_BENT = cosine_below(30), radians_below(30)
 _TRUNK = ("spine", "neck", "head")
 
 
@@ -314,6 +317,15 @@ def _hinges(
         if bend_angle(hip, knee, ankle) > CROSSED and abs(float(dot(hinge, hips))) < TURNED_OUT:
             for joint in foot.joints:
                 yield joint, Hinge("hinge of the knee", hinge)
+            continue
+        # So does one that is stretched aside, or turned out straight.
+        shin = ankle - knee
+        toes = at[foot.joints[1]] - ankle if len(foot.joints) > 1 else facing_along(shin, facing[0], up)
+        own = normalise(cross(toes, shin))
+        lateral = normalise(perpendicular(hips, normalise(toes)))
+        if angle(shin, toes) > FOOT_BENT and abs(float(dot(own, lateral))) < FOOT_TURNED:
+            for joint in foot.joints:
+                yield joint, Hinge("plane of shin and foot", own * (1.0 if dot(own, hips) >= 0 else -1.0))
     bones = character.bones
     chest = cross(left, _up_of_chest(chains, at, up))
     shoulders = [bones[f"{side}Shoulder"] for side in ("left", "right") if f"{side}Shoulder" in bones]

@@ -123,8 +123,8 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     """Directions that may be up for a pair as legs and another as arms, unit, with how far each is trusted.
 
     The file's, and others where neither legs nor trunk stand on that: the axis that legs go down, else what
-    trunk or limbs show; not what goes from left to right. Where
-    a trunk goes on in a tail, or has both pairs beside it, legs go down from it, however the file stands.
+    trunk or limbs show; not what goes from left to right. Where a trunk goes on in a tail, or has both pairs
+    beside it, legs go down from it, however the file stands.
     """
     standing, spine = Vector(*tree.rig.rules.up), arms.starts - legs.starts
     on, down, out = spine.unit, _way(legs), _way(arms)
@@ -145,12 +145,12 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     others = [(up, _OTHER_UP) for up in turned if any(up)]
     if _kneels_on_hands(tree, legs, arms, standing):
         return [(standing, 1.0)]
-    # Legs of a body that sits go as far ahead as down, by 45°; of one that crawls the arms hang down, too,
-    # and the feet trail behind.
+    # Legs of a body that sits go as far ahead as down, by 45°, and its trunk up, or it leans over arms that
+    # hang straight; of one that crawls the arms hang down, too, and the feet trail behind.
     seat = _axis(on)
-    sits = seat.dot(on) > _ALONG_AXIS and down.dot(-seat) > _ASIDE
-    sits = sits and (out.dot(-standing) < _ASIDE or _feet_stand(tree, legs, seat))
-    if sits:
+    rises = on.dot(seat) > (_LEANS if out.dot(-seat) > _ALONG_AXIS else _ALONG_AXIS)
+    sits = rises and down.dot(-seat) > _ASIDE
+    if sits := sits and (out.dot(-standing) < _ASIDE or _feet_stand(tree, legs, seat)):
         others = [(seat, _OTHER_UP)]
     if abs(between(tree, legs.pair)[1].dot(standing)) > _STANDS:
         return others
@@ -197,11 +197,11 @@ def _feet_stand(tree: Tree, legs: Limbs, seat: Vector) -> bool:
 
 
 def _kneels_on_hands(tree: Tree, legs: Limbs, arms: Limbs, up: Vector) -> bool:
-    """Whether hands, knees and toes stand on one ground, below hips and shoulders.
+    """Whether hands, knees and toes stand on one ground, below hips and shoulders; no arms go back there.
 
     So crawls who tucks the toes, with limbs as those of a driver, whose toes are ahead of the knees.
     """
-    if len(legs.at) < 3 or len(arms.at) < 3:
+    if len(legs.at) < 3 or len(arms.at) < 3 or _way(arms).dot((arms.starts - legs.starts).unit) < -_ASIDE:
         return False
     joints = [(*arms.joints(which), *legs.joints(which)) for which in (0, 1)]
     parts = [part for k in joints for part in (tree.branch(k[2]), [k[4]], tree.branch(k[5]))]

@@ -35,6 +35,9 @@ from rigtri.recognition.thumb_bends import (
 CURLED = radians_below(20)
 # … and so does one finger without a thumb that bends by more than this: nothing else shows where its palm is.
 LONE_CURLED = radians_below(10)
+# The first of its four joints or more may be a metacarpal, which is set aside by up to this (radians); it is
+# none where its plane is as near as this (a cosine) to that of the others.
+SET_ASIDE, WITH_OTHERS = radians_below(30), cosine_below(30)
 # Of fingers whose own hinges agree to this part the common one counts.
 AGREEMENT = 0.7
 # No finger bends more than 60° aside of the line of the knuckles (a cosine): what looks so is noise.
@@ -59,6 +62,9 @@ AS_HANDS_HANG = "palm of a hand hanging at the side"
 # arm is raised ahead by more than this (a cosine) it is a guess: it may be turned about itself there.
 AS_ARMS_SWING, AS_ARMS_SWING_AHEAD = "arm, for hands hanging at the sides", "arm, for hands raised ahead"
 RAISED_AHEAD = cosine_below(45)
+# An elbow that bends by more than this (radians) shows how the arm is turned: without a turn of the lower arm
+# the palm is on the side of the elbow's hinge, as at the thigh.
+ELBOW_BENT = radians_below(30)
 # The rule of thumbs whose bend, which is more than none, may be their joints' noise or the shape of the hand.
 NOT_ITS_BEND = "palm of the hand, not the thumb's own bend"
 FOUR = ("index", "middle", "ring", "little")
@@ -182,6 +188,9 @@ def _posed_hand(
     natural = None
     if body is not None and is_left is not None:
         natural = facing_along(lower, *body) * (-1.0 if is_left else 1.0)
+        if len(arm) == 3 and float(bend_angle(*at[list(arm)])) > ELBOW_BENT:
+            inside = cross(at[arm[1]] - at[arm[0]], lower) * (1.0 if is_left else -1.0)
+            natural = normalise(cross(lower, inside))
     lines = [k.joints for k in four] or [wrist[1:]] * (len(wrist) > 1)
     joints = (*wrist, *(joint for finger in fingers for joint in finger.joints))
     guessed = all(k.evidence[0] == BY_PLACE for k in four)
@@ -287,6 +296,8 @@ class _PosedHand:
             triples = list(zip(finger, finger[1:], finger[2:], strict=False))
             if triples:
                 a, b, c = (at[[triple[k] for triple in triples]] for k in range(3))
+                if len(self.fingers) < 2 and _is_set_aside(a, b, c):
+                    a, b, c = a[1:], b[1:], c[1:]
                 most.append(float(bend_angle(a, b, c).max()))
                 if most[-1] > SHOWN:
                     normals.append(normalise(cross(b - a, c - b).cumsum(axis=0)[-1]))
@@ -333,6 +344,16 @@ class _PosedHand:
         ahead = normalise(at[along[0][1]] - at[along[0][0]]) if along else normalise(towards)
         inside = cross(palm, ahead)  # where finger tips move as they close
         return normalise(cross(self.line(thumb), normalise(towards) + inside))
+
+
+def _is_set_aside(a: Floats, b: Floats, c: Floats) -> bool:
+    """Whether the first triple of a finger, (k, 3) each, shows where its metacarpal is, not how it closes."""
+    if len(a) < 2 or float(bend_angle(a[0], b[0], c[0])) > SET_ASIDE:
+        return False
+    first, *others = cross(b - a, c - b)
+    common = normalise(np.array(others).cumsum(axis=0)[-1])
+    straight = float(bend_angle(a[1:], b[1:], c[1:]).max()) < SHOWN
+    return straight or not float(dot(normalise(first), common)) > WITH_OTHERS
 
 
 def _shown(fingers: Sequence[Sequence[int]], at: Floats) -> Floats | None:

@@ -255,3 +255,27 @@ def test_the_head_of_a_bird_aims_at_its_beak_and_that_of_an_angel_goes_on_as_the
     at = dict(zip(rig.names, rig.world[:, 3, :3], strict=True))
     start, end = ("neck", "head") if arms else ("head", "beak")
     np.testing.assert_allclose(aim(out, rig.names.index("head")), normalise(at[end] - at[start]), atol=1e-6)
+
+
+@pytest.mark.parametrize("toes", [True, False])
+@pytest.mark.parametrize("degrees", [20.0, 50.0, 80.0])
+def test_feet_of_legs_that_are_stretched_aside_turn_with_them(degrees: float, toes: bool) -> None:
+    """Before, their hinge was the lateral axis of the body, as far off theirs as the leg was from hanging."""
+    joints = []
+    for name, above, (x, y, z) in MAN:
+        if name.startswith("toe") and not toes:
+            continue
+        if name.startswith(("shin", "foot", "toe")):
+            side = np.copysign(1.0, x)
+            angle = np.radians(degrees) * side
+            far, high = x - side * 0.1, y - 0.95
+            x = side * 0.1 + far * np.cos(angle) - high * np.sin(angle)
+            y = 0.95 + far * np.sin(angle) + high * np.cos(angle)
+        joints.append((name, above, (float(x), float(y), z)))
+    rig = rig_with(joints)
+    out = orient_joints(rig)
+    for side, way in (("L", 1.0), ("R", -1.0)):
+        turned = np.radians(degrees) * way
+        hinge = np.array([np.cos(turned), np.sin(turned), 0.0])
+        foot = out.world[out.find(f"foot.{side}"), 1, :3]
+        assert np.degrees(np.arccos(foot @ hinge)) < (30 if degrees > 30 else 21)

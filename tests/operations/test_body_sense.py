@@ -546,3 +546,31 @@ def test_feet_of_who_sits_with_legs_crossed_bend_as_the_knees_do() -> None:
         hinge = np.cross(knee - hip, ankle - knee)
         axis = out.world[out.find(f"foot.{side}"), 1, :3]
         assert axis @ hinge / np.linalg.norm(hinge) > 0.9
+
+
+@pytest.mark.parametrize("curl", [0.0, 8.0])
+def test_a_metacarpal_that_is_set_aside_is_no_bend_of_a_lone_finger(curl: float) -> None:
+    """The knuckle stands 14° aside in the palm. Before, the finger closed about the palm's own normal."""
+    places = [(0.72, 1.45, 0.017), (0.78, 1.45, 0.032)]
+    for k, bone in enumerate((0.04, 0.026, 0.02)):
+        x, y, z = places[-1]
+        places.append((x + bone * np.cos(k * np.radians(curl)), y - bone * np.sin(k * np.radians(curl)), z))
+    finger = line("index0.L index1.L index2.L index3.L index4.L", "hand.L", *places)
+    out = orient_joints(rig_with([*TRUNK, *both([*ARM, *finger, *LEG])]))
+    axes = hinge_axes(out, "+y")
+    for joint in (name for name, _, _ in finger):
+        assert np.degrees(np.arccos(axes[out.find(joint)] @ (0, 0, -1))) < 30, joint
+
+
+@pytest.mark.parametrize("ahead", [-1.0, 0.0, 1.0])
+def test_a_hand_of_one_straight_finger_goes_with_its_bent_elbow(ahead: float) -> None:
+    """Arms across the belly, ahead, and out: the palm was at the thigh. Before, it was up in the first."""
+    elbow, forearm = np.array([0.2, 1.1, 0.0]), np.array([0.0, 0.0, 0.25])
+    forearm = np.array([0.25 * ahead, 0.0, 0.0]) if ahead else forearm
+    places = [(0.2, 1.4, 0.0), elbow, elbow + forearm, *(elbow + forearm * k for k in (1.4, 1.6, 1.75))]
+    arm = line("upper_arm.L forearm.L hand.L index1.L index2.L index3.L", "chest", *map(tuple, places))
+    out = orient_joints(rig_with([*TRUNK, *both([*arm, *LEG])]))
+    palm = {-1.0: (0, 0, -1), 0.0: (-1, 0, 0), 1.0: (0, 0, 1)}[ahead]
+    expected = np.cross(forearm / 0.25, palm)
+    got = hinge_axes(out, "+y")[out.find("index2.L")]
+    assert np.degrees(np.arccos(got @ expected)) < 30

@@ -299,3 +299,41 @@ def test_a_driver_on_a_chair_sits_in_a_file_with_another_up(yaw: float, reach: d
     (man,) = recognise(replace(body.rig, rotation=rotation, skins=())).characters
     assert man.up == (0, 0, 1)
     assert man.facing == pytest.approx(rotate(rotation[0], np.array([0.0, 0.0, 1.0])), abs=1e-6)
+
+
+def crouching(back: float, *, aside: bool = False) -> list[Joint]:
+    """Arms hang straight from a trunk that leans; ``aside``: all of it as it lies on one side, drawn up."""
+    sine, cosine = sin(radians(back)), cos(radians(back))
+    spine = [(0.0, 0.5 + cosine * far, sine * far) for far in (0, 0.15, 0.3, 0.5, 0.6)]
+    _, high, ahead = spine[2]
+    bent = 0.12 if aside else 0.0
+    arm = [(0.18, high, ahead), (0.18, high - 0.27, ahead), (0.18, high - 0.5, ahead + bent)]
+    leg = [(0.1, 0.5, 0), (0.1, 0.62, 0.38), (0.1, 0.3, 0.22), (0.1, 0.23, 0.34)]
+    if aside:
+        leg = [(0.1, 0.5, 0), (0.1, 0.11, 0.12), (0.1, -0.3, 0.13), (0.1, -0.35, 0.15)]
+    return [
+        *line("hips spine chest neck head", "", *spine),
+        *both(
+            [
+                *line("upper_arm.L forearm.L hand.L", "chest", *arm),
+                *line("thigh.L shin.L foot.L toe.L", "hips", *leg),
+            ]
+        ),
+    ]
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_who_crouches_over_hanging_arms_has_an_up(named: bool) -> None:
+    """The trunk leans by 17°. Before, it lay, the arms trailed, and the legs stood ahead of it."""
+    (man,) = recognise(lying(crouching(17), named=named)).characters
+    assert man.up == (0, 0, 1)
+    assert man.facing == (0, -1, 0)
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_who_lies_on_the_side_with_arms_along_the_body_kneels_on_no_hands(named: bool) -> None:
+    """Hands, knees and toes are as far ahead. Before, all three stood on the ground."""
+    joints = crouching(0, aside=True)
+    tree = rig_with([(name, above, (y, -z, -x)) for name, above, (x, y, z) in joints], named=named)
+    (man,) = recognise(tree).characters
+    assert man.up == (1, 0, 0)
