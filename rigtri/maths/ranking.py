@@ -33,10 +33,13 @@ def ranked(items: Iterable[Item], value: Callable[[Item], float], same: float) -
     values = [np.inf if np.isnan(each) else each for each in map(value, order)]
     rows = sorted(range(len(order)), key=lambda k: -values[k])
     found: list[Item] = []
-    while rows:
-        alike = sorted(k for k in rows if values[k] >= values[rows[0]] or values[k] > values[rows[0]] - same)
-        found += [order[k] for k in alike]
-        rows = rows[len(alike) :]
+    first = 0
+    while first < len(rows):
+        most, last = values[rows[first]], first + 1
+        while last < len(rows) and (values[rows[last]] >= most or values[rows[last]] > most - same):
+            last += 1
+        found += [order[k] for k in sorted(rows[first:last])]
+        first = last
     return found
 
 

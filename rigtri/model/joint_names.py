@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import Literal
 
@@ -62,7 +63,12 @@ def side(name: str) -> Side:
     >>> side("left_r_leg"), side("lthigh"), side("rear"), side("Lhand_r")
     ('left', 'left', '', '')
     """
-    found = set(words(spread(name)))
+    return side_of_words(words(spread(name)))
+
+
+def side_of_words(words: Iterable[str]) -> Side:
+    """`side` of a name by the words that it has when it is `spread`."""
+    found = set(words)
     found -= {"l", "r"} if found & {"left", "right"} else set()
     left, right = bool(found & _LEFT), bool(found & _RIGHT)
     return "left" if left and not right else "right" if right and not left else ""
@@ -115,4 +121,5 @@ def spread(name: str) -> str:
     >>> spread("左ひじ"), spread("lindex1")
     ('左 ひじ', 'l index1')
     """
-    return _GLUED.sub(r"\g<0> ", re.sub(r"([左右])", r"\1 ", name))
+    apart = name if name.isascii() else re.sub(r"([左右])", r"\1 ", name)
+    return _GLUED.sub(r"\g<0> ", apart)

@@ -296,6 +296,11 @@ def lowest(tree: Tree, limbs: Limbs, up: Vector) -> float:
     return min(tree.at[k].dot(up) for path in limbs.pair.paths for k in path)
 
 
+def _low(tree: Tree, limbs: Limbs, up: Vector) -> float:
+    """How high the lowest joint of two limbs and all below them stands."""
+    return min(tree.at[k].dot(up) for path in limbs.pair.paths for k in tree.branch(path[0]))
+
+
 def height(tree: Tree, legs: Limbs, up: Vector) -> float:
     """How high legs begin over the lowest joint of them, above 0."""
     return max(legs.starts.dot(up) - lowest(tree, legs, up), 1e-30)
@@ -306,7 +311,6 @@ def stands_too(tree: Tree, body: Body, limbs: Sequence[Limbs]) -> bool:
     if (legs := body.legs) is None:
         return False
     ground = lowest(tree, legs, body.up)
-    below = {k: [j for path in k.pair.paths for j in tree.branch(path[0])] for k in limbs}
     return any(
         len(k.at) == 3
         and k not in (legs, body.arms)
@@ -314,7 +318,7 @@ def stands_too(tree: Tree, body: Body, limbs: Sequence[Limbs]) -> bool:
         and k.quality > LEG
         and k.size > SIMILAR * legs.size
         and k.pair.above not in (*legs.pair.nodes, legs.pair.above)
-        and min(tree.at[j].dot(body.up) for j in below[k]) < ground + LEVEL * legs.size
+        and _low(tree, k, body.up) < ground + LEVEL * legs.size
         for k in limbs
     )
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from functools import cached_property
 
-from rigtri.model.rig import Rig
+from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.symmetry import Plane, pairs_of, plane_of
@@ -27,10 +28,42 @@ _SHORT = 0.2
 _TURNED = 0.94
 
 
+@dataclass(eq=False)
+class _Branch:
+    """What is below a top, which others are compared with: of a crowd the first one with all others."""
+
+    whole: Tree
+    top: int
+
+    @cached_property
+    def nodes(self) -> list[int]:
+        return self.whole.branch(self.top)
+
+    @cached_property
+    def tree(self) -> Tree:
+        return Tree(self.whole.rig, self.nodes, self.whole.places)
+
+    @cached_property
+    def plane(self) -> Plane | None:
+        return _plane_of(self.tree)
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """The names of all nodes, without what Blender puts behind those that repeat."""
+        return frozenset(_COUNTED.sub("", self.whole.rig.names[k]) for k in self.nodes) - {""}
+
+    @cached_property
+    def place_of_legs(self) -> str:
+        """Where names say that the legs are, ``front`` or ``hind``; "" for both or neither."""
+        named = (limb_words(self.whole.rig.names[node]) for node in self.nodes)
+        places = {words.place for words in named if words.kind == "leg" and words.place}
+        return places.pop() if len(places) == 1 else ""
+
+
 def groups_of(tree: Tree) -> list[list[int]]:
     """The joints of each character, largest first; what one skin moves is one, unless names repeat."""
     tops = _tops(tree)
-    branches = {top: tree.branch(top) for top in tops}
+    branches = {top: _Branch(tree, top) for top in tops}
     group = {top: top for top in tops}
 
     def first(top: int) -> int:
@@ -38,17 +71,17 @@ def groups_of(tree: Tree) -> list[list[int]]:
             top = group[top]
         return top
 
-    owner = {node: top for top, branch in branches.items() for node in branch}
+    owner = {node: top for top, branch in branches.items() for node in branch.nodes}
     shared = [sorted({owner[k] for k in skin.joints.tolist() if k in owner}) for skin in tree.rig.skins]
     shared = shared or [tops]
     for together in shared:
         for top in together[1:]:
             a, b = first(together[0]), first(top)
-            if a != b and not _are_two(tree, branches, a, top):
+            if a != b and not _are_two(branches[a], branches[top]):
                 group[b] = a
     found: dict[int, list[int]] = {}
     for top in tops:
-        found.setdefault(first(top), []).extend(branches[top])
+        found.setdefault(first(top), []).extend(branches[top].nodes)
     if len(found) == 1:
         return [list(tree.nodes)]
     return sorted((sorted(nodes) for nodes in found.values()), key=len, reverse=True)
@@ -76,22 +109,13 @@ def _have_skins(tree: Tree, tops: Sequence[int]) -> bool:
     return bool(skins) and all(len(each) < 2 for each in moved) and jointed == set().union(*moved)
 
 
-def _are_two(tree: Tree, branches: Mapping[int, Sequence[int]], a: int, b: int) -> bool:
+def _are_two(one: _Branch, other: _Branch) -> bool:
     """Whether two branches that one skin moves are bodies of a crowd: by names, size, or where they stand."""
-    if {_place_of_legs(tree.rig, branches[k]) for k in (a, b)} == {"front", "hind"}:
+    if {one.place_of_legs, other.place_of_legs} == {"front", "hind"}:
         return False
-    return (
-        _repeats(tree.rig, branches[a], branches[b])
-        or _alike_bodies(tree, a, b)
-        or _stand_apart(tree, branches[a], branches[b])
-    )
-
-
-def _place_of_legs(rig: Rig, nodes: Sequence[int]) -> str:
-    """Where names say that the legs of a branch are, ``front`` or ``hind``; "" for both or neither."""
-    named = (limb_words(rig.names[node]) for node in nodes)
-    places = {words.place for words in named if words.kind == "leg" and words.place}
-    return places.pop() if len(places) == 1 else ""
+    if len(one.names & other.names) >= _SAME_NAMES or _alike_bodies(one.whole, one.top, other.top):
+        return True
+    return _stand_apart(one, other)
 
 
 def _alike_bodies(tree: Tree, a: int, b: int) -> bool:
@@ -102,25 +126,18 @@ def _alike_bodies(tree: Tree, a: int, b: int) -> bool:
     return min(far) > 0.9 * max(far) and min(size) > 0.9 * max(size)
 
 
-def _repeats(rig: Rig, one: Sequence[int], other: Sequence[int]) -> bool:
-    mine, others = ({_COUNTED.sub("", rig.names[k]) for k in nodes} - {""} for nodes in (one, other))
-    return len(mine & others) >= _SAME_NAMES
-
-
-def _stand_apart(tree: Tree, one: Sequence[int], other: Sequence[int]) -> bool:
+def _stand_apart(one: _Branch, other: _Branch) -> bool:
     """Whether each branch has limbs in pairs and a plane of its own between left and right."""
-    if min(len(one), len(other)) < _PART:
+    if min(len(one.nodes), len(other.nodes)) < _PART:
         return False
-    small, large = sorted(
-        (Tree(tree.rig, nodes, tree.places) for nodes in (one, other)), key=lambda k: k.span
-    )
-    if small.span < _LIKE * large.span:
+    small, large = sorted((one, other), key=lambda branch: branch.tree.span)
+    if small.tree.span < _LIKE * large.tree.span:
         return False
-    mine, its = _plane_of(small), _plane_of(large)
+    mine, its = small.plane, large.plane
     if mine is None or its is None:
         return False
     turned = abs(mine.normal.dot(its.normal)) < _TURNED
-    return turned or abs(its.side_of(mine.point)) > _APART * small.span
+    return turned or abs(its.side_of(mine.point)) > _APART * small.tree.span
 
 
 def _plane_of(tree: Tree) -> Plane | None:

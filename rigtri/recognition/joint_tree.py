@@ -126,7 +126,9 @@ class Tree:
         """Whether ``node`` is ``other`` or under it; everything is below −1."""
         if other < 0 or not self.is_own:
             return other < 0 or self.rig.is_below(node, other)
-        return other in self.way(-1, node)
+        while node >= 0 and node != other:
+            node = self.above[node]
+        return node == other
 
     def branch(self, node: int) -> list[int]:
         """A node and all of the tree under it."""

@@ -78,6 +78,12 @@ class _Table:
 
 
 @lru_cache(_NAMES)
+def words_apart(name: str) -> tuple[str, ...]:
+    """The words of a name, with sides that are glued to a word apart: once for all that is read of it."""
+    return tuple(words(spread(name)))
+
+
+@lru_cache(_NAMES)
 def limb_words(name: str) -> LimbWords:
     """What the words of a name say about a limb.
 
@@ -86,7 +92,7 @@ def limb_words(name: str) -> LimbWords:
     >>> sorted(limb_words("LeftShoulder").levels), limb_words("spine_01").levels
     (['before', 'upper'], {})
     """
-    table, found = _table(), _split(words(spread(name)))
+    table, found = _table(), _split(words_apart(name))
     levels_of_words = [table.clear[word] for word in found if word in table.clear]
     weight = 1.0
     if not levels_of_words:
@@ -130,7 +136,7 @@ def other_words(name: str) -> tuple[str, ...]:
     """
     table = _table()
     known = (table.clear, table.vague, table.kinds, table.places, table.corners)
-    apart = _split(words(spread(name)))
+    apart = _split(words_apart(name))
     found = (word for word in apart if word not in SIDES and not any(word in each for each in known))
     return tuple(str(int(word)) if is_number(word) else word for word in found)
 

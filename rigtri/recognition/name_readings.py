@@ -128,11 +128,13 @@ def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Rea
         if bone:
             by_bone.setdefault((bone, each.side), []).append((exact, node))
     reading = Reading(scheme)
+    numbered = words.items() if scheme.chains else ()
+    chained = {node: each for node, each in numbered if each.plain in scheme.chains}
     for kind, parts in BENDS.items():
         for which in _SIDES:
             triple = _triple(tree, *(by_bone.get((part, which), []) for part in parts))
             ends = [node for _, node in by_bone.get((parts[2], which), [])]
-            chain = () if triple else _counted(tree, words, scheme, kind, which)
+            chain = () if triple else _counted(tree, chained, scheme, kind, which)
             closed = _through_to_its_end(tree, words, chain)
             if closed is not None:
                 reading.segments[kind, which], triple = closed
@@ -239,8 +241,11 @@ def _only_below(tree: Tree, node: int) -> list[int]:
 def _counted(
     tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme, kind: LimbKind, which: Side
 ) -> tuple[int, ...]:
-    """Joints of one line that are only numbered (``leg_joint_L_1`` …); () for fewer than two numbers."""
-    if not which or not scheme.chains:
+    """Joints of one line that are only numbered (``leg_joint_L_1`` …); () for fewer than two numbers.
+
+    words: of the joints that the scheme has chains of.
+    """
+    if not which:
         return ()
     mine = [node for node, each in words.items() if scheme.chains.get(each.plain) == kind]
     mine = [node for node in mine if words[node].side == which]

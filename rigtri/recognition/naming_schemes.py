@@ -20,9 +20,9 @@ from typing import Any, Literal, get_args
 
 from rigtri.errors import FileError, did_you_mean
 from rigtri.model.dataclass import dataclass
-from rigtri.model.joint_names import SIDES, Side, side, spread, words
+from rigtri.model.joint_names import SIDES, Side, side_of_words, spread, words
 from rigtri.recognition.layout import BENDS, FINGERS, MIDDLE, SIDED, LimbKind
-from rigtri.recognition.limb_words import LONGEST, is_corner, limb_words
+from rigtri.recognition.limb_words import LONGEST, is_corner, limb_words, words_apart
 from rigtri.recognition.word_tables import our_table, role_words
 from rigtri.text import is_number
 
@@ -32,6 +32,7 @@ FOLDERS = "RIGTRI_SCHEMES"
 _NAMES = 1 << 15
 # Ours that fit anything are tried last.
 _LAST = ("bones", "joints")
+_WRITTEN_OUT = ("left", "right")
 # Words that only say whose convention it is, or that a joint is one.
 _CONVENTION = """
 mixamorig bip biped valve valvebiped def org mch j jnt jt joint bone bn b c sk skel skeleton armature rig cc
@@ -119,15 +120,16 @@ def parse_name(name: str) -> ParsedName:
     >>> parse_name("Bip01 L UpperArm").key, parse_name("spine_01").key, parse_name("DEF-shin.R.001").plain
     ('upperarm', 'spine1', 'shin')
     """
-    apart = _split(spread(unicodedata.normalize("NFKC", name)))
-    found, corner = words(apart), limb_words(name).corner
+    apart = unicodedata.normalize("NFKC", name)
+    found = words(_split(spread(apart))) if apart.startswith(_WRITTEN_OUT) else words_apart(apart)
+    corner = limb_words(name).corner
     kept = []
     for before, word in zip(["", *found], found, strict=False):
         if word in SIDES or word in _SILENT or (is_number(word) and before in _NUMBERED):
             continue
         if not (corner and is_corner(word)):
             kept.append(word)
-    return _parsed(corner or side(apart), tuple(kept), frozenset(found))
+    return _parsed(corner or side_of_words(found), tuple(kept), frozenset(found))
 
 
 def _parsed(which: Side, kept: tuple[str, ...], found: frozenset[str]) -> ParsedName:
@@ -138,7 +140,7 @@ def _parsed(which: Side, kept: tuple[str, ...], found: frozenset[str]) -> Parsed
 
 def _split(name: str) -> str:
     """``leftarm`` is two words, though nothing stands between them."""
-    for which in ("left", "right"):
+    for which in _WRITTEN_OUT:
         at = name.lower().find(which)
         if at == 0 and len(name) > len(which) and name[: len(which)].islower():
             return f"{which} {name[len(which) :]}"

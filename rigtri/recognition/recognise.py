@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from weakref import WeakKeyDictionary
 
@@ -11,7 +11,6 @@ import numpy as np
 
 from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.scalar_vector import Vector
-from rigtri.model.joint_names import Side
 from rigtri.model.rig import Rig
 from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.chains_in_names import order_of_chains
@@ -20,6 +19,7 @@ from rigtri.recognition.character_joints import groups_of
 from rigtri.recognition.evidence_against import doubted
 from rigtri.recognition.further_limbs import lay_further_limbs
 from rigtri.recognition.hands_feet import lay_ends, lay_hands
+from rigtri.recognition.joint_roles import parts_of
 from rigtri.recognition.joint_tree import Tree, joints_of, segments_of
 from rigtri.recognition.layout import (
     BENDS,
@@ -29,8 +29,6 @@ from rigtri.recognition.layout import (
     Direction,
     Form,
     Layout,
-    Part,
-    Role,
 )
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.name_readings import limb_names, read_names
@@ -38,8 +36,6 @@ from rigtri.recognition.naming_schemes import (
     Scheme,
     are_marked,
     own_schemes,
-    parse_name,
-    roles_in_name,
     schemes,
 )
 from rigtri.recognition.order_in_names import followers
@@ -50,9 +46,6 @@ from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
 
 # What is known of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
 _layouts: WeakKeyDictionary[Rig, Layout] = WeakKeyDictionary()
-_NAMED_ROLES: tuple[Role, ...] = ("control", "end", "twist", "attachment", "helper")
-# A joint beside a bone by less than this part of it stands along it.
-_ALONG = 0.05
 
 
 def recognise(rig: Rig, *, scheme: Sequence[Path | str | Scheme] = ()) -> Layout:
@@ -261,117 +254,6 @@ def _missing(draft: Draft) -> list[str]:
             loose = f"'{rig.title(middle)}' does not lie below '{rig.title(start)}'"
             remarks.append(f"no command but orient-joints works on the {chain.name}: {loose}")
     return remarks
-
-
-def parts_of(draft: Draft) -> tuple[Part, ...]:
-    """What each joint of a character is, and each node that is below one, in the rig's order."""
-    tree, rig = draft.tree, draft.tree.rig
-    chains = {joint: chain for chain in draft.chains for joint in chain.joints}
-    bones = {node: bone for bone, node in draft.bones.items()}
-    nodes = {k for k in tree.nodes if rig.is_joint[k] or not rig.is_joint.any() or k in bones}
-    children = {k for node in nodes for k in rig.children[node] if k not in rig.own} - nodes
-    top = _top(draft)
-    found = {}
-    for node in sorted(nodes | children | draft.controls | draft.segments):
-        role, sure, why = _role(draft, node, chains, bones, top)
-        side = _side_of(draft, node, chains)
-        found[node] = Part(node, bones.get(node, ""), role, side, round(sure, 2), tuple(why))
-    return tuple(found.values())
-
-
-def _side_of(draft: Draft, node: int, chains: dict[int, Chain]) -> Side:
-    if node in chains:
-        return chains[node].side
-    return parse_name(draft.tree.rig.names[node]).side
-
-
-def _role(
-    draft: Draft, node: int, chains: dict[int, Chain], bones: dict[int, str], top: int
-) -> tuple[Role, float, list[str]]:
-    """A node's role, how sure, and why. top: see `_top`."""
-    rig, chain = draft.tree.rig, chains.get(node)
-    names = [role for role in _NAMED_ROLES if role in roles_in_name(rig.names[node])]
-    if chain is not None and node not in bones and _is_within(chain, node):
-        return "twist", chain.confidence, [f"stands within the {chain.name}"]
-    if chain is not None:
-        return "deform", chain.confidence, [f"{chain.name}: {chain.evidence[0]}"]
-    if node in draft.controls:
-        return "control", 0.8, ["parallel to the bones that are called DEF"]
-    if node in bones:
-        return "deform", 0.9, [f"{bones[node]}: its name, or its place in the body"]
-    if names:
-        return names[0], 0.9, [f"its name says {names[0]}"]
-    bone = int(rig.parents[node])
-    while bone in draft.segments:
-        bone = int(rig.parents[bone])
-    if node in draft.segments and bone in chains and chains[bone].kind in ("arm", "leg"):
-        return "twist", 0.8, ["its name says that it is a part of the bone above"]
-    if not rig.is_joint[node] and rig.is_joint.any():
-        if rig.attachment[node] >= 0 or rig.children[node]:
-            return "attachment", 0.9, ["not a joint of a skin but a child of one"]
-        return "end", 0.9, ["no joint of a skin, and nothing below it: where the bone above ends"]
-    return next(_by_place(draft, node, top), ("deform", 0.6, ["moves points"]))
-
-
-def _is_within(chain: Chain, node: int) -> bool:
-    """Whether a joint stands within a bone of an arm or leg; a wing has more than two bones."""
-    if chain.kind not in ("arm", "leg") or len(chain.bend) < 3 or node in chain.bend:
-        return False
-    start, end = (chain.joints.index(k) if k in chain.joints else -1 for k in (chain.bend[0], chain.bend[2]))
-    return 0 <= start < chain.joints.index(node) < end
-
-
-def _top(draft: Draft) -> int:
-    """The lowest joint that hips and all chains are below, or that is one of them; −1 without hips."""
-    tree, top = draft.tree, draft.hips
-    for node in draft.taken if top >= 0 else ():
-        top = tree.common(top, node) if top >= 0 and node in tree.below else top
-    return top
-
-
-def _by_place(draft: Draft, node: int, top: int) -> Iterator[tuple[Role, float, list[str]]]:
-    tree = draft.tree
-    if draft.hips >= 0 and node != draft.hips and tree.is_below(draft.hips, node):
-        yield "control", 0.8, ["above the hips: it moves the whole"]
-    if not tree.below.get(node):
-        for chain in draft.chains:
-            for start, end in zip(chain.bend, chain.bend[1:], strict=False):
-                if _stands_along(draft, node, start, end):
-                    yield "twist", 0.75, [f"stands along a bone of the {chain.name}"]
-    moves = any(draft.poses.moves_points(k) for k in tree.branch(node)) if node in tree.below else False
-    taken = draft.taken
-    if moves and taken.intersection(tree.branch(node)):
-        yield "deform", 0.75, ["carries what belongs to the body"]
-    if draft.hips >= 0 and (top < 0 or not tree.is_below(node, top)):
-        if not moves:
-            yield "control", 0.8, ["outside the body, and moves no vertex"]
-        yield "attachment", 0.5, ["outside the body, and moves vertices"]
-    if not moves:
-        if not tree.below.get(node):
-            yield "end", 0.7, ["without children, and it moves no vertex: the end of the bone above"]
-        yield "helper", 0.5, ["moves no vertex, nor does anything below it"]
-    over = next((k for k in reversed(tree.way(-1, node)) if k in taken), -1)
-    if over >= 0 and draft.chains:
-        holder = next(chain.name for chain in draft.chains if over in chain.joints)
-        if taken.intersection(tree.branch(node)):
-            yield "deform", 0.75, [f"between the {holder} and what belongs to the body"]
-        if len(tree.branch(node)) > 1:
-            yield "deform", 0.6, [f"is a child of the {holder}, but not part of it"]
-        yield "helper", 0.5, [f"one joint beside the {holder}"]
-
-
-def _stands_along(draft: Draft, node: int, start: int, end: int) -> bool:
-    """Whether a joint below a bone's start stands on the line to its end."""
-    tree = draft.tree
-    if tree.above[node] != start:
-        return False
-    bone, arm = tree.at[end] - tree.at[start], tree.at[node] - tree.at[start]
-    size = bone.length
-    if not size > 0:
-        return False
-    along = arm.dot(bone) / (size * size)
-    beside = (arm - bone * along).length
-    return -0.02 <= along <= 1.02 and beside < _ALONG * size
 
 
 def _why_none(draft: Draft) -> str:

@@ -235,13 +235,14 @@ def _averaged(
     behind it, which is longer, would win.
     """
     known: list[Vector] = []
+    across = [between(tree, pair)[1] for pair in pairs]
     for _, way, _ in votes:
         if any(abs(way.dot(other)) > _SAME_WAY for other in known):
             continue
         known.append(way)
         lines, middles, count = Vector(), Vector(), 0
-        for pair in pairs:
-            if abs(between(tree, pair)[1].dot(way)) <= _SAME_WAY:
+        for pair, its in zip(pairs, across, strict=True):
+            if abs(its.dot(way)) <= _SAME_WAY:
                 continue
             for a, b in zip(*pair.paths, strict=True):
                 line = tree.at[a] - tree.at[b]
