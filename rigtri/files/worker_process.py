@@ -46,6 +46,8 @@ _NO_ROOM = ("failed to map segment", "Cannot allocate memory", "cannot allocate 
 _TASKS = 500
 # So often, seconds apart, a process is started before that is given up: its server may have been killed.
 _STARTS, _BETWEEN = 5, 0.1
+# So many files may be open at least where a process is started: standard ones, pipes, the server of children.
+_FILES = 32
 # Names of sockets are short: about 100 characters, 32 of them below this folder's.
 _LONGEST = 70
 
@@ -179,6 +181,7 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
             os.getcwd()  # multiprocessing tells it to the child
         except FileNotFoundError as error:
             raise FileError(_NO_FOLDER) from error
+        _refuse_few_files()
         place = root()
         _keep_sockets(place)
         for number in range(_STARTS):
@@ -229,6 +232,20 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
                 "program that wrote it"
             )
         return why, "crash"
+
+
+def _refuse_few_files() -> None:
+    """FileError where so few files may be open that multiprocessing fails, in its server or at its exit."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if 0 <= most < _FILES:
+        raise FileError(
+            f"no process can be started to work on files: at most {most} files may be open at once, and it "
+            f"takes {_FILES}. Allow more: ulimit -n 256"
+        )
 
 
 def send_event(value: Any) -> None:

@@ -106,6 +106,19 @@ def test_a_working_folder_that_was_removed_is_named(tmp_path: Path, monkeypatch:
 
 
 @SERVED
+def test_a_limit_of_open_files_that_no_process_can_live_with_is_reported(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Before, multiprocessing failed, with tracebacks of the server of processes and at exit."""
+    resource = pytest.importorskip("resource", reason="no limits of open files here")
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (14, 1024))
+    with (
+        WorkerProcess() as child,
+        pytest.raises(FileError, match=r"at most 14 files .* Allow more: ulimit -n"),
+    ):
+        child("a", len, "abc")
+
+
 def test_where_no_process_can_be_started_that_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(_: object) -> None:
         raise EOFError("unexpected EOF")

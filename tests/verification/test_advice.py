@@ -13,7 +13,7 @@ from rigs import chain
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.advice import nearly_uniform, rough_scales, why_far, why_near
+from rigtri.verification.compare.advice import nearly_uniform, rough_scales, why_far, why_near, why_not_unit
 
 TURN = from_axis_angle(np.array([0.0, 0, 1]), 0.5)
 
@@ -92,6 +92,22 @@ def test_a_number_whose_rounding_is_that_large_is_named(path: Any, values: Any, 
     found = why_far(rig, result(0.01))
     assert found.startswith(f" {said}: the float32 of the file rounds" if said else "")
     assert bool(found) == bool(said)
+
+
+@pytest.mark.parametrize("keyed", [False, True])
+def test_rotations_off_unit_length_are_named_where_usd_shows_them(keyed: bool) -> None:
+    """A length of 1 + 5e-5, as converters leave it, may be all of 4.6e-5, and is nothing beside 0.5."""
+    rig, long = noisy(), TURN * (1.0 + 5e-5)
+    if keyed:
+        track = Track(1, "rotation", "STEP", np.zeros(1), long[np.newaxis])
+        rig = replace(rig, clips=(Clip("walk", (track,)),))
+    else:
+        rig.rotation[1] = long
+    raw = replace(rig, rules=replace(rig.rules, raw_quaternions=True))
+    said = " Rotations of 'b' are off unit length by up to 5e-05"
+    assert why_not_unit(raw, 4.6e-5).startswith(said)
+    assert why_near(raw, turned(raw, 1), result(4.6e-5), 1e-5).startswith(said)
+    assert why_not_unit(raw, 0.5) == why_not_unit(rig, 4.6e-5) == ""
 
 
 def test_scales_that_half_floats_round_too_much_are_named_the_most_telling_first() -> None:

@@ -10,10 +10,12 @@ from rigtri.frames.half_scales import rounding
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.limits import TOLERANCE
 from rigtri.maths.matrices import SKEW, skew
+from rigtri.maths.quaternions import off_unit
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.text import and_more
 from rigtri.verification.compare.compare import Comparison
+from rigtri.verification.compare.verdict import UNIT
 
 # A joint of which less than this share of the tolerance can come is not to blame.
 _BLAME = 0.1
@@ -43,6 +45,8 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
             f"or {allow}"
         )
     largest = result.largest_deviation
+    if words := why_not_unit(before, largest):
+        return words
     near = largest < 10 * tolerance
     noisy = nearly_uniform(before, after, tolerance if near else largest)
     if noisy:
@@ -74,6 +78,28 @@ def why_sheared(rig: Rig) -> str:
     return (
         f" The rest pose of {names} is sheared, which glTF cannot say of joints that move. Let them rest as "
         "they are bound: rigtri set-rest --pose bind"
+    )
+
+
+def why_not_unit(rig: Rig, shown: float) -> str:
+    """The nodes of a USD file with rotations so far off unit length that it may be all of ``shown``; else "".
+
+    USD makes no rotations of them: they scale and shear, each in its own axes.
+    """
+    if not rig.rules.raw_quaternions:
+        return ""
+    off = {node: off_unit(rig.rotation[node]) for node in np.flatnonzero(~rig.has_matrix).tolist()}
+    for clip in rig.clips:
+        for track in clip.tracks:
+            if track.path == "rotation" and track.node >= 0:
+                off[track.node] = max(off.get(track.node, 0.0), off_unit(key_values(track)))
+    most = max(off.values(), default=0.0)
+    if not most > max(UNIT, _BLAME * shown):
+        return ""
+    names = and_more([f"'{rig.title(node)}'" for node in sorted(off) if off[node] > _BLAME * most], 4)
+    return (
+        f" Rotations of {names} are off unit length by up to {most:.2g}, of which USD makes scaled and "
+        "sheared axes. Normalise them in the program that wrote the file"
     )
 
 
