@@ -439,3 +439,21 @@ def test_prims_have_tracks_of_scale_where_an_op_scales(scaled: bool, paths: list
 def test_a_transform_has_the_ops_that_do_something(turn: float, scale: float, ops: list[str]) -> None:
     local = compose(np.array([1.0, 2, 3]), from_axis_angle([0.0, 0, 1], turn), np.array([1.0, scale, 1]))
     assert transform_ops(local) == [f"xformOp:{name}" for name in ops]
+
+
+def test_an_animated_prim_whose_constant_rotation_is_not_unit_keeps_its_axes(tmp_path: Path) -> None:
+    """OpenUSD shears with it. Before, a product of quaternions stood for it, and results were refused."""
+    source, out = tmp_path / "in.usda", tmp_path / "out.usda"
+    stage = Usd.Stage.CreateNew(str(source))
+    above = UsdGeom.Xform.Define(stage, "/top")
+    for name, frame in (("a", (1.0, -0.9, 0.1, 0.2)), ("a/b", (1.0, 0.0, 0.0, 0.0))):
+        above = UsdGeom.Xform.Define(stage, f"/top/{name}")
+        above.AddTranslateOp().Set(Gf.Vec3d(1, 2, 3))
+        turn = above.AddOrientOp()
+        for time, angle in ((0, 0.0), (12, 0.3), (24, 0.7)):
+            turn.Set(Gf.Quatf(np.cos(angle), 0.0, np.sin(angle), 0.0), time)
+        above.AddOrientOp(UsdGeom.XformOp.PrecisionDouble, "rigtriFrame").Set(Gf.Quatd(*frame))
+    stage.Save()
+    result = cli("orient-joints", source, "-o", out, "--root", "top", "--preset", "cmt", code=0)
+    assert "skipped: a: </top/a>.xformOp:orient:rigtriFrame is not unit" in result.stderr
+    cli("verify", source, out, "--root", "top", code=0)

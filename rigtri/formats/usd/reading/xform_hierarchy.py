@@ -21,7 +21,7 @@ from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.sampled_xforms import notice_shear, sampled_tracks
 from rigtri.maths.matrices import SKEW, decompose, inverse, skew
-from rigtri.maths.quaternions import IDENTITY, multiply, rotate
+from rigtri.maths.quaternions import IDENTITY, multiply, off_unit, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
@@ -48,6 +48,8 @@ _SIZES = (PARENT_INVERSE_SIZE, FRAME_SIZE)
 _ORDER = (PARENT_INVERSE, *OPS.values(), FRAME)
 # Scale components that differ by less are one number that was rounded to float32.
 _UNIFORM = 1e-6
+# A constant rotation farther off unit length is none to OpenUSD: it shears and scales what it turns.
+_UNIT = 1e-6
 
 
 def rooted(rig: Rig, stage: Any, root: str, interpolation: Interpolation, warnings: list[Notice]) -> Rig:
@@ -156,6 +158,10 @@ def why_fixed(prim: Any) -> str:
         return f"<{prim.GetPath()}> is itself a {prim.GetTypeName()}; only prims above it can be re-oriented"
     if prim.GetTypeName().endswith("Light"):
         return f"<{prim.GetPath()}> is itself a light; only prims above it can be re-oriented"
+    ops = UsdGeom.Xformable(prim).GetOrderedXformOps() if prim.HasAttribute(FRAME) else ()
+    frame = next((op for op in ops if op.GetOpName() == FRAME), None)
+    if off_unit(_first(frame, IDENTITY)) > _UNIT:
+        return f"<{prim.GetPath()}>.{FRAME} is not unit, and shears what it turns; normalise it"
     held = [name for name in prim.GetAuthoredPropertyNames() if name.startswith("constraintTargets:")]
     held += ["extentsHint"] if prim.GetAttribute("extentsHint").HasAuthoredValue() else []
     if held:
@@ -187,6 +193,8 @@ def read_transform(
     if any(op.GetNumTimeSamples() for op in constant):
         return None
     outer, inner = (_first(ops.get(name), IDENTITY) for name in (PARENT_INVERSE, FRAME))
+    if off_unit((outer, inner)) > _UNIT:
+        return None
     outer_size, inner_size = (_first(ops.get(name), NOTHING["scale"]) for name in _SIZES)
     if any(not (size > 0).all() or _uneven(size) for size in (outer_size, inner_size)):
         return None
