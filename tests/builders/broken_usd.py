@@ -303,6 +303,15 @@ USD: dict[str, list[Make]] = {
         replaced("skel:skeleton = </Root/Skel>", "skel:skeleton = [</Root/Skel>, </Root/Anim>]")
     ],
     "usd.binding.no-skelroot": [stage(clean().replace("def SkelRoot", "def Xform", 1))],
+    "usd.binding.not-imageable": [
+        stage(
+            clean()
+            .replace('def Mesh "Skin"', f'def {kind} "Geo" {{\ndef Mesh "Skin"', 1)
+            .replace("</Root/Smile>", "</Root/Geo/Smile>")
+            + "}\n"
+        )
+        for kind in ("", "Material")
+    ],
     "usd.binding.no-skeleton": [replaced("rel skel:skeleton = </Root/Skel>", "")],
     "usd.binding.api": [
         replaced('def Mesh "Skin" (prepend apiSchemas = ["SkelBindingAPI"])', 'def Mesh "Skin"')

@@ -117,6 +117,10 @@ def _joints(scene: Scene, prim: Any) -> tuple[str, ...] | None:
     if not _below_root(prim):
         text = "it has joint influences and no SkelRoot above it"
         scene.add("usd.binding.no-skelroot", prim, INDICES, text)
+    elif (hiding := _hiding(prim)) is not None:
+        kind = f"a {hiding.GetTypeName()}" if hiding.GetTypeName() else "a prim without a type"
+        text = f"it has joint influences below <{hiding.GetPath()}>, {kind}, where UsdSkel does not look"
+        scene.add("usd.binding.not-imageable", prim, INDICES, text)
     skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
     known = scene.tokens.get(str(skeleton.GetPath())) if skeleton else None
     if not skeleton and not _has_target(prim):
@@ -154,6 +158,18 @@ def _below_root(prim: Any) -> bool:
             return True
         prim = prim.GetParent()
     return False
+
+
+def _hiding(prim: Any) -> Any:
+    """The prim between a prim and its SkelRoot below which UsdSkel skins nothing, the topmost; None if none.
+
+    Source: UsdSkelCache::Populate, which leaves out what is below prims that are not UsdGeomImageable.
+    """
+    found = None
+    while not prim.IsA(UsdSkel.Root):
+        found = found if prim.IsA(UsdGeom.Imageable) else prim
+        prim = prim.GetParent()
+    return found
 
 
 def _width(scene: Scene, prim: Any, indices: int, weights: int) -> int:
