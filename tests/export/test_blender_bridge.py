@@ -890,6 +890,22 @@ def test_the_script_knows_weights_at_rest_whatever_the_scene_shows_when_it_runs(
     assert weights == {f"{mark}hips_root_ctl": 1.0, f"{mark}chest": 0.0}
 
 
+@pytest.mark.ci
+def test_a_limb_without_a_joint_above_is_seen_in_blender_and_comes_home(tmp_path: Path) -> None:
+    """Blender makes rigtri's group its armature; hidden, it would be left out of the export."""
+    path, edited, home = tmp_path / "rigged.glb", tmp_path / "edited.glb", tmp_path / "home.glb"
+    points = ("0,1,0", "0,1,0.3", "0,1.1,0.6", "0,1.3,0.8")
+    cli("make-limb", "-o", tmp_path / "in.glb", "--points", *points, "--name", "tail", "-q", code=0)
+    cli("add-controls", tmp_path / "in.glb", "-o", path, "--joints", "*", "-q", code=0)
+    names = {"script": str(script_for(path, tmp_path)), "target": str(edited)}
+    blender_trip(names | {"keys": {"tail_2_ctl": {"turn": 40}}}, folder=tmp_path)
+    assert {"tail_1", "tail_2", "tail_2_ctl"} <= {*read(edited).rig.names}
+    cli("take-clips", path, "--from", edited, "-o", home, code=0)
+    rig = read(home).rig
+    (clip,) = rig.clips
+    assert rig.find("tail_2_ctl") in {track.node for track in clip.tracks}
+
+
 def test_controls_that_do_not_move_with_the_armature_get_one_of_their_own(tmp_path: Path) -> None:
     plain = read(below(tmp_path / "in.glb", [1.0, 1.0, 1.0])).rig
     armature = plain.find("Armature")

@@ -813,7 +813,9 @@ class Setup:
         drawn = [
             one for thing in things for one in thing.children if one.type == "CURVES" and one not in things
         ]
-        for thing in [*things, *drawn, *([self.target(RIG["group"])[0]] if RIG["group"] else [])]:
+        # The group is the armature itself where a limb has no joint above it.
+        group = [self.target(RIG["group"])[0]] if RIG["group"] else []
+        for thing in [*things, *drawn, *(one for one in group if one.type != "ARMATURE")]:
             self.hide(thing)
         back = rig.matrix_world.inverted()
         size = max((about["size"] or 0.0 for about in RIG["controls"]), default=0.0) or 0.1
