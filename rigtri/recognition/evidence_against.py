@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -14,7 +13,10 @@ from rigtri.recognition.guessed_hierarchy import (
     is_told_by_legs,
     loose_joints,
     lost_third,
+    lower_elsewhere,
+    miscounted,
     named_twice,
+    numbers_in,
     out_of_order,
     small_part,
     start_beside,
@@ -89,8 +91,9 @@ def unsure(draft: Draft, each: Found, why: str) -> Found:
 def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """The first doubt of a limb: of those of every limb, then of names or of shapes, whichever tell it."""
     if len(each.joints) != 3:
-        return _no_trunk(draft, each, found) or lost_third(draft, each, found) or _no_bend(draft, each)
-    doubts = (*_OF_ANY, *(_OF_NAMES if _is_named(draft, each) else _OF_SHAPES))
+        doubts = (_no_trunk, lost_third, miscounted, *_alone(_no_bend))
+    else:
+        doubts = (*_OF_ANY, *(_OF_NAMES if _is_named(draft, each) else _OF_SHAPES))
     return next(filter(None, (doubt(draft, each, found) for doubt in doubts)), "")
 
 
@@ -198,7 +201,7 @@ def _counted(draft: Draft, each: Found) -> str:
         return ""
     names, below = draft.tree.rig.names, draft.tree.below[each.joints[2]]
     words = {parse_name(names[joint]).plain for joint in each.joints}
-    more = [k for k in below if words == {parse_name(names[k]).plain} and _numbers(names[k])]
+    more = [k for k in below if words == {parse_name(names[k]).plain} and numbers_in(names[k])]
     return f"its joints are counted on to {_title(draft, more[0])}, and any three may bend" if more else ""
 
 
@@ -307,13 +310,9 @@ def _misnamed(draft: Draft, each: Found) -> str:
         return f"{_title(draft, each.joints[2])} is called as a lower bone is"
     first, second, third = (parse_name(name) for name in names)
     counts = second.plain == third.plain != first.plain and second.key != third.key
-    if counts and second.plain and _numbers(second.key) == [1] and _numbers(third.key) == [2]:
+    if counts and second.plain and numbers_in(second.key) == [1] and numbers_in(third.key) == [2]:
         return f"its bones are counted from {_title(draft, each.joints[1])} on"
     return ""
-
-
-def _numbers(name: str) -> list[int]:
-    return [int(digits) for digits in re.findall("[0-9]+", name)]
 
 
 def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found], doubts: Mapping[int, str]) -> str:
@@ -358,6 +357,7 @@ _OF_JOINTS = (other_bend, ankle_as_knee, later_start, goes_on, middle_bone, reac
 # single words tell: each gives what speaks against a limb, in words, or "". What is plainer comes first.
 _OF_ANY = (
     *_alone(_other_limb, _trunk_aside, _other_side, turned_in_file, _against_the_tree, folded),
+    miscounted,
     _no_trunk,
     _no_body,
 )
@@ -396,4 +396,5 @@ _OF_SHAPES = (
         may_be_a_thing,
     ),
     called_end,
+    lower_elsewhere,
 )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from itertools import pairwise
 from math import inf
 
 from rigtri.recognition.arms_legs import FACES, Found
@@ -38,6 +40,8 @@ _DOWN, _LEVEL = 0.8, 0.6
 _ALONE, _APART, _SHORT = 3, 0.5, 0.7
 # What stands less far from the plane between both sides, as a part of a limb, is of the trunk or a tail.
 _MIDDLE = 0.02
+# What stands lower than a leg by so large a part of it may be its foot: heels and noise are less.
+_LOWER = 0.1
 # A finger is at most so long a part of a whole body with its arms spread.
 _FINGER = 0.1
 
@@ -65,11 +69,14 @@ def lost_third(draft: Draft, each: Found, found: Sequence[Found] = ()) -> str:
 def _called_so(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """That a joint of no limb is called as a bone of one, on the side of a limb of two joints."""
     names = draft.tree.rig.names
-    sides = {parse_name(names[k]).side for k in each.joints} - {""}
+    # Sides in other languages are none here: then joints of either side count.
+    sides = {parse_name(names[k]).side for k in each.joints} - {""} or {""}
+    place = draft.words.get(each.joints[0], NO_WORDS).place
     taken = {joint for limb in found for joint in (*limb.joints, *limb.before)}
     for node in (k for k in draft.tree.nodes if k not in taken and parse_name(names[k]).side in sides):
         words = draft.words.get(node, NO_WORDS)
         bone = words.levels.keys() & {"upper", "lower", "end"} and words.kind in ("", each.kind)
+        bone = bone and (not place or words.place in ("", place))
         if bone and not roles_in_name(names[node]) and not draft.tree.is_below(node, each.joints[-1]):
             return f"'{draft.tree.rig.title(node)}' is called as a joint of it"
     return ""
@@ -115,7 +122,8 @@ def out_of_order(draft: Draft, each: Found) -> str:
     Exporters parent upper arm, forearm and hand to the chest: what follows in the file is a finger.
     """
     mine = each.pair
-    if mine is not None and mine.named < _CALLED and draft.tree.is_own and not _is_plain(draft):
+    far = mine is not None and each.kind == "leg" and mine.at[0] > 1  # a leg hangs at the hips
+    if mine is not None and mine.named < _CALLED and draft.tree.is_own and (far or not _is_plain(draft)):
         return "the file has no hierarchy, and names do not say which joint follows which"
     if mine is None or mine.named > 0.0 or mine.pair.above < 0:
         return _called_upper(draft, each)
@@ -137,7 +145,9 @@ def _is_plain(draft: Draft) -> bool:
     if draft.reading is not None or body is None or body.form != "biped" or not body.legs or not body.arms:
         return False
     mine = {k for pair in (body.legs, body.arms) for path in pair.pair.paths for k in tree.branch(path[0])}
-    others = (each.size for each in draft.shape.limbs if mine.isdisjoint(each.pair.nodes))
+    others = [each.size for each in draft.shape.limbs if mine.isdisjoint(each.pair.nodes)]
+    if draft.shape.plane is not None:  # a wing need not be a limb that bends
+        others += [abs(draft.shape.plane.side_of(tree.at[k])) for k in tree.nodes if k not in mine]
     return max(others, default=0.0) < _RIVAL * body.arms.size
 
 
@@ -289,6 +299,77 @@ def _stands_alone(tree: Tree, node: int, others: Sequence[int]) -> bool:
     """Whether what hangs at a joint reaches less far than to the next of those beside it."""
     apart = ((tree.at[k] - tree.at[node]).length for k in others if k != node)
     return tree.reach[node] < _SHORT * min(apart, default=0.0)
+
+
+def lower_elsewhere(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """A leg of the shape that ends above a joint of its side that belongs to no limb and moves points.
+
+    So hang feet at the root, and shins with them: what is left looks like a leg, and ends at its knee, or at
+    a twist joint of the shin.
+    """
+    mine, tree, plane, up = each.pair, draft.tree, draft.shape.plane, draft.up
+    if each.kind != "leg" or mine is None or mine.named > 0.0 or plane is None:
+        return ""
+    own, *others = ({k for joint in one.joints for k in tree.branch(joint)} for one in (each, *found))
+    low = min(tree.at[k].dot(up) for k in own) - _LOWER * mine.size
+    ours = plane.side_of(tree.at[each.joints[0]])
+    for node in (k for k in tree.nodes if not any(k in limb for limb in others) and tree.at[k].dot(up) < low):
+        aside = plane.side_of(tree.at[node])
+        if aside * ours > 0.0 and abs(aside) > _MIDDLE * mine.size and _may_be_bone(draft, node):
+            return f"{_title(draft, node)} stands lower and hangs elsewhere: it may be its foot or its shin"
+    return ""
+
+
+def miscounted(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """A limb whose names count down as its twin's do, or go on with the count of a joint that is elsewhere.
+
+    Of one arm alone names may count down where the other's count up.
+    """
+    names, step = draft.tree.rig.names, _step(draft, each)
+    if not step:
+        return ""
+    twins = (k for k in found if k is not each and k.kind == each.kind)
+    if -1 in step:
+        down = any(-1 in _step(draft, twin) for twin in twins)
+        return (
+            f"its names count down, so {_title(draft, each.joints[-1])} may be where it begins"
+            if down
+            else ""
+        )
+    first, last = each.joints[0], each.joints[-1]
+    key = parse_name(names[last])
+    before, after = (
+        [a + way * b for a, b in zip(numbers_in(names[k]), step, strict=True)]
+        for k, way in ((first, -1), (last, 1))
+    )
+    for node in draft.tree.nodes:
+        name = parse_name(names[node])
+        if (name.plain, name.side) != (key.plain, key.side) or roles_in_name(names[node]):
+            continue
+        at = numbers_in(names[node])
+        goes_on = at == after and not draft.tree.is_below(node, last)
+        if goes_on or (at == before and not draft.tree.is_below(first, node)):
+            return f"its joints are counted with {_title(draft, node)}, which hangs elsewhere"
+    return ""
+
+
+def _step(draft: Draft, each: Found) -> list[int]:
+    """By how much one of the numbers in the names of a limb, otherwise alike, goes on; [] if none does."""
+    names = [draft.tree.rig.names[joint] for joint in each.joints]
+    plain = {parse_name(name).plain for name in names}
+    if "" in plain or len(plain) > 1 or draft.words.get(each.joints[0], NO_WORDS).kind != each.kind:
+        return []
+    counts = [numbers_in(name) for name in names]
+    if len({len(each) for each in counts}) > 1:
+        return []
+    steps = [[b - a for a, b in zip(*pair, strict=True)] for pair in pairwise(counts)]
+    regular = all(step == steps[0] for step in steps)
+    return steps[0] if regular and sorted(map(abs, steps[0])) == [0] * (len(steps[0]) - 1) + [1] else []
+
+
+def numbers_in(name: str) -> list[int]:
+    """The numbers in a name, or in the last part of a path."""
+    return [int(digits) for digits in re.findall("[0-9]+", name.rsplit("/", 1)[-1])]
 
 
 def small_part(draft: Draft, each: Found) -> str:

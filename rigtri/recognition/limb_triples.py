@@ -265,3 +265,15 @@ def offset(start: Floats, middle: Floats, end: Floats) -> Floats:
     """From the line of start and end to the middle, (..., 3), in file units: where a limb bends to."""
     line, arm = finite(normalise(end - start)), middle - start
     return arm - dot(arm, line)[..., np.newaxis] * line
+
+
+def within_upper(tree: Tree, path: Sequence[int], at: Sequence[int]) -> int:
+    """The one joint within the upper bone of a limb, groups that stand where another does aside; or −1."""
+    start, middle = (tree.at[path[k]] for k in at[:2])
+    least = SAME_PLACE * (middle - start).length
+    inner = [
+        k
+        for k in path[at[0] + 1 : at[1]]
+        if min((tree.at[k] - start).length, (tree.at[k] - middle).length, tree.bone[k]) > least
+    ]
+    return inner[0] if len(inner) == 1 else -1

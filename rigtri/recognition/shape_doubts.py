@@ -15,7 +15,7 @@ from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_ends import HAND, branches
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_triples import begin_as_one, beside
+from rigtri.recognition.limb_triples import begin_as_one, beside, within_upper
 from rigtri.recognition.limb_words import NO_WORDS, Level
 from rigtri.recognition.naming_schemes import roles_in_name
 
@@ -227,8 +227,9 @@ def later_start(draft: Draft, each: Found) -> str:
     mine, body = each.pair, draft.shape.body
     if each.kind != "leg" or mine is None or body is None or mine.named > 0.0:
         return ""
-    if body.form == "quadruped" and mine is body.arms and mine.at[0] == 0 and mine.at[1] == 2:
-        inner = draft.tree.rig.title(mine.pair.paths[0][1])
+    node = within_upper(draft.tree, mine.pair.paths[0], mine.at) if mine.at[0] == 0 else -1
+    if body.form == "quadruped" and mine is body.arms and node >= 0:
+        inner = draft.tree.rig.title(node)
         return f"'{inner}' in its upper bone may be where it begins, below a shoulder blade"
     if body.form != "biped":
         return ""

@@ -269,7 +269,7 @@ def _is_end(draft: Draft, node: int) -> bool:
 
 
 def _tail(draft: Draft, legs: Sequence[Found]) -> None:
-    """A chain at the hips that goes back and is no leg."""
+    """A chain at the hips that goes back and is no leg; by its shape no surer than the legs beside it."""
     tree = draft.tree
     named = [k for k in tree.nodes if "tail" in roles_in_name(tree.rig.names[k])]
     if named:
@@ -294,5 +294,6 @@ def _tail(draft: Draft, legs: Sequence[Found]) -> None:
             and parse_name(tree.rig.names[child]).side == ""
         ):
             words = ("a chain from the hips backwards, in the middle",)
-            draft.add_chain("tail", "tail", "", path, 0.6 + 0.2 * draft.four, words)
+            sure = min(0.6 + 0.2 * draft.four, max(leg.confidence for leg in legs))
+            draft.add_chain("tail", "tail", "", path, sure, words)
             return

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from recognition_bodies.skeletons import FINGERS, MAN, TRUNK, Joint, both, line, rig_with
 
+from rigtri.maths.scalar_vector import Vector
 from rigtri.model.rig import Rig
 from rigtri.recognition import front_or_hind
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
-from rigtri.recognition.guessed_hierarchy import lost_third, named_twice, start_beside
+from rigtri.recognition.guessed_hierarchy import lost_third, lower_elsewhere, named_twice, start_beside
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.recognise import recognise
@@ -188,3 +189,92 @@ def test_an_animal_with_short_legs_is_another_body_than_who_walks_beside_it() ->
     rig = rig_with([*MAN, *FINGERS, *animal], named=False)
     groups = groups_of(Tree(rig, range(len(rig)), np.asarray(rig.world[:, 3, :3])))
     assert [len(group) for group in groups] == [len(MAN) + len(FINGERS), len(animal)]
+
+
+# A machine on two legs, in metres: its ankles and toes hang at the hips, so its thighs seem to be its legs.
+MACHINE: list[Joint] = [
+    ("hips", "", (0, 1.2, 0)),
+    ("turret", "hips", (0, 1.5, 0.1)),
+    *both(
+        [
+            *line("gun.L barrel.L tip.L", "turret", (0.4, 1.5, 0.1), (0.45, 1.5, 0.5), (0.45, 1.5, 1)),
+            *line("hip.L thigh.L knee.L", "hips", (0.2, 1.15, 0), (0.3, 1.1, 0), (0.32, 0.7, 0.25)),
+            *line("ankle.L toe.L", "hips", (0.32, 0.3, -0.2), (0.32, 0.05, 0)),
+        ]
+    ),
+]
+
+
+@pytest.mark.parametrize("low", [0.3, 0.7])
+def test_a_leg_ends_where_no_joint_of_its_side_stands_lower(low: float) -> None:
+    rig = rig_with(
+        [
+            (n, a, (x, low, z) if n[:5] in ("ankle", "toe.L", "toe.R") else (x, y, z))
+            for n, a, (x, y, z) in MACHINE
+        ]
+    )
+    draft: Any = drafted(rig, own=False)
+    draft.up, draft.poses = Vector(0.0, 1.0, 0.0), SimpleNamespace(has_weights=False)
+    draft.shape = SimpleNamespace(plane=SimpleNamespace(side_of=lambda point: point.x))
+    joints = tuple(rig.names.index(name) for name in ("hip.L", "thigh.L", "knee.L"))
+    pair: Any = SimpleNamespace(named=0.0, size=0.6)
+    leg = Found("leg", "left", joints, (), 0.9, (), pair=pair)
+    doubt = lower_elsewhere(draft, leg, [leg])
+    assert doubt.startswith("'ankle.L' stands lower") == (low < 0.5)
+
+
+COUNT = {
+    "upper_arm": "arm_1",
+    "forearm": "arm_2",
+    "hand": "arm_3",
+    "thigh": "leg_1",
+    "shin": "leg_2",
+    "foot": "leg_3",
+}
+
+
+def counted(down: str) -> list[Joint]:
+    """A body with counted limbs; on the sides of ``down`` they count down."""
+
+    def called(name: str) -> str:
+        word = COUNT.get(name[:-2], "")
+        if word and name[-1] in down:
+            word = word[:-1] + str(4 - int(word[-1]))
+        return word + name[-2:] if word else name
+
+    return [(called(name), called(above), at) for name, above, at in MAN]
+
+
+@pytest.mark.parametrize(("down", "sure"), [("", True), ("L", True), ("LR", False)])
+def test_names_that_count_down_on_both_sides_may_begin_at_the_end(down: str, sure: bool) -> None:
+    (character,) = recognise(rig_with(counted(down))).characters
+    limbs = [chain for chain in character.chains if chain.kind in ("arm", "leg")]
+    assert len(limbs) == 4
+    assert all((chain.confidence >= 0.75) == sure for chain in limbs)
+
+
+@pytest.mark.parametrize("lost", ["hand", "upper_arm"])
+def test_a_limb_whose_count_goes_on_elsewhere_is_not_sure(lost: str) -> None:
+    last = "finger" if lost == "hand" else "tip"
+    joints = []
+    for name, above, at in [
+        *MAN,
+        *[(f"{last}.{s}", f"hand.{s}", (0.9 if s == "L" else -0.9, 1.45, 0.0)) for s in "LR"],
+    ]:
+        joints.append((name, above, at))
+    numbers = {"clavicle": "arm_0", "upper_arm": "arm_1", "forearm": "arm_2", "hand": "arm_3"}
+    renamed = [
+        (
+            numbers.get(n[:-2], n[:-2]) + n[-2:] if n[-2:-1] == "." else n,
+            numbers.get(a[:-2], a[:-2]) + a[-2:] if a[-2:-1] == "." else a,
+            at,
+        )
+        for n, a, at in joints
+    ]
+    loose = numbers[lost]
+    flat_part = [(n, "hips" if n.startswith(loose) and n != "hips" else a, at) for n, a, at in renamed]
+    found = recognise(rig_with(flat_part)).characters[0].chains
+    names = [n for n, _, _ in flat_part]
+    for chain in (chain for chain in found if chain.kind == "arm"):
+        said = [names[k][:5] for k in chain.bend or chain.joints]
+        assert said == ["arm_1", "arm_2", "arm_3"] or chain.confidence < 0.75
