@@ -8,7 +8,6 @@ have six significant digits.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import cached_property
 from numbers import Integral
 from typing import Any
 
@@ -16,28 +15,19 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.evaluation import sampling
-from rigtri.export.drawing.view import View, view_of
-from rigtri.maths.matrices import SKEW, determinant, skew
-from rigtri.maths.quaternions import norm
-from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle, bend_sine
+from rigtri.export.seen_nodes import LETTERS, SAME_SCALE, SeenNodes, direction
+from rigtri.maths.triangle import STRAIGHT_SINE
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import angle, length, normalise, triple
+from rigtri.maths.vectors import length, triple
 from rigtri.model.animation import Clip
-from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
-from rigtri.model.skin import Skin, moving_points
+from rigtri.model.skin import Skin
 from rigtri.recognition.body_hinges import turned_facings
 from rigtri.recognition.layout import Direction
 from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.limbs import facing, surest
 from rigtri.text import columns, counted, display_name, fit_columns, plain, wrap_line
 
-# Scales nearer to 1 are 1 that was stored as float32 or half.
-SAME_SCALE = 1e-4
-# A bone shorter than this share of the rig has no direction.
-ZERO_LENGTH = 1e-6
-_DEGREES = 180.0 / np.pi
-_LETTERS = "xyz"
 # What rigtri has added, in the words of riggers; other types are their own.
 _KINDS = {
     "offset": "offset group",
@@ -69,7 +59,7 @@ def describe(rig: Rig, *, width: int | None = None) -> str:
     """
     if width is not None and not isinstance(width, Integral):
         raise UsageError(f"width={width!r}: give a whole number")
-    seen = _Seen(rig)
+    seen = SeenNodes(rig)
     kind = "joints" if rig.is_joint.any() else "nodes"
     room = None if width is None else width - 2
     deepest = _DEEPEST if width is None else min(max(int(_DOTTED * width / len(". ")), 4), _DEEPEST)
@@ -94,7 +84,7 @@ def describe(rig: Rig, *, width: int | None = None) -> str:
 
 def as_json(rig: Rig) -> dict[str, Any]:
     """The same for machines: every node with its place and frame at rest, skins, clips, metadata."""
-    seen = _Seen(rig)
+    seen = SeenNodes(rig)
     return {
         "up": _numbers(np.array(rig.rules.up)),
         "facing": None if (ahead := facing(rig)) is None else _numbers(ahead),
@@ -105,66 +95,11 @@ def as_json(rig: Rig) -> dict[str, Any]:
         "humanoid": {bone: rig.labels[node] for bone, node in rig.humanoid.items()},
         "constraints": [
             {"kind": c.kind, "node": rig.labels[c.node], "source": rig.labels[c.source]}
-            | ({"axis": _direction(c.axis)} if c.axis.any() else {})
+            | ({"axis": direction(c.axis)} if c.axis.any() else {})
             for c in rig.node_constraints
         ],
         "notes": {rig.labels[node]: dict(stored) for node, stored in sorted(rig.metadata.items())},
     }
-
-
-class _Seen:
-    """What the description shows of each node, computed once for all of them."""
-
-    def __init__(self, rig: Rig) -> None:
-        self.rig = rig
-        self.world = rig.world
-        self.position = self.world[:, 3, :3]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            self.axes = normalise(self.world[:, :3, :3])
-        self.scale = np.where(rig.has_matrix[:, np.newaxis], length(rig.matrix[:, :3, :3]), rig.scale)
-        # Without a skin, as in a file of locators, every node is what a rigger works on.
-        self.counts = rig.is_joint if rig.is_joint.any() else np.ones(len(rig), dtype=bool)
-        self.weighted = moving_points(rig.skins, len(rig))
-        points = self.position[np.isfinite(self.position).all(axis=1)]
-        self.follows: dict[int, list[str]] = {}
-        for constraint in rig.node_constraints:
-            self.follows.setdefault(constraint.node, []).append(_constraint_words(rig, constraint))
-        self.size = float(length(np.ptp(points, axis=0))) if len(points) else 0.0
-
-    @cached_property
-    def front(self) -> View:
-        """How the character is seen from the front."""
-        return view_of(self.rig)
-
-    def child(self, node: int) -> tuple[int, int, float] | None:
-        """The child nearest to an axis, that axis (0–5: +x +y +z −x −y −z), the angle in degrees.
-
-        Joints come before other nodes; None where no child lies away from the node.
-        """
-        best: tuple[bool, float, int, int] | None = None
-        for k in self.rig.children[node]:
-            bone = self.position[k] - self.position[node]
-            if not length(bone) > ZERO_LENGTH * self.size:
-                continue
-            angles = angle(np.concatenate([self.axes[node], -self.axes[node]]), bone) * _DEGREES
-            if not np.isfinite(angles).all():
-                continue
-            # Rounded, so that equal angles stay equal: the file's order decides, not the last bit.
-            rounded = np.round(angles, 3)
-            axis = int(np.argmin(rounded))
-            found = (not self.counts[k], float(rounded[axis]), k, axis)
-            best = found if best is None or found[:2] < best[:2] else best
-        return None if best is None else (best[2], best[3], best[1])
-
-    def bend(self, node: int, child: int) -> tuple[float, float] | None:
-        """The bend at a node between its parent and a child: degrees and |sine|."""
-        parent = int(self.rig.parents[node])
-        if parent < 0 or not self.counts[parent]:
-            return None
-        limb = self.position[parent], self.position[node], self.position[child]
-        if not length(limb[1] - limb[0]) > ZERO_LENGTH * self.size:
-            return None
-        return float(bend_angle(*limb)) * _DEGREES, float(bend_sine(*limb))
 
 
 def _heading(rig: Rig) -> str:
@@ -179,7 +114,7 @@ def _heading(rig: Rig) -> str:
     if turned := _turned(rig):
         looks += " (hips {}, chest {})".format(*map(direction_text, turned))
     frozen = f"; {rig.rules.orient_locked}" if rig.rules.orient_locked else ""
-    return f"{', '.join(counts)}; up {_direction(np.array(rig.rules.up))}{looks}{frozen}"
+    return f"{', '.join(counts)}; up {direction(np.array(rig.rules.up))}{looks}{frozen}"
 
 
 def _turned(rig: Rig) -> tuple[Direction, Direction] | None:
@@ -188,7 +123,7 @@ def _turned(rig: Rig) -> tuple[Direction, Direction] | None:
     return None if character is None else turned_facings(rig, character)
 
 
-def _tree(seen: _Seen, deepest: int) -> Iterator[list[str]]:
+def _tree(seen: SeenNodes, deepest: int) -> Iterator[list[str]]:
     """The words of each node, depth first in the file's order; an explicit stack, for deep chains.
 
     deepest: how many dots a node has at most.
@@ -203,22 +138,19 @@ def _tree(seen: _Seen, deepest: int) -> Iterator[list[str]]:
         more = f"+{depth - deepest} " if depth > deepest else ""
         words = [f"{'. ' * min(depth, deepest)}{more}{title}", rig.labels[node]]
         if seen.counts[node]:
-            axes = list(zip(_LETTERS, seen.axes[node], strict=True))
-            arrows = "".join(f"{letter}{seen.front.arrow(axis)}" for letter, axis in axes)
-            words += [arrows, " ".join(f"{letter}:{_direction(axis)}" for letter, axis in axes)]
-            words += _bone_words(seen, node)
+            words += [*seen.axis_words[node], *_bone_words(seen, node)]
         yield [*words, plain(", ".join(_flags(seen, node)), one_line=True)]
 
 
-def _bone_words(seen: _Seen, node: int) -> list[str]:
-    found = seen.child(node)
+def _bone_words(seen: SeenNodes, node: int) -> list[str]:
+    found = seen.children.get(node)
     if found is None:
         return ["", "", ""]
     child, axis, degrees = found
-    sign, letter = "-" if axis > 2 else "+", _LETTERS[axis % 3]
+    sign, letter = "-" if axis > 2 else "+", LETTERS[axis % 3]
     name = display_name(seen.rig.names[child]) or seen.rig.labels[child]
     size = float(length(seen.position[child] - seen.position[node]))
-    bend = seen.bend(node, child)
+    bend = seen.bends.get(node)
     return [
         f"{sign}{letter} → {name} {_rounded(degrees, 1):.1f}°",
         f"length {_number(size)}",
@@ -226,58 +158,43 @@ def _bone_words(seen: _Seen, node: int) -> list[str]:
     ]
 
 
-def _flags(seen: _Seen, node: int) -> Iterator[str]:
+def _flags(seen: SeenNodes, node: int) -> Iterator[str]:
     """What is unusual about a node, and what it carries."""
     rig = seen.rig
-    for bone, holder in rig.humanoid.items():
-        if holder == node:
-            yield f"vrm:{bone}"
+    yield from seen.bones.get(node, ())
     if kind := rig.type_of(node):
         yield _KINDS.get(kind, plain(kind, one_line=True))
     elif rig.attachment[node] >= 0:
         yield "carries a mesh, camera or light"
-    scale = seen.scale[node]
-    if not np.allclose(scale, 1.0, rtol=0, atol=SAME_SCALE):
+    if seen.scaled[node]:
+        scale = seen.scale[node]
         even = np.allclose(scale, scale[0], rtol=SAME_SCALE, atol=0)
         yield f"scale {_number(scale[0]) if even else _row(scale)}"
-    if not np.isfinite(seen.world[node]).all():
+    if seen.frames[node][0]:
         yield "not a number"
     if seen.counts[node]:
         yield from _joint_flags(seen, node)
     yield from seen.follows.get(node, ())
-    bound = sum(b.node == node for b in rig.bound)
-    if bound:
-        yield counted(bound, "offset")
+    if node in seen.bound:
+        yield counted(seen.bound[node], "offset")
     if node in rig.rules.fixed:
         yield f"fixed: {rig.rules.fixed[node]}"
 
 
-def _joint_flags(seen: _Seen, node: int) -> Iterator[str]:
-    if determinant(seen.world[node]) < 0:
+def _joint_flags(seen: SeenNodes, node: int) -> Iterator[str]:
+    _, mirrored, sheared = seen.frames[node]
+    if mirrored:
         yield "mirrored"
-    if skew(seen.world[node]) > SKEW:
+    if sheared:
         yield "sheared"
-    rotation = float(norm(seen.rig.rotation[node]))
-    if not seen.rig.has_matrix[node] and abs(rotation - 1.0) > SAME_SCALE:
-        yield f"rotation of length {_number(rotation)}"
-    found = seen.child(node)
-    bend = seen.bend(node, found[0]) if found is not None else None
+    if abs(seen.turns[node] - 1.0) > SAME_SCALE:
+        yield f"rotation of length {_number(seen.turns[node])}"
+    bend = seen.bends.get(node)
     # Folded back on itself a limb has no plane either, but it is not straight.
     if bend is not None and bend[1] < STRAIGHT_SINE:
         yield "straight" if bend[0] < 90 else "folded"
     if seen.rig.is_joint[node] and not seen.weighted[node]:
         yield "unweighted"
-
-
-def _constraint_words(rig: Rig, constraint: NodeConstraint) -> str:
-    """``rolls about y with hand``."""
-    source, axis = rig.title(constraint.source), _direction(constraint.axis)
-    return {
-        "rotation": f"turns with {source}",
-        "roll": f"rolls about {axis[1:]} with {source}",
-        "aim": f"aims {axis} at {source}",
-        "tail": f"is attached to {source}",
-    }[constraint.kind]
 
 
 def _skin_words(skin: Skin, number: int) -> list[str]:
@@ -302,7 +219,7 @@ def _clip_words(clip: Clip, number: int) -> list[str]:
     ]
 
 
-def _metadata_words(seen: _Seen, node: int) -> list[str]:
+def _metadata_words(seen: SeenNodes, node: int) -> list[str]:
     """``forearm_pole  under -  at 1 12.4142 0  poleVector  chain upper_arm forearm hand``."""
     rig, stored = seen.rig, seen.rig.metadata[node]
     parent = int(rig.parents[node])
@@ -317,16 +234,16 @@ def _metadata_words(seen: _Seen, node: int) -> list[str]:
     return [plain(word, one_line=True) for word in words]
 
 
-def _node_json(seen: _Seen, node: int) -> dict[str, Any]:
+def _node_json(seen: SeenNodes, node: int) -> dict[str, Any]:
     rig = seen.rig
-    parent, found = int(rig.parents[node]), seen.child(node)
-    bend = seen.bend(node, found[0]) if found is not None else None
+    parent, found = int(rig.parents[node]), seen.children.get(node)
+    bend = seen.bends.get(node)
     aim = None
     if found is not None:
         child, axis, degrees = found
         aim = {
             "child": rig.labels[child],
-            "axis": f"{'-' if axis > 2 else '+'}{_LETTERS[axis % 3]}",
+            "axis": f"{'-' if axis > 2 else '+'}{LETTERS[axis % 3]}",
             "degrees": _rounded(degrees, 3),
             "length": _six(float(length(seen.position[child] - seen.position[node]))),
         }
@@ -369,17 +286,6 @@ def _clip_json(rig: Rig, clip: Clip) -> dict[str, Any]:
 
 
 # Words and numbers
-
-
-def _direction(v: Floats) -> str:
-    """A unit vector: ``+x`` or ``-z`` where it is one to four decimals, else its numbers."""
-    if not np.isfinite(v).all():
-        return "none"
-    rounded = np.round(v, 4) + 0.0
-    main = np.flatnonzero(rounded)
-    if len(main) == 1 and abs(rounded[main[0]]) == 1.0:
-        return f"{'+' if rounded[main[0]] > 0 else '-'}{_LETTERS[main[0]]}"
-    return f"({' '.join(f'{x:.4g}' for x in rounded.tolist())})"
 
 
 def _value(value: Any) -> str:

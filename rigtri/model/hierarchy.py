@@ -51,6 +51,13 @@ class Hierarchy:
             node = int(self.parents[node])
         return path
 
+    def under(self, nodes: Iterable[int]) -> list[bool]:
+        """For each node whether one of ``nodes`` is above it."""
+        inside, under = set(nodes), list[bool]()
+        for parent in self.parents.tolist():
+            under.append(parent >= 0 and (under[parent] or parent in inside))
+        return under
+
     def with_ancestors(self, nodes: Iterable[int]) -> set[int]:
         """Nodes and all above them; −1 is none."""
         found = set[int]()

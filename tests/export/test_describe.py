@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from calls import calls
 from characters import character
 from conftest import Golden
 from places import SAMPLES
@@ -59,6 +60,16 @@ def test_new_axes_change_neither_lengths_nor_bends(seed: int) -> None:
 
 def test_describing_twice_gives_the_same_words() -> None:
     assert describe(character().rig) == describe(character().rig)
+
+
+def test_a_joint_more_costs_few_calls() -> None:
+    """Before, axes, bones and bends of each were computed by themselves: of 10,000 joints three seconds."""
+    warm_up, few, many = (
+        rig_of([f"j{k}" for k in range(n)], range(-1, n - 1), [[0.1 * (k % 3), 1.0, 0.0] for k in range(n)])
+        for n in (150, 50, 150)
+    )
+    describe(warm_up)  # names are read once
+    assert calls(lambda: describe(many)) - calls(lambda: describe(few)) < 300 * 100
 
 
 def test_a_joint_lists_axis_child_length_and_bend() -> None:

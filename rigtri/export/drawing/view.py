@@ -62,17 +62,25 @@ class View:
         >>> front.arrow([1, 0, 0]), front.arrow([1, -1, 0]), front.arrow([0, 0, 1])
         ('→', '↘', '⊙')
         """
-        unit = normalise(direction)
-        if not np.isfinite(unit).all():
-            return "·"
-        x, y = self.flat(unit).tolist()
-        if x * x + y * y < _HEAD_ON_LETTER * _HEAD_ON_LETTER:
-            return "⊙" if self.depth(unit) > 0 else "⊗"
-        if abs(y) <= _HALF_EIGHTH * abs(x):
-            return _ARROWS[0 if x > 0 else 4]
-        if abs(x) <= _HALF_EIGHTH * abs(y):
-            return _ARROWS[2 if y > 0 else 6]
-        return _ARROWS[(1 if x > 0 else 3) if y > 0 else (7 if x > 0 else 5)]
+        return self.arrows(np.asarray(direction)[np.newaxis])[0]
+
+    def arrows(self, directions: Floats) -> list[str]:
+        """`arrow` of each of many, (n, 3)."""
+        unit = normalise(directions)
+        fine = np.isfinite(unit).all(axis=1)
+        columns = (fine, self.flat(unit), self.depth(unit) > 0)
+        seen = zip(*(column.tolist() for column in columns), strict=True)
+        return [_arrow(x, y, towards=towards) if is_fine else "·" for is_fine, (x, y), towards in seen]
+
+
+def _arrow(x: float, y: float, *, towards: bool) -> str:
+    if x * x + y * y < _HEAD_ON_LETTER * _HEAD_ON_LETTER:
+        return "⊙" if towards else "⊗"
+    if abs(y) <= _HALF_EIGHTH * abs(x):
+        return _ARROWS[0 if x > 0 else 4]
+    if abs(x) <= _HALF_EIGHTH * abs(y):
+        return _ARROWS[2 if y > 0 else 6]
+    return _ARROWS[(1 if x > 0 else 3) if y > 0 else (7 if x > 0 else 5)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -293,7 +293,8 @@ class Counterparts:
     @cached_property
     def _tops(self) -> list[int]:
         """The topmost of the joints that a skin of each file holds."""
-        return [n for n in self._bound if not self._bound.keys() & set(self.rig.path_to_root(n)[1:])]
+        under = self.rig.under(self._bound)
+        return [n for n in self._bound if not under[n]]
 
     def _inherited(self, node: int, between: Floats) -> Floats:
         """C of the nearest node above that both files have, of a size that makes scales at rest alike.

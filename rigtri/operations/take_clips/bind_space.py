@@ -62,7 +62,8 @@ def placings(rig: Rig) -> tuple[Floats, Floats]:
     belongs to the axes of the file; all else, such as a turn about up, may be where the body was put.
     """
     binds = bind_poses(rig)
-    tops = [n for n in binds if not binds.keys() & set(rig.path_to_root(n)[1:])]
+    under = rig.under(binds)
+    tops = [n for n in binds if not under[n]]
     tops = [n for n in tops if np.isfinite(rig.world[n]).all() and rig.parents[n] >= 0]
     if not tops:
         return np.eye(3), np.eye(3)

@@ -64,6 +64,7 @@ class MotionCheck:
     ) -> None:
         self.seen, self.bodies, self.both, self.rig = seen, bodies, seen.both, rig
         self.left = frozenset(left)
+        self._known_keys: dict[int, Floats | None] = {-1: None}
         frames = seen.transfer.frames
         self.times = np.union1d(thinned(frames, _LOOKS), thinned(self._unseen(clip), _LOOKS))
         gap = _BESIDE * float(np.diff(frames).min(initial=np.inf)) if len(frames) > 1 else 0.0
@@ -176,24 +177,41 @@ class MotionCheck:
 
     def _line(self, joint: int, above: int) -> list[int]:
         """The nodes of RIG from a joint up to below the joint above."""
-        line = self.rig.path_to_root(joint)
-        return line[: line.index(above)] if above >= 0 else line
+        line = list[int]()
+        while joint not in (above, -1):
+            line.append(joint)
+            joint = int(self.rig.parents[joint])
+        return line
 
     def _frames(self, joint: int, above: int) -> Booleans:
         """The times, (f,), at which EDITED has keys of what carries a joint; all, where it has none.
 
         And those between keys that are far apart, unless the joint's motion was worked out at the keys alone.
         """
-        path = self.both.other.path_to_root(self.both.of[joint])
-        tracks = [t for node in path for t in self.seen.transfer.driven.get(node, {}).values()]
-        if not tracks:
+        keys = self._keys_above(self.both.of[joint])
+        if keys is None:
             return np.ones(len(self.times), bool)
-        keys = sorted_unique(np.concatenate([track.times for track in tracks]))
         far = self._between_far_keys(keys, self.times)
         line = [n for n in self._line(joint, above) if n in self.both.of]
         if far.any() and any(self.seen.transfer.of(node).sampled for node in line):
             far = np.zeros(len(self.times), bool)
         return np.asarray(np.isin(self.times, keys) | far)
+
+    def _keys_above(self, node: int) -> Floats | None:
+        """The times, sorted, of all keys of a node of EDITED and of what is above it; None for no tracks."""
+        known, driven, parents = self._known_keys, self.seen.transfer.driven, self.both.other.parents
+        line = list[int]()
+        while node not in known:
+            line.append(node)
+            node = int(parents[node])
+        keys = known[node]
+        for below in reversed(line):
+            if own := [track.times for track in driven.get(below, {}).values()]:
+                found = sorted_unique(np.concatenate(own if keys is None else [keys, *own]))
+                # One array for all that have the same keys: most rigs have a key of each joint at each frame.
+                keys = found if keys is None or len(found) > len(keys) else keys
+            known[below] = keys
+        return keys
 
     def _is_taken(self, joint: int, path: str) -> bool:
         """Whether a property of a joint comes from keys of EDITED, or RIG has none that would stay."""

@@ -87,8 +87,8 @@ def _may_lie(both: Counterparts, known: Sequence[Taken]) -> bool:
 def _carriers(both: Counterparts) -> set[int]:
     """The topmost joints of EDITED, and what carries them."""
     rig = both.rig
-    joints = [n for n in both.of if rig.is_joint[n]]
-    tops = [n for n in joints if not any(rig.is_joint[k] for k in rig.path_to_root(n)[1:])]
+    under = rig.under(np.flatnonzero(rig.is_joint).tolist())
+    tops = [n for n in both.of if rig.is_joint[n] and not under[n]]
     return {k for n in tops for k in both.other.path_to_root(both.of[n])}
 
 
