@@ -7,6 +7,7 @@ Source: glTF 2.0 §3.6.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Collection, Iterable
 from typing import Any
 
@@ -111,8 +112,9 @@ def _taken(
     """Bytes of a buffer that others need: whole views of others, accessors that stay in ours."""
     for view in gltf["bufferViews"]:
         if view.get("buffer") == buffer and view.get("name") != OWN_NAME:
+            # One that says no length, which is for its reader to refuse, may need all that follows.
             start = view.get("byteOffset", 0)
-            yield start, start + view["byteLength"]
+            yield start, start + view.get("byteLength", sys.maxsize)
     for index in range(len(gltf["accessors"])):
         view = gltf["accessors"][index].get("bufferView", -1)
         if index not in accessors and view >= 0 and gltf["bufferViews"][view].get("name") == OWN_NAME:

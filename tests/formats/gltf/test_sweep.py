@@ -182,6 +182,14 @@ def test_bytes_that_others_need_are_whole_views_of_theirs_and_accessors_in_ours(
     assert list(taken) == [(40, 48), (0, 4), (8, 20)]
 
 
+def test_a_view_that_states_no_length_may_need_all_that_follows() -> None:
+    """Before, a KeyError."""
+    gltf: dict[str, Any] = {"accessors": [], "bufferViews": [{"buffer": 0, "byteOffset": 16}]}
+    ((start, end),) = _taken(gltf, SimpleNamespace(), 0, ())  # type: ignore[arg-type]
+    assert start == 16
+    assert end >= 1 << 31
+
+
 def test_what_lies_behind_removed_bytes_moves_up_by_as_many() -> None:
     views = [
         {"buffer": 0, "byteLength": 40},
