@@ -22,7 +22,8 @@ from rigtri.model.rig import Rig
 from rigtri.operations.options.orient_joints import Branch, End
 from rigtri.recognition.layout import Character
 from rigtri.recognition.limbs import Limb
-from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import BESIDE, roles_in_name
 
 # A child farther than this off the incoming bone (a cosine) does not continue the chain.
 CONTINUES = cosine_below(30)

@@ -12,7 +12,8 @@ from rigtri.operations.joint_records import joint_record
 from rigtri.operations.node_removal import staying, warn_lost_clips, without_nodes
 from rigtri.operations.operation import operation
 from rigtri.operations.options.prune_joints import PruneJointsOptions as PruneJointsOptions
-from rigtri.recognition.naming_schemes import parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 

@@ -11,7 +11,8 @@ from itertools import pairwise
 
 from rigtri.recognition.joint_tree import HOLDERS, Tree
 from rigtri.recognition.limb_words import LEVELS, Level, LimbWords, limb_words, other_words
-from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import BESIDE, roles_in_name
 
 # Bones of one limb are at least so long a part of each other.
 _BALANCE = 0.2

@@ -12,8 +12,8 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import Chain, Kind
 from rigtri.recognition.limb_words import LimbWords
+from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.name_readings import Reading
-from rigtri.recognition.naming_schemes import parse_name
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_analysis import Shape
 

@@ -34,7 +34,8 @@ from rigtri.recognition.inanimate import (
 )
 from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
-from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import limb_kind_in_name, roles_in_name
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
     arm_as_front_leg,

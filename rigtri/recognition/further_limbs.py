@@ -12,7 +12,8 @@ from rigtri.recognition.inanimate import is_of_machine
 from rigtri.recognition.layout import NAMES, Kind
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import limb_words, other_words
-from rigtri.recognition.naming_schemes import parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.symmetry import SIMILAR_LENGTH
 
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.

@@ -13,7 +13,8 @@ from rigtri.recognition.facing import BY_LEGS
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords, in_order, other_words
-from rigtri.recognition.naming_schemes import parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import roles_in_name
 
 # What is so long a part of an upper bone, and further beside it than this part of its own length, may be
 # another upper bone; what is nearer corrects the shape or twists.

@@ -14,7 +14,8 @@ from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES
 from rigtri.recognition.limb_ends import thumb_of
-from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import BESIDE, roles_in_name
 
 BY_PLACE = "by its place in the hand"
 # Ordinals are left out: of some the third finger is the middle one, of others the ring finger.

@@ -18,7 +18,8 @@ from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import beside
 from rigtri.recognition.limb_words import NO_WORDS
-from rigtri.recognition.naming_schemes import parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.shape_doubts import ZIGZAG
 from rigtri.recognition.word_tables import our_table, role_words
 

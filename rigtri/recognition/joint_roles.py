@@ -10,7 +10,8 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import Chain, Part, Role
-from rigtri.recognition.naming_schemes import parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import roles_in_name
 
 _NAMED_ROLES: tuple[Role, ...] = ("control", "end", "twist", "attachment", "helper")
 # A joint beside a bone by less than this part of it stands along it.

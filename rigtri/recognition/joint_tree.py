@@ -14,7 +14,8 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
 from rigtri.recognition.limb_words import AXES, limb_words
-from rigtri.recognition.naming_schemes import is_bone, is_segment, parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import is_bone, is_segment, roles_in_name
 
 # A path longer than this is not a limb: what comes after is of no interest, and paths stay short.
 _LONGEST = 15

@@ -8,7 +8,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.body_shape import LEG, LEVEL, SIMILAR, across, lowest
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.symmetry import Plane, pairs_of
 
 # Legs go down by this (a cosine), as the file has it, all together.

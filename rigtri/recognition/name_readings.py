@@ -12,7 +12,8 @@ from rigtri.model.rig import Rig
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import BENDS, MIDDLE, LimbKind
 from rigtri.recognition.limb_words import LEVELS, Level, LimbWords, limb_words
-from rigtri.recognition.naming_schemes import BESIDE, ParsedName, Scheme, parse_name, roles_in_name
+from rigtri.recognition.name_parsing import ParsedName, parse_name
+from rigtri.recognition.naming_schemes import BESIDE, Scheme, roles_in_name
 
 # What roles.toml has for joints in the middle of a body.
 _MIDDLE = frozenset(["trunk", "skull", "tail"])

@@ -12,7 +12,6 @@ than English is only read.
 from __future__ import annotations
 
 import os
-import unicodedata
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
@@ -20,11 +19,11 @@ from typing import Any, Literal, get_args
 
 from rigtri.errors import FileError, did_you_mean
 from rigtri.model.dataclass import dataclass
-from rigtri.model.joint_names import SIDES, Side, side_of_words, spread, words
+from rigtri.model.joint_names import Side
 from rigtri.recognition.layout import BENDS, FINGERS, MIDDLE, SIDED, LimbKind
-from rigtri.recognition.limb_words import LONGEST, is_corner, limb_words, words_apart
+from rigtri.recognition.limb_words import LONGEST, limb_words
+from rigtri.recognition.name_parsing import ParsedName, parse_name, with_words
 from rigtri.recognition.word_tables import our_table, role_words
-from rigtri.text import is_number
 
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
 FOLDERS = "RIGTRI_SCHEMES"
@@ -32,15 +31,6 @@ FOLDERS = "RIGTRI_SCHEMES"
 _NAMES = 1 << 15
 # Ours that fit anything are tried last.
 _LAST = ("bones", "joints")
-_WRITTEN_OUT = ("left", "right")
-# Words that only say whose convention it is, or that a joint is one.
-_CONVENTION = """
-mixamorig bip biped valve valvebiped def org mch j jnt jt joint bone bn b c sk skel skeleton armature rig cc
-base character char root ctrl deform normal human bind
-"""
-_SILENT = frozenset(_CONVENTION.split())
-# Of those, the ones that have a number of their own: Bip01, Character1.
-_NUMBERED = frozenset(["mixamorig", "bip", "biped", "character", "char", "valvebiped", "rig"])
 # What roles.toml has for joints beside the bones of a body.
 BESIDE = frozenset(["twist", "end", "control", "attachment", "helper"])
 # What it has for joints that are no part of an arm or leg.
@@ -81,7 +71,7 @@ class Scheme:
         if len(own) != 1 or parsed.side or len(parsed.kept) < 2:
             return parsed
         kept = tuple(word for word in parsed.kept if word not in self.own_sides)
-        return _parsed(self.own_sides[own[0]], kept, parsed.words)
+        return with_words(self.own_sides[own[0]], kept, parsed.words)
 
     @property
     def is_common(self) -> bool:
@@ -98,53 +88,6 @@ class Scheme:
             if parsed.plain in table:
                 return table[parsed.plain], parsed.plain == parsed.key
         return "", False
-
-
-@dataclass(frozen=True)
-class ParsedName:
-    """A name's words: its side; raw, key: together, without sides, and numbers without leading zeros;
-    plain: without numbers; words: each; kept: in order, those of ``raw``."""
-
-    side: Side
-    raw: str
-    key: str
-    plain: str
-    words: frozenset[str]
-    kept: tuple[str, ...]
-
-
-@lru_cache(_NAMES)
-def parse_name(name: str) -> ParsedName:
-    """What a name says.
-
-    >>> parse_name("Bip01 L UpperArm").key, parse_name("spine_01").key, parse_name("DEF-shin.R.001").plain
-    ('upperarm', 'spine1', 'shin')
-    """
-    apart = unicodedata.normalize("NFKC", name)
-    found = words(_split(spread(apart))) if apart.startswith(_WRITTEN_OUT) else words_apart(apart)
-    corner = limb_words(name).corner
-    kept = []
-    for before, word in zip(["", *found], found, strict=False):
-        if word in SIDES or word in _SILENT or (is_number(word) and before in _NUMBERED):
-            continue
-        if not (corner and is_corner(word)):
-            kept.append(word)
-    return _parsed(corner or side_of_words(found), tuple(kept), frozenset(found))
-
-
-def _parsed(which: Side, kept: tuple[str, ...], found: frozenset[str]) -> ParsedName:
-    short = [str(int(word)) if is_number(word) else word for word in kept]
-    letters = [word for word in kept if not is_number(word)]
-    return ParsedName(which, "".join(kept), "".join(short), "".join(letters), found, kept)
-
-
-def _split(name: str) -> str:
-    """``leftarm`` is two words, though nothing stands between them."""
-    for which in _WRITTEN_OUT:
-        at = name.lower().find(which)
-        if at == 0 and len(name) > len(which) and name[: len(which)].islower():
-            return f"{which} {name[len(which) :]}"
-    return name
 
 
 def schemes(own: Sequence[Scheme] = ()) -> tuple[Scheme, ...]:

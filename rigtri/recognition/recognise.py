@@ -32,12 +32,7 @@ from rigtri.recognition.layout import (
 )
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.name_readings import limb_names, read_names
-from rigtri.recognition.naming_schemes import (
-    Scheme,
-    are_marked,
-    own_schemes,
-    schemes,
-)
+from rigtri.recognition.naming_schemes import Scheme, are_marked, own_schemes, schemes
 from rigtri.recognition.order_in_names import followers
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_alone import agreed

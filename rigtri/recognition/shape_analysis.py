@@ -23,7 +23,7 @@ from rigtri.recognition.limb_pairs import Limbs, limbs_of
 from rigtri.recognition.limb_triples import first_bend
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.many_legs import many_legs
-from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.order_in_names import joined
 from rigtri.recognition.pose_samples import Measured, Poses
 from rigtri.recognition.symmetry import Pair, Plane, named_pairs, opposite, plane_of

@@ -10,7 +10,8 @@ from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.limb_triples import CLAVICLES, TIE
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
-from rigtri.recognition.naming_schemes import PARTS, is_segment, parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import PARTS, is_segment, roles_in_name
 
 # Where a twist joint parts a bone that has one, as a part of the bone before.
 _PARTED = 0.7

@@ -20,7 +20,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side, twin
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_words import Place, limb_words
-from rigtri.recognition.naming_schemes import parse_name
+from rigtri.recognition.name_parsing import parse_name
 
 # Branches shorter than this part of the whole are no limbs.
 SHORT = 0.06

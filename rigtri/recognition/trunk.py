@@ -11,7 +11,8 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.inanimate import has_hips_or_spine
 from rigtri.recognition.layout import MAP, NAMES
 from rigtri.recognition.limb_words import NO_WORDS
-from rigtri.recognition.naming_schemes import parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import roles_in_name
 
 _SPINE = ("spine", "chest", "upperChest")
 # A tail has so many joints, and is so long a part of the legs.

@@ -16,7 +16,8 @@ from typing import Any
 from rigtri.errors import UsageError, did_you_mean
 from rigtri.model.joint_names import Side, SideStyle
 from rigtri.recognition.layout import FINGERS, MIDDLE, SIDED
-from rigtri.recognition.naming_schemes import LONG, own_table, parse_name, scheme_tables
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import LONG, own_table, scheme_tables
 
 _MARKS = {"left": "{side}", "Left": "{Side}", "l": "{s}", "L": "{S}"}
 _SIDES: tuple[Side, ...] = ("left", "right")

@@ -14,7 +14,8 @@ from program import cli
 
 from rigtri.model.joint_names import number, words
 from rigtri.recognition.limb_words import limb_words
-from rigtri.recognition.naming_schemes import parse_name, roles_in_name
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.text import is_number
 
 ODD = ["hand\u2776", "\u2776", "spine\u00b2", "\u0663", "arm_\U0001d7d9", "finger" + "7" * 4400]

@@ -23,7 +23,8 @@ from rigtri.model.joint_names import SideStyle
 from rigtri.operations.add_socket import with_joint
 from rigtri.operations.rename_joints import names_json
 from rigtri.recognition.layout import MIDDLE, SIDED
-from rigtri.recognition.naming_schemes import parse_name, schemes
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import schemes
 from rigtri.recognition.recognise import recognise
 from rigtri.recognition.written_names import scheme_names, written_names
 from rigtri.report import Report

@@ -11,7 +11,7 @@ from rigs import random_rig, rig_of
 
 from rigtri.formats import read
 from rigtri.maths.ranking import ranked
-from rigtri.recognition import character_joints, limb_words, naming_schemes
+from rigtri.recognition import character_joints, limb_words, name_parsing
 from rigtri.recognition.character_joints import groups_of
 from rigtri.recognition.joint_roles import parts_of
 from rigtri.recognition.joint_tree import Tree
@@ -32,9 +32,9 @@ def counted(monkeypatch: pytest.MonkeyPatch, module: Any, name: str) -> list[Any
 
 
 def test_a_name_is_cut_into_words_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls = [counted(monkeypatch, module, "words") for module in (limb_words, naming_schemes)]
+    calls = [counted(monkeypatch, module, "words") for module in (limb_words, name_parsing)]
     name = "asked_once_front_upper_arm_L"
-    assert naming_schemes.parse_name(name).side == "left"
+    assert name_parsing.parse_name(name).side == "left"
     assert limb_words.limb_words(name).levels == {"upper": 1.0}
     assert limb_words.other_words(name) == ("asked", "once")
     assert sum(map(len, calls)) == 1

@@ -42,7 +42,8 @@ from rigtri.recognition import layout_output
 from rigtri.recognition.joint_tree import joints_of
 from rigtri.recognition.layout import CONFIDENT, Layout
 from rigtri.recognition.limbs import recognise as limbs
-from rigtri.recognition.naming_schemes import own_scheme, parse_name, schemes
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import own_scheme, schemes
 from rigtri.recognition.recognise import recognise, sure_limbs
 from rigtri.recognition.word_tables import our_table
 from rigtri.report import Report
