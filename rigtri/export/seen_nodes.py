@@ -99,8 +99,8 @@ class SeenNodes:
         arrows, words = self.front.arrows(self.axes.reshape(-1, 3)), directions(self.axes.reshape(-1, 3))
         letters = [LETTERS[k % 3] for k in range(len(words))]
         seen = [f"{letter}{arrow}" for letter, arrow in zip(letters, arrows, strict=True)]
-        told = [f"{letter}:{word}" for letter, word in zip(letters, words, strict=True)]
-        return [("".join(seen[k : k + 3]), " ".join(told[k : k + 3])) for k in range(0, len(words), 3)]
+        parts = [f"{letter}:{word}" for letter, word in zip(letters, words, strict=True)]
+        return [("".join(seen[k : k + 3]), " ".join(parts[k : k + 3])) for k in range(0, len(words), 3)]
 
     @cached_property
     def scaled(self) -> list[bool]:
