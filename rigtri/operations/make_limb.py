@@ -28,13 +28,14 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.limb_guides import guided, in_guides, natural
+from rigtri.operations.moved_chain import move_chain
 from rigtri.operations.operation import operation
 from rigtri.operations.option_kinds import vector
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
 from rigtri.operations.options.make_limb import is_pattern
 from rigtri.operations.orient_joints.up_direction import crossing
 from rigtri.operations.rigtri_nodes import free_name, given_name, group, with_record
-from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
+from rigtri.operations.skin_joints import add_joint, new_skin
 from rigtri.recognition.limb_bends import NO_PLANE
 from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
@@ -341,9 +342,7 @@ def _update(
         if rig.rules.valid_name(name) != rig.names[node]:
             raise UsageError(f"joint {rig.title(node)} of the limb '{title}' keeps its name, not '{name}'")
     axes = _handed(rig, parent, shape.axes, options, report)
-    for part, node in enumerate(joints):
-        rig = move_joint(rig, node, shape.points[part], axes[part])
-    return rig, joints
+    return move_chain(rig, joints, shape.points, axes, report), joints
 
 
 def _handed(rig: Rig, parent: int, axes: Floats, options: MakeLimbOptions, report: Report) -> Floats:

@@ -14,7 +14,7 @@ from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import triple
 from rigtri.model.joint_names import twin
-from rigtri.model.metadata import LimbRecord, Triple
+from rigtri.model.metadata import ConstraintRecord, LimbRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.mirror.counterparts import (
     SUFFIX,
@@ -26,10 +26,11 @@ from rigtri.operations.mirror.counterparts import (
     twin_address,
     twin_name,
 )
+from rigtri.operations.moved_chain import move_chain
 from rigtri.operations.option_kinds import vector
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import free_name, group, with_record
-from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
+from rigtri.operations.skin_joints import add_joint, new_skin
 from rigtri.recognition.sides import twin_of
 from rigtri.report import Report
 
@@ -61,8 +62,7 @@ def _limb(rig: Rig, record: LimbRecord, options: MirrorOptions, report: Report) 
     if new:
         rig, joints = _built(rig, chain, record.limb, places, axes)
     else:
-        for part, joint in enumerate(joints):
-            rig = move_joint(rig, joint, places[part], axes[part])
+        rig = move_chain(rig, joints, places, axes, report, _rebuilt(rig, options))
     title = twin_name(record.limb, f"{record.limb}{SUFFIX[options.from_side]}")
     for part, joint in enumerate(joints):
         twin_limb = LimbRecord(limb=title, part=part)
@@ -71,6 +71,19 @@ def _limb(rig: Rig, record: LimbRecord, options: MirrorOptions, report: Report) 
         rig = with_record(rig, joint, twin_limb)
         report.added.append(_reported(rig, joint, new=new))
     return rig
+
+
+def _rebuilt(rig: Rig, options: MirrorOptions) -> set[int]:
+    """The nodes with constraints of the other side that are mirrored from this side's later on."""
+    if options.what and "constraints" not in options.what:
+        return set()
+    records = rig.records(ConstraintRecord)
+    twins = {
+        (other(rig, child), records[node].kind)
+        for node in of_side(rig, options, ConstraintRecord)
+        if (child := rig.known(records[node].child)) is not None
+    }
+    return {node for node, record in records.items() if (rig.known(record.child), record.kind) in twins}
 
 
 def _parent(rig: Rig, joint: int) -> int | None:
