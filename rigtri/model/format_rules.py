@@ -44,7 +44,7 @@ class FormatRules:
     played: what moves each of several instances of a character: the key of a clip, None for none, by the
     instance's node and the skeleton's path below that.
     elsewhere: nodes of rigtri, or with its metadata, that no edit of this file can take out, and which other
-    file has them.
+    file has them. overlaid: those of them, nodes of rigtri all, of which this file says more.
     others: nodes of other characters while one is edited: a name that several nodes share does not mean them.
     per_second: units of clips' time in a second. valid_name: a name as this format can have it; `str`: any.
     """
@@ -70,6 +70,7 @@ class FormatRules:
     instances: Mapping[int, int] = field(default_factory=dict)
     played: Mapping[int, Mapping[str, Hashable]] = field(default_factory=dict)
     elsewhere: Mapping[int, str] = field(default_factory=dict)
+    overlaid: frozenset[int] = frozenset()
     others: frozenset[int] = frozenset()
     valid_name: Callable[[str], str] = str
 
@@ -85,6 +86,7 @@ class FormatRules:
             data_nodes=frozenset(new[k] for k in self.data_nodes),
             named=frozenset(new[k] for k in self.named),
             elsewhere={new[k]: name for k, name in self.elsewhere.items()},
+            overlaid=frozenset(new[k] for k in self.overlaid),
             others=frozenset(new[k] for k in self.others),
             instances={new[k]: new[first] for k, first in self.instances.items()},
             played={new[k]: played for k, played in self.played.items()},

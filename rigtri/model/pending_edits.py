@@ -37,6 +37,7 @@ class PendingEdits:
     shapes: lines to draw at nodes. weight_redistributions, joint_merges: changes of the weights of meshes.
     morph_weights: the weights at rest that nodes get, (t,) each.
     removed: nodes that the written file is without; they have no names any more.
+    restored: nodes that are to be again as another file has them (`FormatRules.overlaid`).
     weight_limit: of all points.
     bind_sizes: by the number of a skin how many times as large its points are to be bound, (3,).
     conversion: of the whole scene.
@@ -47,9 +48,15 @@ class PendingEdits:
     joint_merges: tuple[JointMerge, ...] = ()
     morph_weights: Mapping[int, Floats] = field(default_factory=dict)
     removed: frozenset[int] = frozenset()
+    restored: frozenset[int] = frozenset()
     weight_limit: WeightLimit | None = None
     bind_sizes: Mapping[int, Floats] = field(default_factory=dict)
     conversion: Conversion | None = None
+
+    @property
+    def strips(self) -> bool:
+        """Whether something of the file is to go."""
+        return bool(self.removed or self.restored)
 
     @property
     def changes_weights(self) -> bool:
@@ -63,4 +70,5 @@ class PendingEdits:
             shapes={new[k]: shape for k, shape in self.shapes.items()},
             morph_weights={new[k]: weights for k, weights in self.morph_weights.items()},
             removed=frozenset(new[k] for k in self.removed if new[k] >= 0),
+            restored=frozenset(new[k] for k in self.restored if new[k] >= 0),
         )

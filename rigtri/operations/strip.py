@@ -59,6 +59,9 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     metadata = {node: stored for node, stored in rig.metadata.items() if node in stay}
     for node in (node for node in rig.metadata if node not in gone and node not in metadata):
         report.removed.append({"node": rig.address(node), "type": rig.type_of(node), "kept": True})
+    restored = rig.rules.overlaid & kept
+    for node in sorted(restored):
+        report.removed.append({"node": rig.address(node), "type": rig.type_of(node) or "group", "kept": True})
     for node in sorted(gone):
         kind = rig.type_of(node) or "shape"
         report.removed.append({"node": rig.address(node), "type": kind, "kept": False})
@@ -70,7 +73,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
         metadata=metadata,
         node_constraints=_others(rig),
         # Each redistribution is among joints of ours.
-        pending=replace(rig.pending, weight_redistributions=(), joint_merges=()),
+        pending=replace(rig.pending, weight_redistributions=(), joint_merges=(), restored=restored),
     )
     return without_nodes(bare, gone, folds)
 
@@ -140,12 +143,12 @@ def _others(rig: Rig) -> tuple[NodeConstraint, ...]:
 
 
 def _kept(rig: Rig, report: Report) -> frozenset[int]:
-    """What stays as another file has it, where there is more than that."""
+    """What stays as another file has it, where this one has more than that."""
     kept = rig.rules.elsewhere
-    if not kept or rig.own | rig.metadata.keys() <= kept.keys():
+    if not kept or (rig.own | rig.metadata.keys() <= kept.keys() and not rig.rules.overlaid):
         return frozenset()  # and the format says where to strip
     files = and_more(sorted(set(kept.values())), 3)
-    text = f"The rig of {files} stays, with all that is about it here. To remove it, strip {files}"
+    text = f"The rig of {files} stays, as it is there. To remove it, strip {files}"
     report.warn("rig-elsewhere", text)
     return frozenset(kept)
 

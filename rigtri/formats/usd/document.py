@@ -24,7 +24,7 @@ from rigtri.formats.usd.embed import embedded
 from rigtri.formats.usd.layer_writer import Output
 from rigtri.formats.usd.opinions.instance_edits import instance_of
 from rigtri.formats.usd.reading.control_shape_reader import read_lines
-from rigtri.formats.usd.reading.metadata_attributes import elsewhere
+from rigtri.formats.usd.reading.metadata_attributes import elsewhere, overlaid
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.scene_facts import read_scene_facts
 from rigtri.formats.usd.reading.source import (
@@ -80,7 +80,8 @@ class UsdDocument:
         rig = replace(source.rig, content=Content(self._drawn.lines, self._drawn, self._drawn))
         if rig.metadata and not options.is_override:
             others = elsewhere(source.stage, rig, layer)
-            rig = replace(rig, rules=replace(rig.rules, elsewhere=others))
+            both = overlaid(source.stage, rig, layer) if others else frozenset[int]()
+            rig = replace(rig, rules=replace(rig.rules, elsewhere=others, overlaid=both))
         self._source, self._options = replace(source, rig=rig), options
         self._held = Held(source.stage)
         self._output = Output(self._source, layer, options, self._held.content)
@@ -160,7 +161,7 @@ class UsdDocument:
             output.check_target(target)
             output.check_metrics(rig)
             edit = edit_stage(self._source, rig, self._options)
-            output.write(edit.edits, part, target, edit.notices, strips=bool(edit.rig.pending.removed))
+            output.write(edit.edits, part, target, edit.notices, strips=edit.rig.pending.strips)
             self._hidden = output.hidden(edit.edits)
             routed = {*map(id, edit.opinions)} != {*map(id, edit.values)}
             inside = any(instance_of(stage, value.prim) is not None for value in edit.values)

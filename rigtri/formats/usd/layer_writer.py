@@ -259,10 +259,11 @@ def _drop_redundant(stage: Any, layer: Any, edits: Iterable[Edit], composed: Cal
 
 
 def _drop_bare(before: Any, layer: Any, edits: Iterable[Edit]) -> None:
-    """Take away overs that only held prims which the edits have removed."""
+    """Take away overs that only held what the edits have removed."""
     for path in {Sdf.Path(edit.prim) for edit in edits}:
-        if before.GetPrimAtPath(path) and not layer.GetPrimAtPath(path):
-            _prune(layer, path.GetParentPath())
+        was = before.GetPrimAtPath(path)
+        if was and (was.properties or was.nameChildren or not layer.GetPrimAtPath(path)):
+            _prune(layer, path)
 
 
 def _lies_below(stage: Any, path: Any) -> bool:

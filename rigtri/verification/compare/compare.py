@@ -6,7 +6,7 @@ of it, and looks only where something changed. Both look at rest and in every cl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Literal, Protocol
 
@@ -223,3 +223,16 @@ def _mesh_pairs(
         else:
             pairs.append((mesh, partner))
     return pairs, lost
+
+
+def passing_over(view: Source, keys: Set[Hashable]) -> Source:
+    """A document in which nobody looks for nodes, by their keys, nor for what clips do with them."""
+    rig = view.rig
+    nodes = {node for node, key in enumerate(rig.keys) if key in keys and key is not None}
+    if not nodes:
+        return view
+    clips = tuple(
+        replace(clip, tracks=tuple(t for t in clip.tracks if t.node not in nodes)) for clip in rig.clips
+    )
+    left = tuple(None if node in nodes else key for node, key in enumerate(rig.keys))
+    return DocumentView(view, replace(rig, keys=left, clips=clips))

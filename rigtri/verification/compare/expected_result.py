@@ -28,6 +28,7 @@ from rigtri.verification.compare.compare import (
     MorphChanges,
     Source,
     motion_between,
+    passing_over,
     self_check,
     verify,
 )
@@ -65,7 +66,7 @@ class ExpectedResult:
         Where what the source shows is to move, both have one clip for all that plays
         at once: it shows one pose, whichever of a stage's clips holds which keys.
         """
-        if self.rig.pending.weight_redistributions or self.rig.pending.removed:
+        if self.rig.pending.weight_redistributions or self.rig.pending.strips:
             from rigtri.verification.compare.without_twist import without_twist
 
             source = _with_clips(self.source, self.rig) if self.reposed else self.source
@@ -174,7 +175,7 @@ def compare_written(expected: ExpectedResult, views: Views, tolerance: float) ->
     if expected.rig.pending.bind_sizes or expected.rig.pending.weight_limit is not None:
         # Points are bound in another size, or by others: look at the vertices themselves.
         return verify(*views)
-    if expected.rig.pending.removed:
+    if expected.rig.pending.strips:
         return _compare_remaining(expected, *views)
     if expected.morph_changes:
         from rigtri.verification.compare.morph_changes import without_changes
@@ -198,7 +199,7 @@ def declared_differences(
 
         begin_stage("measure twist")
         return replace(result, moved=twist_movement(written) / result.diagonal)
-    if expected.rig.pending.removed:
+    if expected.rig.pending.strips:
         return result
     if expected.morph_changes:
         from rigtri.verification.compare.morph_changes import morph_movement
@@ -222,16 +223,21 @@ def declared_differences(
 
 
 def _compare_remaining(expected: ExpectedResult, source: Source, written: Source) -> Comparison:
-    """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
+    """Compare a result that lacks nodes of the source: all that it has must be there, and look alike.
+
+    Those that are again as another file has them must be there; nobody looks where.
+    """
     before, rig = expected.source.rig, expected.rig
     gone = {rig.keys[node] for node in rig.pending.removed}
     removed = {node for node, key in enumerate(before.keys) if key in gone}
     # Nodes without a key are not looked for; those without a name are known by their order.
     keyed = _keyed(before, rig, written.rig)
+    again = frozenset(rig.keys[node] for node in rig.pending.restored)
     keys = tuple(None if node in removed else key for node, key in enumerate(keyed.keys))
     named = tuple(name or label for name, label in zip(keyed.names, before.labels, strict=True))
     labels = [named[k] for k in range(len(before)) if k not in removed]
-    source = DocumentView(source, replace(source.rig, keys=keys, names=named))
+    source = passing_over(DocumentView(source, replace(source.rig, keys=keys, names=named)), again)
+    written = passing_over(written, again)
     if len(labels) == len(written.rig) and not all(before.names):
         written = DocumentView(written, replace(written.rig, names=tuple(labels)))
     # Nodes are counted in another way now: morph targets are found by addresses.

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
-from rigtri.errors import FileError, GeometryError
-from rigtri.formats.usd.composition import layers
+from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import refuse, why_locked
 from rigtri.formats.usd.identifiers import identifier
 from rigtri.formats.usd.opinions.edits import (
@@ -26,6 +25,7 @@ from rigtri.formats.usd.opinions.edits import (
 from rigtri.formats.usd.opinions.reference_edits import portable, reference_edits
 from rigtri.formats.usd.opinions.skeleton_edits import as_one, set_joints
 from rigtri.formats.usd.opinions.xform_edits import EULER, SAME_ROTATION, set_transform
+from rigtri.formats.usd.passes.remove_rigtri_prims import removals
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, is_rigtri_prim, sets_transform
 from rigtri.formats.usd.reading.control_shape_reader import curves_name, curves_of
 from rigtri.formats.usd.reading.joint_tokens import child_token
@@ -56,7 +56,7 @@ def write_rigtri_prims(edit: UsdEdit) -> None:
     edit.values += _updates(source, rig, edit.changes.rigtri_prims)
     additions = _Additions(source, rig)
     edit.values += additions.edits()
-    edit.values += _removals(source, rig)
+    edit.values += removals(source, rig)
     # Renaming comes behind all edits that know a prim by the path it had.
     renamed = _renamed(source.rig, rig)
     edit.values += [_rename(str(path), name) for path, name in renamed.items()]
@@ -148,57 +148,6 @@ def _update_metadata(source: Source, rig: Rig, node: int) -> list[Edit]:
             gone.append(name)
     found: list[Edit] = [remove_properties(path, name) for name in dict.fromkeys(gone)]
     return found + set_attributes(path, {k: v for k, v in after.items() if before.get(k) != v})
-
-
-def _removals(source: Source, rig: Rig) -> list[Edit]:
-    """Prims of rigtri that go, each with all below it."""
-    gone = [node for node in sorted(rig.pending.removed) if kind(rig.keys[node]) == "prim"]
-    tops = [node for node in gone if int(rig.parents[node]) not in rig.pending.removed]
-    for node in gone:
-        stack = source.stage.GetPrimAtPath(rig.labels[node]).GetPrimStack()
-        if len(stack) > 1:
-            names = " and in ".join(spec.layer.GetDisplayName() for spec in stack)
-            raise FileError(
-                f"<{rig.labels[node]}> is written in {names}, so it cannot be taken out of one of them. "
-                f"Strip {stack[-1].layer.GetDisplayName()}, and take what is about it out of the other"
-            )
-    paths = {rig.labels[node] for node in gone}
-    _refuse_others_below(rig, paths)
-    return [
-        _erase(source, rig.labels[node]) for node in tops if not _goes_along(source, rig.labels[node], paths)
-    ]
-
-
-def _goes_along(source: Source, path: str, gone: Collection[str]) -> bool:
-    """Whether a prim goes with another one of the same layer, from which it is composed (`</Lib>`)."""
-    (spec, *_) = source.stage.GetPrimAtPath(path).GetPrimStack()
-    return bool(spec.layer == source.layer and str(spec.path) != path and str(spec.path) in gone)
-
-
-def _refuse_others_below(rig: Rig, gone: Collection[str]) -> None:
-    """GeometryError where a prim that stays is below one that goes: !resetXformStack! makes it no child."""
-    for node, path in enumerate(rig.labels):
-        if kind(rig.keys[node]) != "prim" or path in gone:
-            continue
-        if above := max((k for k in gone if path.startswith(f"{k}/")), key=len, default=""):
-            raise GeometryError(
-                f"<{path}> is below <{above}>, which strip removes, and does not follow it "
-                "(!resetXformStack!). Move it elsewhere, or remove it; then strip again"
-            )
-
-
-def _erase(source: Source, path: str) -> Edit:
-    def erase(layer: Any) -> None:
-        spec = layer.GetPrimAtPath(path)
-        if spec is None:
-            (first, *_) = source.stage.GetPrimAtPath(path).GetPrimStack()
-            name = first.layer.GetDisplayName()
-            raise FileError(
-                f"<{path}> is written in {name}, so it cannot be taken out here: strip that layer"
-            )
-        layers.remove(spec)
-
-    return Edit(Sdf.Path(path), erase)
 
 
 class _Additions:

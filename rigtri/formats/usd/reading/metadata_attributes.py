@@ -21,7 +21,7 @@ from pxr import Gf, Sdf, Tf, Usd, Vt
 from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.model import metadata as records
 from rigtri.model.metadata import RECORDS, REFERENCES, Place, Stored
-from rigtri.model.rig import Rig
+from rigtri.model.rig import DRAWING, Rig
 
 PREFIX = "rigtri:"
 TWIN = "userProperties:"
@@ -86,6 +86,31 @@ def elsewhere(stage: Any, rig: Rig, layer: Any) -> dict[int, str]:
         if others := [spec.layer for spec in specs if spec.layer != layer]:
             found[node] = str(others[-1].GetDisplayName())
     return found
+
+
+def overlaid(stage: Any, rig: Rig, layer: Any) -> frozenset[int]:
+    """The prims of rigtri that another layer than ``layer`` has, and of which that one says more."""
+    found = set()
+    for node in rig.own:
+        what, path, *_ = parts(rig.keys[node])
+        stack = stage.GetPrimAtPath(path).GetPrimStack() if what == "prim" else ()
+        here = [spec for spec in stack if spec.layer == layer]
+        if len(here) < len(stack) and any(
+            written_by_rigtri(spec) or any(map(is_drawing, spec.nameChildren)) for spec in here
+        ):
+            found.add(node)
+    return frozenset(found)
+
+
+def written_by_rigtri(spec: Any) -> list[Any]:
+    """The properties that rigtri sets in a spec of its own prim: where the prim stands, its metadata."""
+    ours = (PREFIX, TWIN, "xformOp")
+    return [one for one in spec.properties if one.name.startswith(ours)]
+
+
+def is_drawing(spec: Any) -> bool:
+    """Whether a spec below a prim of rigtri is of the curves that show the prim."""
+    return bool(spec.typeName == "BasisCurves" and spec.name.endswith(DRAWING))
 
 
 def _twins(prim: Any, metadata: Metadata) -> dict[str, list[str]]:
