@@ -137,3 +137,9 @@ def test_scales_that_half_floats_round_too_much_are_named_the_most_telling_first
     assert "the new ones of 'b' closely enough. Keep its scale" in why_near(
         rig, scaled(1), result(1e-4), 1e-5
     )
+    # A bake has them from a control: freeze, another command, is no way out.
+    control = replace(scaled(3), metadata={3: {"v": 1, "type": "control", "kind": "fk", "joint": "b"}})
+    said = why_near(control, scaled(1), result(1e-4), 1e-5)
+    assert "They come from the scale keys of" in said
+    assert f"'{control.title(3)}': take these keys out, or allow more with --tolerance" in said
+    assert "freeze" not in said

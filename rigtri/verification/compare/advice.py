@@ -12,6 +12,7 @@ from rigtri.limits import TOLERANCE
 from rigtri.maths.matrices import SKEW, skew
 from rigtri.maths.quaternions import off_unit
 from rigtri.model.animation import key_values
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.text import and_more
 from rigtri.verification.compare.compare import Comparison
@@ -41,8 +42,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
         return (
             f" A SkelAnimation holds scales as 16-bit numbers, which cannot say the new ones of {names} "
-            f"closely enough. Keep {'its' if len(rough) == 1 else 'their'} scale (freeze: --only above), "
-            f"or {allow}"
+            f"closely enough. {_other_scales(before, rough)}or {allow}"
         )
     largest = result.largest_deviation
     if words := why_not_unit(before, largest):
@@ -124,6 +124,19 @@ def why_far(rig: Rig, result: Comparison) -> str:
         f"{found}: the float32 of the file rounds what they move by {largest:.1g} sizes. Remove those "
         "keys, or export the clip again with the program that wrote it"
     )
+
+
+def _other_scales(before: Rig, joints: list[int]) -> str:
+    """What to do about scales of joints that half floats cannot hold: about keys of controls, else freeze."""
+    records = before.records(ControlRecord)
+    scaled = {track.node for clip in before.clips for track in clip.tracks if track.path == "scale"}
+    controls = [
+        node for node in sorted(scaled & records.keys()) if before.known(records[node].joint) in joints
+    ]
+    if not controls:
+        return f"Keep {'its' if len(joints) == 1 else 'their'} scale (freeze: --only above), "
+    names = and_more([f"'{before.title(node)}'" for node in controls], 4)
+    return f"They come from the scale keys of {names}: take these keys out, "
 
 
 def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
