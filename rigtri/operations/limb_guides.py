@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from rigtri.errors import UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.model.options import check, options_of
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import from_keywords
@@ -44,11 +44,20 @@ def guided(rig: Rig, options: MakeLimbOptions) -> Iterator[MakeLimbOptions]:
         yield each
 
 
-def in_guides(options: MakeLimbOptions, name: str) -> str:
-    """Where an option of one limb stands among guides."""
+class OpenDirectionError(GeometryError):
+    """Points on a line, which an option of their limb has to help."""
+
+
+def in_guides(error: GeometryError, options: MakeLimbOptions, each: MakeLimbOptions) -> GeometryError:
+    """What is wrong with one limb of several, with its name, and where among guides the way out stands."""
+    if not isinstance(error, OpenDirectionError):
+        return GeometryError(f"{each.name}: {error}")
     if options.guide_nodes is not None:
-        return f"For '{name}' alone: name its nodes with --locators, and leave it out of --guide-nodes"
-    return f'In a guides file it is a key of \'{name}\', "bend": [0, 0, 1] or "up-from", or a column'
+        where = f"For '{each.name}' alone: name its nodes with --locators, and leave it out of --guide-nodes"
+    else:
+        keys = '"bend": [0, 0, 1] or "up-from"' if each.is_chain else '"bend": [0, 0, 1]'
+        where = f"In a guides file it is a key of '{each.name}', {keys}, or a column"
+    return GeometryError(f"{error}. {where}")
 
 
 def _flag(options: MakeLimbOptions) -> str:

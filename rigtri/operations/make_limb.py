@@ -27,7 +27,7 @@ from rigtri.model.options import check
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.limb_guides import guided, in_guides, natural
+from rigtri.operations.limb_guides import OpenDirectionError, guided, in_guides, natural
 from rigtri.operations.moved_chain import move_chain
 from rigtri.operations.operation import operation
 from rigtri.operations.option_kinds import vector
@@ -65,7 +65,7 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
             try:
                 rig = _made(rig, each, report)
             except GeometryError as error:
-                raise GeometryError(f"{error}. {in_guides(options, each.name)}") from None
+                raise in_guides(error, options, each) from None
         return rig
     return _made(rig, options, report)
 
@@ -194,7 +194,7 @@ def _chain_plane(points: Floats, options: MakeLimbOptions) -> tuple[Floats, Floa
     if options.bend is not None:
         return None
     if not options.style.world and options.style.up_from in ("plane", "pole"):
-        raise GeometryError(
+        raise OpenDirectionError(
             f"The points of {_title(options)} lie on a line, which leaves the up direction open. Give it "
             "with --up-from world:+y, or --bend 0,0,1 or another direction across it"
         )
@@ -219,9 +219,10 @@ def _plane(triple: Floats, options: MakeLimbOptions, report: Report) -> tuple[Fl
         normal = hinge(*triple)
         return normal, cross(chord, normal), "pose"
     if options.bend is None:
-        raise GeometryError(
-            f"The points of {_title(options)} lie on a line, which leaves the bend "
-            "direction open. Give it with --bend 0,0,1 or another direction across it"
+        raise OpenDirectionError(
+            f"The points of {_title(options)} lie on a line, which leaves the bend direction open"
+            f"{', also with --up-from' * (options.style.up_from not in ('plane', 'pole'))}. Give it with "
+            "--bend 0,0,1 or another direction across it"
         )
     side = perpendicular(normalise(np.array(options.bend, dtype=np.float64)), chord)
     if not length(side) > ALONG:

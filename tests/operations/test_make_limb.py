@@ -539,6 +539,20 @@ def test_a_straight_limb_among_guides_is_reported_where_its_bend_goes(tmp_path: 
     assert "arm_2_pole" in rig.names
 
 
+def test_up_from_is_advised_for_a_straight_chain_and_not_for_a_straight_limb() -> None:
+    """Which way a limb bends, and so where its pole vector stands, no up direction says."""
+    points = [[0, 1, 0], [1, 1, 0], [2, 1, 0]]
+    for guides in ({"arm": points}, {"arm": {"points": points, "up-from": "world:+z"}}):
+        with pytest.raises(GeometryError) as refused:
+            rigtri.make_limb(EMPTY, guides=guides)
+        assert '"up-from"' not in str(refused.value)
+    assert "leaves the bend direction open, also with" in str(refused.value)
+    with pytest.raises(GeometryError, match=r'key of \'tail\', "bend": \[0, 0, 1\] or "up-from"'):
+        rigtri.make_limb(EMPTY, guides={"tail": [*points, [3, 1, 0]]})
+    with pytest.raises(GeometryError, match=r"^arm: .* are at one place.*no bone between them$"):
+        rigtri.make_limb(EMPTY, guides={"arm": [points[0], points[0], points[1]]})
+
+
 @pytest.mark.parametrize(
     ("guides", "words"),
     [
