@@ -32,6 +32,7 @@ from rigtri.verification.compare.probe_selection import (
     skin_corners,
 )
 from rigtri.verification.compare.probes import Probe, mesh_points, mesh_title
+from rigtri.verification.compare.resting_children import left_their_rest
 from rigtri.verification.compare.scene_facts import SceneFacts, compare_scene_facts, compare_surfaces
 from rigtri.verification.compare.verdict import Comparison as Comparison
 from rigtri.verification.compare.verdict import Motion
@@ -138,6 +139,7 @@ def self_check(
     ]
     different, changed = compare_scene_facts((mine, theirs), before.scene_facts(), after.scene_facts(), found)
     different += compare_attached(mine, theirs, found)
+    different += left_their_rest(mine, theirs, found)
     found = found.with_more(changed=changed)
     result = compared(mine, theirs, found, probes, sizes, different)
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)

@@ -1,0 +1,54 @@
+"""Constraints of ours at rest: what rested where its constraint holds it still does after an edit.
+
+Viewers do not evaluate them, so no vertex of the file shows it; the next bake would. A child without offsets
+is to be where its drivers are, and may leave its rest for that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.maths.matrices import identity
+from rigtri.model.constraints import Constraint, constraints_of
+from rigtri.model.rig import Rig
+from rigtri.operations.constrain.maintain_offset import measured
+from rigtri.verification.compare.correspondence import Correspondence
+
+# What float64 and float32 leave of an offset, and what no rounding makes: of axes, and of the size.
+_AT_REST, _ELSEWHERE = 4e-6, 1e-4
+
+
+def left_their_rest(before: Rig, after: Rig, m: Correspondence) -> list[str]:
+    """The children that a constraint would take from where they rest, and did not before, in words."""
+    with np.errstate(all="ignore"):
+        return list(_left(before, after, m))
+
+
+def _left(before: Rig, after: Rig, m: Correspondence) -> Iterator[str]:
+    there = constraints_of(after)
+    for node, rule in constraints_of(before).items():
+        now = there.get(int(m.node[node]))
+        if now is None or _is_other(rule, now, m) or not (now.offsets - identity(len(now.offsets))).any():
+            continue
+        if _off(before, rule) <= _AT_REST and _off(after, now) > _ELSEWHERE:
+            child = after.title(now.child)
+            yield f"the {now.kind} constraint of {child} no longer holds it where it rests"
+
+
+def _is_other(rule: Constraint, now: Constraint, m: Correspondence) -> bool:
+    """Whether the edit has made another constraint of it."""
+    drivers = tuple(int(m.node[driver]) for driver in rule.drivers)
+    return (rule.kind, int(m.node[rule.child]), drivers) != (now.kind, now.child, now.drivers)
+
+
+def _off(rig: Rig, rule: Constraint) -> float:
+    """How far an offset is from the one that leaves the child at rest, in parts of axes or of the size."""
+    try:
+        rests = measured(rig, rule, keep=True).offsets
+    except GeometryError:
+        return 0.0
+    off, size = np.abs(rests - rule.offsets), float(np.abs(rig.world[:, 3, :3]).max(initial=0.0))
+    return max(float(off[:, :3].max()), float(off[:, 3].max()) / max(size, 1e-30))
