@@ -14,7 +14,7 @@ import numpy as np
 from rigtri.maths.angle_limits import cosine_below, radians_below
 from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats, arc_tangent
-from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.bend_direction import facing_along
@@ -38,6 +38,8 @@ LONE_CURLED = radians_below(10)
 # The first of its four joints or more may be a metacarpal, which is set aside by up to this (radians); it is
 # none where its plane is as near as this (a cosine) to that of the others.
 SET_ASIDE, WITH_OTHERS = radians_below(30), cosine_below(30)
+# Fingers whose first bones are folded over the palm by more than this (radians); no finger bends so far back.
+FOLDED, BENT_BACK = radians_below(45), radians_below(35)
 # Of fingers whose own hinges agree to this part the common one counts.
 AGREEMENT = 0.7
 # No finger bends more than 60° aside of the line of the knuckles (a cosine): what looks so is noise.
@@ -233,11 +235,14 @@ class _PosedHand:
         """About which axis the hand closes; None where nothing shows it."""
         across, natural = self._across, self.natural
         known = across is not None and self.is_left is not None and (self._is_apart or not self.guessed)
-        aside = known and abs(self.curl.closes) < ASIDE
+        lone = len(self.fingers) < 2
+        # One finger that bends clearly knows better than a thumb, which may be bent over the palm.
+        aside = known and not lone and abs(self.curl.closes) < ASIDE
         clear = LONE_CURLED if across is None else CURLED
         if curl.bend > clear and curl.agreement > AGREEMENT and not aside:
             # Knuckles may be bent back more than fingers are bent, and a hand closes all the same.
-            turned = known and not self.guessed and curl.closes < -BEYOND_SQUARE
+            turned = known and not self.guessed and curl.closes < (-ASIDE if lone else -BEYOND_SQUARE)
+            turned = turned and not (lone and curl.bend > BENT_BACK)
             return Hinge("plane of the bent fingers", -curl.hinge if turned else curl.hinge)
         if across is None:
             rule = AS_ARMS_SWING_AHEAD if self.fingers and self.is_ahead else AS_ARMS_SWING
@@ -271,7 +276,7 @@ class _PosedHand:
             across = self.at[self.fingers[-1][0]] - self.at[self.fingers[0][0]]
         elif self.fingers and self.thumb:  # as if the thumb were the first of two fingers
             (finger,) = self.fingers
-            across = perpendicular(self.at[finger[0]] - self.at[self.thumb[-1]], self.along)
+            across = perpendicular(self.at[finger[0]] - self.at[self._thumb_aside], self.along)
             # At rest it stands ahead of the palm.
             inside = cross(across, self.along) * (1.0 if is_left else -1.0)
             across = across * INTO_PALM[0] + inside * INTO_PALM[1]
@@ -282,6 +287,13 @@ class _PosedHand:
         across = normalise(across)
         # Seen along the fingers of a left hand with its palm down, the little finger is to the left.
         return (across if is_left else -across) if np.isfinite(across).all() else None
+
+    @property
+    def _thumb_aside(self) -> int:
+        """The joint that shows where the thumb stands: its last, or its second if it is bent."""
+        first = self.thumb[:3]
+        bent = len(first) == 3 and float(bend_angle(*self.at[list(first)])) > BENT
+        return first[1] if bent else self.thumb[-1]
 
     @property
     def _is_apart(self) -> bool:
@@ -342,8 +354,13 @@ class _PosedHand:
         towards = at[self.fingers[-1][0]] - at[thumb[0]] if self.fingers else self.arm
         along = [finger[:2] for finger in self.fingers if len(finger) > 1]
         ahead = normalise(at[along[0][1]] - at[along[0][0]]) if along else normalise(towards)
+        over = at[self.fingers[0][0]] - at[self.wrist] if along else ahead
+        ahead = ahead if float(angle(over, ahead)) < FOLDED else normalise(over)  # of a fist, the palm's
         inside = cross(palm, ahead)  # where finger tips move as they close
-        return normalise(cross(self.line(thumb), normalise(towards) + inside))
+        line = self.line(thumb)
+        if len(self.fingers) == 1 and self._thumb_aside != thumb[-1]:
+            line = normalise(at[thumb[1]] - at[thumb[0]])  # its tip may be beyond the finger
+        return normalise(cross(line, normalise(towards) + inside))
 
 
 def _is_set_aside(a: Floats, b: Floats, c: Floats) -> bool:

@@ -574,3 +574,27 @@ def test_a_hand_of_one_straight_finger_goes_with_its_bent_elbow(ahead: float) ->
     expected = np.cross(forearm / 0.25, palm)
     got = hinge_axes(out, "+y")[out.find("index2.L")]
     assert np.degrees(np.arccos(got @ expected)) < 30
+
+
+@pytest.mark.parametrize(("curl", "thumb"), [(0.0, 30.0), (40.0, 30.0), (70.0, 0.0), (70.0, 30.0)])
+def test_a_bent_thumb_does_not_turn_the_one_finger_beside_it(curl: float, thumb: float) -> None:
+    """Before, the tip of the thumb said where the palm is, and turned the finger by up to 120°."""
+    finger, turn = [np.array([0.79, 1.45, 0.028])], 0.0
+    for bone in (0.04, 0.026):
+        turn += np.radians(curl)
+        finger.append(finger[-1] + bone * np.array([np.cos(turn), -np.sin(turn), 0.0]))
+    way, over = np.array([0.6, -0.35, 0.72]), np.array([0.05, -0.5, -0.75])
+    hinge = np.cross(way, over) / np.linalg.norm(np.cross(way, over))
+    bones, turn = [np.array([0.725, 1.438, 0.022])], 0.0
+    for bone in (0.045, 0.033):
+        ahead = np.cos(turn) * way + np.sin(turn) * np.cross(hinge, way)
+        bones.append(bones[-1] + bone * ahead)
+        turn += np.radians(thumb)
+    hand = [
+        *line("index1.L index2.L index3.L", "hand.L", *map(tuple, finger)),
+        *line("thumb1.L thumb2.L thumb3.L", "hand.L", *map(tuple, bones)),
+    ]
+    out = orient_joints(rig_with([*TRUNK, *both([*ARM, *hand, *LEG])]))
+    axes = hinge_axes(out, "+y")
+    assert np.degrees(np.arccos(axes[out.find("index2.L")] @ (0, 0, -1))) < 30
+    assert np.degrees(np.arccos(axes[out.find("thumb1.L")] @ hinge)) < 60
