@@ -332,7 +332,7 @@ def _hinges(
     for joint in (*shoulders, *_further_shoulders(rig, character)):
         yield joint, Hinge("facing direction of the chest", chest, ahead=True)
     # Of a body whose names say left where it faces right, the place says which hand it is.
-    yield from hand_hinges(chains, {"left": not mirrored, "right": mirrored}, at, (facing[1], up))
+    yield from hand_hinges(chains, {"left": not mirrored, "right": mirrored}, at, (facing[1], up, chest))
 
 
 def _legs_and_feet(character: Character) -> Iterator[tuple[Chain, Chain]]:

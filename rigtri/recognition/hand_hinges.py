@@ -12,12 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from rigtri.maths.angle_limits import cosine_below, radians_below
+from rigtri.maths.quaternions import from_axis_angle, rotate
 from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.bend_direction import facing_along
+from rigtri.recognition.finger_bends import SHOWN, Curl, is_set_aside, mean_of_pair, shown_by_all
 from rigtri.recognition.hands_feet import BY_PLACE
 from rigtri.recognition.layout import Chain
 from rigtri.recognition.thumb_bends import (
@@ -25,7 +27,7 @@ from rigtri.recognition.thumb_bends import (
     BENT,
     NOISE,
     OPENS,
-    SIMILAR_BEND,
+    SHAPE,
     ThumbBend,
     noise_of_twins,
     own_hinges_count,
@@ -35,9 +37,6 @@ from rigtri.recognition.thumb_bends import (
 CURLED = radians_below(20)
 # … and so does one finger without a thumb that bends by more than this: nothing else shows where its palm is.
 LONE_CURLED = radians_below(10)
-# The first of its four joints or more may be a metacarpal, which is set aside by up to this (radians); it is
-# none where its plane is as near as this (a cosine) to that of the others.
-SET_ASIDE, WITH_OTHERS = radians_below(30), cosine_below(30)
 # Fingers whose first bones are folded over the palm by more than this (radians); no finger bends so far back.
 FOLDED, BENT_BACK = radians_below(45), radians_below(35)
 # Of fingers whose own hinges agree to this part the common one counts.
@@ -46,10 +45,10 @@ AGREEMENT = 0.7
 ASIDE = cosine_below(60)
 # A thumb points by more than this to the side of the fingers (a cosine).
 THUMB_APART = cosine_below(20)
+# From the root of the one finger of a hand to the other side of the palm, as a part of its length.
+HALF_AS_WIDE = 0.5
 # … and at rest by this to the side of the palm (cosine and sine of 20°).
 INTO_PALM = 0.9396926207859084, 0.3420201433256687
-# Fingers that all bend to one side by more than this (radians) say which side the palm is on.
-SHOWN = radians_below(2)
 # So far beyond a right angle (a cosine) is what points the other way: a square hand is no matter of rounding.
 BEYOND_SQUARE = 1e-4
 # How much the palm of a hanging hand, which is at the thigh, is turned back (a sine): squarely turned hands
@@ -64,6 +63,10 @@ AS_HANDS_HANG = "palm of a hand hanging at the side"
 # arm is raised ahead by more than this (a cosine) it is a guess: it may be turned about itself there.
 AS_ARMS_SWING, AS_ARMS_SWING_AHEAD = "arm, for hands hanging at the sides", "arm, for hands raised ahead"
 RAISED_AHEAD = cosine_below(45)
+# … and on a body with a tail, whose hands may be front paws, which close as feet do.
+AS_PAWS_SWING = "arm, for hands or paws hanging at the sides"
+# The rule of one straight finger beside a bent thumb, which may be bent at its base as well, or there alone.
+BESIDE_BENT_THUMB = "palm of the hand by a bent thumb"
 # An elbow that bends by more than this (radians) shows how the arm is turned: without a turn of the lower arm
 # the palm is on the side of the elbow's hinge, as at the thigh.
 ELBOW_BENT = radians_below(30)
@@ -92,17 +95,19 @@ def hand_hinges(
     chains: Sequence[Chain],
     sides: Mapping[Side, bool | None],
     at: Floats,
-    body: tuple[Floats, Floats] | None,
+    body: tuple[Floats, Floats, Floats] | None,
 ) -> Iterator[tuple[int, Hinge]]:
     """The hinge that the fingers of each hand and its wrist share, and the thumb's own, of all hands.
 
     sides: of the hands, and whether each is a left one, None where nobody knows. at: the places of all
-    nodes, (n, 3). body: where it faces and its up, (3,) each; None for a hand alone.
+    nodes, (n, 3). body: where it faces, its up, and the front of its chest, which may be bent down, (3,)
+    each; None for a hand alone.
     """
     hands = {side: _by_hand(chains, side) for side in sides}
+    has_tail = any(chain.kind == "tail" for chain in chains)
     for number in range(max(map(len, hands.values()), default=0)):
         pair = ((sides[side], own[number]) for side, own in hands.items() if number < len(own))
-        found = (_posed_hand(own, is_left, at, body) for is_left, own in pair)
+        found = (_posed_hand(own, is_left, at, body, has_tail) for is_left, own in pair)
         yield from _pair_hinges([hand for hand in found if hand is not None])
 
 
@@ -123,7 +128,9 @@ def _by_hand(chains: Sequence[Chain], side: Side) -> list[list[Chain]]:
 
 def _pair_hinges(hands: Sequence[_PosedHand]) -> Iterator[tuple[int, Hinge]]:
     """As `hand_hinges`, of the two hands of a pair, or of one."""
-    palms = [hand.palm(curl) for hand, curl in zip(hands, _mean([hand.curl for hand in hands]), strict=True)]
+    palms = [
+        hand.palm(curl) for hand, curl in zip(hands, mean_of_pair([hand.curl for hand in hands]), strict=True)
+    ]
     closing = [(hand, palm) for hand, palm in zip(hands, palms, strict=True) if palm is not None]
     thumbs = [hand.thumb_bend(palm.direction) for hand, palm in closing]
     own = own_hinges_count(thumbs, _noise([hand for hand, _ in closing])) if closing else []
@@ -150,32 +157,12 @@ def _noise(hands: Sequence[_PosedHand]) -> float:
     )
 
 
-class _Curl(NamedTuple):
-    """What the bends of fingers show at rest.
-
-    hinge: that they have in common, unit, (3,). bend: of most of them, radians. agreement: of their own
-    hinges, 0 to 1. closes: the cosine between the hinge and that about which they close by their places.
-    """
-
-    hinge: Floats
-    bend: float = 0.0
-    agreement: float = 0.0
-    closes: float = 0.0
-
-
-def _mean(curls: Sequence[_Curl]) -> list[_Curl]:
-    """The same, with the mean numbers of two hands that are bent alike, so that one rule applies to both."""
-    if len(curls) != 2 or abs(curls[0].bend - curls[1].bend) > SIMILAR_BEND:
-        return list(curls)
-    mean = [0.5 * (one + other) for one, other in zip(curls[0][1:], curls[1][1:], strict=True)]
-    return [_Curl(curl.hinge, *mean) for curl in curls]
-
-
 def _posed_hand(
     own: Sequence[Chain],
     is_left: bool | None,
     at: Floats,
-    body: tuple[Floats, Floats] | None,
+    body: tuple[Floats, Floats, Floats] | None,
+    has_tail: bool,
 ) -> _PosedHand | None:
     fingers = [k for k in own if k.kind == "finger"]
     thumb = next((k.joints for k in fingers if "thumb" in k.name), ())
@@ -189,15 +176,19 @@ def _posed_hand(
     lower = at[wrist[0]] - at[arm[-2:][0]]
     natural = None
     if body is not None and is_left is not None:
-        natural = facing_along(lower, *body) * (-1.0 if is_left else 1.0)
+        natural = facing_along(lower, *body[:2]) * (-1.0 if is_left else 1.0)
         if len(arm) == 3 and float(bend_angle(*at[list(arm)])) > ELBOW_BENT:
             inside = cross(at[arm[1]] - at[arm[0]], lower) * (1.0 if is_left else -1.0)
             natural = normalise(cross(lower, inside))
     lines = [k.joints for k in four] or [wrist[1:]] * (len(wrist) > 1)
     joints = (*wrist, *(joint for finger in fingers for joint in finger.joints))
     guessed = all(k.evidence[0] == BY_PLACE for k in four)
-    ahead = body is not None and float(dot(normalise(lower), body[0])) > RAISED_AHEAD
-    return _PosedHand(joints, lines, thumb, wrist[0], lower, at, natural, is_left, guessed, ahead)
+    swings = AS_PAWS_SWING if has_tail and lines else AS_ARMS_SWING
+    if body is not None and lines:
+        facing, _, chest = body
+        ahead = max(float(dot(normalise(lower), way)) for way in (facing, chest))
+        swings = AS_ARMS_SWING_AHEAD if ahead > RAISED_AHEAD else swings
+    return _PosedHand(joints, lines, thumb, wrist[0], lower, at, natural, is_left, guessed, swings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,8 +196,8 @@ class _PosedHand:
     """A hand in a pose. fingers: from the index finger on, without the thumb. arm: of the lower arm, (3,).
 
     at: the places of all nodes, (n, 3). natural: about which hands close that hang, palms at the thighs, or
-    are raised from there, unit, (3,). guessed: which finger is the first is known by place alone. is_ahead:
-    whether the lower arm points ahead.
+    are raised from there, unit, (3,). guessed: which finger is the first is known by place alone. swings:
+    the rule where the arm alone says how the hand closes.
     """
 
     joints: Sequence[int]
@@ -218,7 +209,7 @@ class _PosedHand:
     natural: Floats | None
     is_left: bool | None
     guessed: bool
-    is_ahead: bool = False
+    swings: str = AS_ARMS_SWING
 
     def line(self, finger: Sequence[int]) -> Floats:
         """Where a finger points, unit, (3,); one of a single joint as the hand does there."""
@@ -231,7 +222,7 @@ class _PosedHand:
         lines = [self.line(finger) for finger in self.fingers]
         return normalise(np.nan_to_num(lines).cumsum(axis=0)[-1]) if lines else normalise(self.arm)
 
-    def palm(self, curl: _Curl) -> Hinge | None:
+    def palm(self, curl: Curl) -> Hinge | None:
         """About which axis the hand closes; None where nothing shows it."""
         across, natural = self._across, self.natural
         known = across is not None and self.is_left is not None and (self._is_apart or not self.guessed)
@@ -245,11 +236,10 @@ class _PosedHand:
             turned = turned and not (lone and curl.bend > BENT_BACK)
             return Hinge("plane of the bent fingers", -curl.hinge if turned else curl.hinge)
         if across is None:
-            rule = AS_ARMS_SWING_AHEAD if self.fingers and self.is_ahead else AS_ARMS_SWING
-            return None if natural is None else Hinge(rule, natural)
-        rule = "palm of the hand"
+            return None if natural is None else Hinge(self.swings, natural)
+        rule = BESIDE_BENT_THUMB if lone and self._thumb_bends > BENT else "palm of the hand"
         if not known:
-            shown = _shown(self.fingers, self.at)
+            shown = shown_by_all(self.fingers, self.at)
             if shown is not None:
                 towards = float(dot(shown, across))
             elif natural is not None:
@@ -280,6 +270,7 @@ class _PosedHand:
             # At rest it stands ahead of the palm.
             inside = cross(across, self.along) * (1.0 if is_left else -1.0)
             across = across * INTO_PALM[0] + inside * INTO_PALM[1]
+            across = self._by_bent_thumb(normalise(across if is_left else -across), across)
         else:
             return None
         if length(across) < _NO_WIDTH * length(self.arm):
@@ -288,12 +279,33 @@ class _PosedHand:
         # Seen along the fingers of a left hand with its palm down, the little finger is to the left.
         return (across if is_left else -across) if np.isfinite(across).all() else None
 
+    @cached_property
+    def _thumb_bends(self) -> float:
+        """By how much the first two bones of the thumb are bent, radians."""
+        return float(bend_angle(*self.at[list(self.thumb[:3])])) if len(self.thumb) > 2 else 0.0
+
     @property
     def _thumb_aside(self) -> int:
         """The joint that shows where the thumb stands: its last, or its second if it is bent."""
-        first = self.thumb[:3]
-        bent = len(first) == 3 and float(bend_angle(*self.at[list(first)])) > BENT
-        return first[1] if bent else self.thumb[-1]
+        return self.thumb[1 if self._thumb_bends > BENT else -1]
+
+    def _by_bent_thumb(self, palm: Floats, across: Floats) -> Floats:
+        """The line of the knuckles, (3,), of a hand with one finger; ``across`` where its thumb is straight.
+
+        The palm is on the side midway between where a thumb stands and where it moves as it flexes. It may
+        be as bent at its base as beyond, or not at all: half of that is between the two.
+        """
+        bend = self.thumb_bend(palm)
+        if not (bend.bend > SHAPE and abs(bend.aside) < OPENS):
+            return across
+        first = normalise(self.at[self.thumb[1]] - self.at[self.thumb[0]])
+        line = rotate(from_axis_angle(bend.hinge, -0.5 * bend.bend), first)
+        ahead = normalise(self.at[self.fingers[0][0]] - self.at[self.wrist])
+        inside = normalise(perpendicular(line, ahead)) + normalise(
+            perpendicular(cross(bend.hinge, line), ahead)
+        )
+        found = normalise(cross(ahead, inside)) * (-1.0 if self.is_left is False else 1.0)
+        return found if np.isfinite(found).all() else across
 
     @property
     def _is_apart(self) -> bool:
@@ -301,24 +313,24 @@ class _PosedHand:
         return len(self.thumb) > 1 and float(dot(self.line(self.thumb), self.along)) < THUMB_APART
 
     @cached_property
-    def curl(self) -> _Curl:
+    def curl(self) -> Curl:
         """What the fingers show; those that are straight have no vote."""
         at, normals, most = self.at, [], []
         for finger in self.fingers:
             triples = list(zip(finger, finger[1:], finger[2:], strict=False))
             if triples:
                 a, b, c = (at[[triple[k] for triple in triples]] for k in range(3))
-                if len(self.fingers) < 2 and _is_set_aside(a, b, c):
+                if len(self.fingers) < 2 and is_set_aside(a, b, c):
                     a, b, c = a[1:], b[1:], c[1:]
                 most.append(float(bend_angle(a, b, c).max()))
                 if most[-1] > SHOWN:
                     normals.append(normalise(cross(b - a, c - b).cumsum(axis=0)[-1]))
         if not normals:
-            return _Curl(np.full(3, np.nan))
+            return Curl(np.full(3, np.nan))
         common = np.nan_to_num(np.array(normals)).cumsum(axis=0)[-1]
         hinge, across = normalise(common), self._across
         closes = 0.0 if across is None else float(dot(hinge, across))
-        return _Curl(hinge, sorted(most)[len(most) // 2], float(length(common)) / len(normals), closes)
+        return Curl(hinge, sorted(most)[len(most) // 2], float(length(common)) / len(normals), closes)
 
     def bones(self, finger: Sequence[int]) -> list[float]:
         """The lengths of the bones from the wrist to the end of a finger, file units."""
@@ -358,30 +370,9 @@ class _PosedHand:
         ahead = ahead if float(angle(over, ahead)) < FOLDED else normalise(over)  # of a fist, the palm's
         inside = cross(palm, ahead)  # where finger tips move as they close
         line = self.line(thumb)
+        if len(self.fingers) == 1 and self.is_left is not None:  # the little finger would be further
+            width = HALF_AS_WIDE * length(at[self.fingers[0][0]] - at[self.wrist])
+            towards = towards + palm * width * (1.0 if self.is_left else -1.0)
         if len(self.fingers) == 1 and self._thumb_aside != thumb[-1]:
             line = normalise(at[thumb[1]] - at[thumb[0]])  # its tip may be beyond the finger
         return normalise(cross(line, normalise(towards) + inside))
-
-
-def _is_set_aside(a: Floats, b: Floats, c: Floats) -> bool:
-    """Whether the first triple of a finger, (k, 3) each, shows where its metacarpal is, not how it closes."""
-    if len(a) < 2 or float(bend_angle(a[0], b[0], c[0])) > SET_ASIDE:
-        return False
-    first, *others = cross(b - a, c - b)
-    common = normalise(np.array(others).cumsum(axis=0)[-1])
-    straight = float(bend_angle(a[1:], b[1:], c[1:]).max()) < SHOWN
-    return straight or not float(dot(normalise(first), common)) > WITH_OTHERS
-
-
-def _shown(fingers: Sequence[Sequence[int]], at: Floats) -> Floats | None:
-    """The hinge about which all fingers bend a little, unit, (3,); None where they do not agree."""
-    found = []
-    for finger in (finger for finger in fingers if len(finger) > 2):
-        a, b, c = (at[joint] for joint in finger[:3])
-        if float(bend_angle(a, b, c)) < SHOWN:
-            return None
-        found.append(normalise(cross(b - a, c - b)))
-    if not found:
-        return None
-    common = np.array(found).cumsum(axis=0)[-1]
-    return normalise(common) if length(common) > 0.9 * len(found) else None

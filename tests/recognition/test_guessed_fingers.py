@@ -12,7 +12,8 @@ from posed_bodies import FINGERS, Pose, posed_body
 from rigs import rig_of
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.hand_hinges import _Curl, _mean, _PosedHand
+from rigtri.recognition.finger_bends import Curl, mean_of_pair
+from rigtri.recognition.hand_hinges import _PosedHand
 from rigtri.recognition.hands_feet import _like_fingers
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_ends import thumb_of
@@ -176,14 +177,14 @@ def test_a_finger_and_a_thumb_that_begin_at_one_place_show_no_palm() -> None:
 
 def test_two_hands_that_are_bent_alike_count_with_their_mean_bend() -> None:
     x, y = np.array([1.0, 0, 0]), np.array([0.0, 1, 0])
-    one = _Curl(x, 0.5, 0.75, 1.0)
-    alike, other = _Curl(y, 0.5 + SIMILAR_BEND / 2, 0.25, 0.0), _Curl(y, 0.5 + SIMILAR_BEND * 2, 0.25, 0.0)
+    one = Curl(x, 0.5, 0.75, 1.0)
+    alike, other = Curl(y, 0.5 + SIMILAR_BEND / 2, 0.25, 0.0), Curl(y, 0.5 + SIMILAR_BEND * 2, 0.25, 0.0)
     mean = (0.5 + SIMILAR_BEND / 4, 0.5, 0.5)
-    found = _mean([one, alike])
+    found = mean_of_pair([one, alike])
     assert [each[1:] for each in found] == [pytest.approx(mean)] * 2
     assert [each.hinge is hinge for each, hinge in zip(found, (x, y), strict=True)] == [True, True]
     for curls in ([one, other], [one], [one, alike, one], []):
-        assert _mean(curls) == curls
+        assert mean_of_pair(curls) == curls
 
 
 def test_bends_of_a_path_are_cosines_and_none_at_ends_or_beside_bones_without_length() -> None:

@@ -26,7 +26,13 @@ from rigtri.operations.orient_joints.joint_frames import DeadBand
 from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
-from rigtri.recognition.hand_hinges import AS_ARMS_SWING_AHEAD, AS_HANDS_HANG, NOT_ITS_BEND
+from rigtri.recognition.hand_hinges import (
+    AS_ARMS_SWING_AHEAD,
+    AS_HANDS_HANG,
+    AS_PAWS_SWING,
+    BESIDE_BENT_THUMB,
+    NOT_ITS_BEND,
+)
 from rigtri.report import Report
 from rigtri.text import and_more, straightness
 
@@ -91,6 +97,17 @@ def warn_noise(noise: Frozen, report: Report) -> None:
     )
 
 
+# What is said of a hand with one straight finger, by the rule that its hinge is from.
+_UNSURE_HANDS = {
+    AS_ARMS_SWING_AHEAD: "one straight finger at the end of an arm that is raised ahead does not "
+    "show to which side it closes; it is taken for that of a hand with the thumb up",
+    AS_PAWS_SWING: "one straight finger of a body with a tail may be the front paw of an animal; "
+    "it is taken for that of a hand hanging at the side",
+    BESIDE_BENT_THUMB: "one straight finger beside a bent thumb shows but roughly to which side it "
+    "closes; it is taken to close midway between where the thumb stands and where it moves as it flexes",
+}
+
+
 def warn_straight(outcome: Outcome, report: Report) -> None:
     """One warning per straight limb or chain: how straight, and where the up direction is from."""
     ups, straight, rig = outcome.requested.ups, outcome.requested.straight, outcome.targets.tree.rig
@@ -116,16 +133,11 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
             geometry=True,
             names=guessed,
         )
-    lone = [rig.title(joint) for joint in outcome.targets.joints if ups.source[joint] == AS_ARMS_SWING_AHEAD]
-    if lone:
-        report.warn(
-            "unsure-hand",
-            f"{and_more(lone, 3)}: one straight finger at the end of an arm that is raised ahead does not "
-            "show to which side it closes; it is taken for that of a hand with the thumb up. If it closes "
-            "elsewhere, say --chain START END --up-from vector:x,y,z.",
-            geometry=True,
-            names=lone,
-        )
+    for rule, text in _UNSURE_HANDS.items():
+        names = [rig.title(joint) for joint in outcome.targets.joints if ups.source[joint] == rule]
+        if names:
+            say = "If it closes elsewhere, say --chain START END --up-from vector:x,y,z."
+            report.warn("unsure-hand", f"{and_more(names, 3)}: {text}. {say}", geometry=True, names=names)
     _warn_thumbs(outcome, report)
     for joint in (joint for joint in outcome.targets.joints if ups.step[joint] >= 7):
         if joint not in straight:
