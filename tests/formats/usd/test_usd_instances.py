@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,6 +33,7 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.opinions.composition_check import Expected
 from rigtri.formats.usd.opinions.edits import set_value
+from rigtri.formats.usd.passes.unify_rounding import unify_rounding
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY
 from rigtri.verification.compare.compare import self_check, verify
@@ -541,6 +545,24 @@ def test_meshes_shared_by_instances_are_edited_once_where_all_of_them_get_the_sa
     stage, name = Usd.Stage.Open(str(out)), "primvars:skel:jointWeights"
     one, other = (stage.GetAttributeAtPath(f"/Root/{k}/Skin.{name}") for k in ("One", "Two"))
     assert one.GetMetadata("elementSize") == other.GetMetadata("elementSize") == 2
+
+
+def test_copies_of_one_motion_get_the_same_keys_to_the_bit(tmp_path: Path) -> None:
+    """Characters that each play an animation of their own, with the noise of where they stand."""
+    save(tmp_path, ACTOR, "hero.usda")
+    places = "".join(f'def "{name}" (references = @./hero.usda@</Root>)\n{{\n}}\n' for name in "ABC")
+    source = read(save(tmp_path, f"#usda 1.0\n{places}")).source
+    clips = tuple(
+        replace(clip, tracks=tuple(replace(t, values=t.values + 1e-14 * t.node) for t in clip.tracks))
+        for clip in source.rig.clips
+    )
+    edit: Any = SimpleNamespace(source=source, rig=replace(source.rig, clips=clips))
+    unify_rounding(edit)
+    before, after = (
+        {(rig.names[t.node], t.path, t.values.tobytes()) for clip in rig.clips for t in clip.tracks}
+        for rig in (source.rig, edit.rig)
+    )
+    assert len(after) == len(before)
 
 
 def test_instances_that_differ_by_a_look_inherit_one_class_until_one_of_them_is_edited(

@@ -7,7 +7,8 @@ animation) can stay shared only if their new values are equal.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Hashable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -37,10 +38,19 @@ def unify_rounding(edit: UsdEdit) -> None:
         first = rig.skins[number.get(leader[skin.joints].tobytes(), number[skin.joints.tobytes()])]
         skins.append(skin if first is skin else replace(skin, inverse_bind=first.inverse_bind))
     clips = []
+    copies: dict[tuple[int, Path, Hashable], Track] = {}  # of one motion, each in an animation of its own
+    sources = {clip.key: clip for clip in edit.source.rig.clips}
     for clip in rig.clips:
-        known: dict[tuple[int, Path, object], Track] = {}
-        tracks = tuple(_unified_track(track, known, int(leader[track.node])) for track in clip.tracks)
-        clips.append(replace(clip, tracks=tracks))
+        known: dict[tuple[int, Path, Hashable], Track] = {}
+        read = {(t.node, t.path): t for t in (sources[clip.key].tracks if clip.key in sources else ())}
+        tracks = []
+        for track in clip.tracks:
+            head = int(leader[track.node])
+            track = _unified_track(track, known, head, track.key)
+            if (was := read.get((track.node, track.path))) is not None:
+                track = _unified_track(track, copies, head, _content(was))
+            tracks.append(track)
+        clips.append(replace(clip, tracks=tuple(tracks)))
     edit.rig = replace(
         rig,
         translation=rig.translation[leader],
@@ -86,12 +96,22 @@ def _close(one: Floats, other: Floats) -> bool:
     return one.shape == other.shape and bool(np.abs(one - other).max(initial=0.0) <= ROUNDING * size)
 
 
-def _unified_track(track: Track, known: dict[tuple[int, Path, object], Track], leader: int) -> Track:
-    """A track, or with the values of the first that drives the same column of one animation.
+def _content(track: Track) -> bytes:
+    """A digest of the keys of a track, wherever they are stored."""
+    found = hashlib.blake2b(track.interpolation.encode(), digest_size=16)
+    for array in (track.times, track.values):
+        found.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
+    return found.digest()
+
+
+def _unified_track(
+    track: Track, known: dict[tuple[int, Path, Hashable], Track], leader: int, motion: Hashable
+) -> Track:
+    """A track, or with the values of the first of the same motion: a column of one animation, or equal keys.
 
     The skeleton whose values all take may play another animation.
     """
-    first = known.setdefault((leader, track.path, track.key), track)
+    first = known.setdefault((leader, track.path, motion), track)
     if first is track or not _close(first.values, track.values):
         return track
     return replace(track, values=first.values)
