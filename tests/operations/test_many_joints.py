@@ -160,7 +160,8 @@ def test_a_numbered_limb_is_the_first_three_joints_below_each_other() -> None:
     from rigtri.recognition.limbs import recognise
 
     names = ["torso", "leg_joint_L_1", "leg_joint_L_2", "leg_joint_L_3", "leg_joint_L_4"]
-    for parents, limbs in (([-1, 0, 1, 2, 1], [(1, 2, 3)]), ([-1, 0, 1, 1, 2], [])):
+    # Where a joint of the count hangs elsewhere, nobody knows which is the third.
+    for parents, limbs in (([-1, 0, 1, 2, 3], [(1, 2, 3)]), ([-1, 0, 1, 2, 1], []), ([-1, 0, 1, 1, 2], [])):
         rig = rig_of(names, parents, np.ones((5, 3)))
         assert [limb.triple for limb in recognise(rig)] == limbs
 

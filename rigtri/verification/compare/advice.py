@@ -46,7 +46,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         )
     largest = result.largest_deviation
     if words := why_not_unit(before, largest):
-        return words
+        return why_far(before, result) or words
     near = largest < 10 * tolerance
     noisy = nearly_uniform(before, after, tolerance if near else largest)
     if noisy:
