@@ -281,7 +281,8 @@ def _size(values: Floats) -> float:
 def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0) -> Floats:
     """The times to start from, (f,): all keys, and with ``fps`` so many evenly spaced ones a second.
 
-    per_second: units of the clip's time in a second. UsageError where that would be too many.
+    per_second: units of the clip's time in a second. UsageError where that would be too many, and where
+    there are none in a second.
     """
     distinct = {id(track.times): track.times for track in timeline.clip.tracks if len(track.times) > 1}
     keys = np.unique(np.concatenate([*distinct.values(), np.zeros(0)]))
@@ -291,6 +292,11 @@ def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0)
         return np.array([min(firsts, default=0.0)])
     if fps is None:
         return np.asarray(keys)
+    if not per_second > 0.0:
+        raise UsageError(
+            f"--fps {fps:g}: the file has {per_second:g} time codes per second, so clip '{timeline.name}' "
+            "has no length in seconds; leave --fps out"
+        )
     needed = (float(keys[-1]) - float(keys[0])) / per_second * fps
     if not needed <= MOST_KEYS:
         raise UsageError(

@@ -114,6 +114,14 @@ def test_more_times_than_anybody_wants_are_refused() -> None:
     assert len(times_within(timeline(keyed(0.0, 200.0)), 10.0)) == 2001
 
 
+def test_frames_of_a_clip_without_length_in_seconds_are_refused() -> None:
+    """As of a stage with 0 time codes per second. Before, a traceback."""
+    clip = timeline(keyed(0.0, 5.0))
+    with pytest.raises(UsageError, match="--fps 10: the file has 0 time codes per second, so clip 'walk'"):
+        times_within(clip, 10.0, 0.0)
+    assert times_within(clip, None, 0.0).tolist() == [0.0, 5.0]
+
+
 @pytest.mark.parametrize(
     ("tracks", "times"),
     [
