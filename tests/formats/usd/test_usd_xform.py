@@ -457,3 +457,16 @@ def test_an_animated_prim_whose_constant_rotation_is_not_unit_keeps_its_axes(tmp
     result = cli("orient-joints", source, "-o", out, "--root", "top", "--preset", "cmt", code=0)
     assert "skipped: a: </top/a>.xformOp:orient:rigtriFrame is not unit" in result.stderr
     cli("verify", source, out, "--root", "top", code=0)
+
+
+def test_a_joint_whose_ops_give_no_finite_matrix_is_named(tmp_path: Path) -> None:
+    """Before, it was read as if it had no ops, and results were refused with 6 where clips moved it."""
+    source = tmp_path / "in.usda"
+    text = (SAMPLES / "arm.usda").read_text("utf-8")
+    turn = "quatf xformOp:orient = (1, 0, 0, 0)"
+    assert turn in text
+    source.write_text(text.replace(turn, turn.replace("0)", "inf)"), 1), "utf-8")
+    done = cli("orient-joints", source, "-o", tmp_path / "out.usda", "--root", "arm", code=3)
+    assert (
+        "The ops of </arm/shoulder> give no finite matrix, so nothing says where this joint is" in done.stderr
+    )

@@ -23,9 +23,9 @@ from rigtri.formats.usd.opinions.edits import (
     set_value,
 )
 from rigtri.formats.usd.opinions.reference_edits import portable, reference_edits
+from rigtri.formats.usd.opinions.removal_edits import removals
 from rigtri.formats.usd.opinions.skeleton_edits import as_one, set_joints
 from rigtri.formats.usd.opinions.xform_edits import EULER, SAME_ROTATION, set_transform
-from rigtri.formats.usd.passes.remove_rigtri_prims import removals
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, is_rigtri_prim, sets_transform
 from rigtri.formats.usd.reading.control_shape_reader import curves_name, curves_of
 from rigtri.formats.usd.reading.joint_tokens import child_token

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, Vt
 
-from rigtri.errors import NameNotFoundError, UsageError
+from rigtri.errors import FileError, NameNotFoundError, UsageError
 from rigtri.formats.usd.composition.stage import why_locked
 from rigtri.formats.usd.composition.time_samples import has_splines, ops_times
 from rigtri.formats.usd.reading.mesh_reader import at_start
@@ -60,8 +60,11 @@ def rooted(rig: Rig, stage: Any, root: str, interpolation: Interpolation, warnin
     _notice_resets(rig, stage, top, warnings)
     fixed, bodies = dict(rig.rules.fixed), jointed_bodies(stage)
     for node in skin.joints.tolist():
-        why = bodies.get(rig.labels[node]) or why_fixed(stage.GetPrimAtPath(rig.labels[node]))
-        if why:
+        prim = stage.GetPrimAtPath(rig.labels[node])
+        if not np.isfinite(UsdGeom.Xformable(prim).GetLocalTransformation()).all():
+            text = "give no finite matrix, so nothing says where this joint is. Correct their default values"
+            raise FileError(f"The ops of <{rig.labels[node]}> {text}")
+        if why := bodies.get(rig.labels[node]) or why_fixed(prim):
             fixed[node] = why
     rig = replace(rig, skins=(*rig.skins, skin), rules=replace(rig.rules, fixed=fixed))
     return _animated(rig, stage, skin.joints.tolist(), interpolation, warnings)
