@@ -21,10 +21,10 @@ from rigtri.maths.matrices import multiply as product
 from rigtri.maths.quaternions import IDENTITY, angle_between, between, conjugate, from_axes, multiply, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
-from rigtri.model.constraints import Constraint, constraint_record, constraints_of
+from rigtri.model.constraints import constraint_record, constraints_of
 from rigtri.model.metadata import ConstraintRecord, OffsetRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.constrain.maintain_offset import measured
+from rigtri.operations.constrain.maintain_offset import offsets_apart, resting_offsets
 from rigtri.operations.rigtri_nodes import stand, with_record
 from rigtri.operations.skin_joints import move_joint
 from rigtri.report import Report
@@ -118,55 +118,35 @@ def _controls_along(before: Rig, rig: Rig) -> Rig:
     return rig
 
 
-def _resting(rig: Rig) -> dict[int, Constraint]:
-    """The constraints of a rig with the offsets with which their children stay at rest."""
-    found = {}
-    for node, rule in constraints_of(rig).items():
-        try:
-            found[node] = measured(rig, rule, keep=True)
-        except GeometryError:
-            continue
-    return found
-
-
 def _offsets_again(rig: Rig, before: Rig, rebuilt: Collection[int], report: Report) -> Rig:
     """The rig with those offsets measured anew that left their children at rest, and no longer do."""
-    known = constraints_of(before)
-    changed: list[str] = []
-    size, now, rests = _size(rig), _resting(rig), _resting(before)
-    for node, rule in known.items():
-        if node in rebuilt or node not in rests or node not in now:
+    moved, changed = rig, list[str]()
+    records, there = moved.records(ConstraintRecord), constraints_of(moved)
+    for node, rule in constraints_of(before).items():
+        if node in rebuilt or node not in there:
             continue
-        held = _differ(rule.offsets, rests[node].offsets, size) <= _SAME
-        late = held & (_differ(rule.offsets, now[node].offsets, size) > _SAME)
-        new = replace(
-            rule, offsets=np.where(late[:, np.newaxis, np.newaxis], now[node].offsets, rule.offsets)
-        )
-        local, old = rig.rotation[rule.child], before.rotation[rule.child]
+        rests, now = resting_offsets(before, rule), resting_offsets(moved, there[node])
+        if rests is None or now is None:
+            continue
+        held = offsets_apart(moved, rule.offsets, rests) <= _SAME
+        late = held & (offsets_apart(moved, rule.offsets, now) > _SAME)
+        new = replace(rule, offsets=np.where(late[:, np.newaxis, np.newaxis], now, rule.offsets))
+        local, old = moved.rotation[rule.child], before.rotation[rule.child]
         if (local != old).any():  # what its rotation counts from is how it rests
             new = replace(
                 new,
                 **{key: local for key in ("rest", "joint_orient") if np.allclose(getattr(rule, key), old)},
             )
-        record, made = rig.records(ConstraintRecord)[node], constraint_record(rig, new)
-        rig = with_record(
-            rig,
-            node,
-            replace(record, offsets=made.offsets, rest=made.rest, joint_orient=made.joint_orient),
-        )
+        made = constraint_record(moved, new)
+        carried = replace(records[node], offsets=made.offsets, rest=made.rest, joint_orient=made.joint_orient)
+        rig = with_record(rig, node, carried)
         if late.any():
-            changed.append(rig.title(rule.child))
+            changed.append(moved.title(rule.child))
     if changed:
         verb = "keeps its rest place" if len(changed) == 1 else "keep their rest places"
         text = f"{and_more(changed, 6)} {verb}: offsets to joints that were put elsewhere are measured anew."
         report.warn("offsets-measured-anew", text)
     return rig
-
-
-def _differ(one: Floats, other: Floats, size: float) -> Floats:
-    """By how much offsets, (d, 4, 4), differ, (d,): axes by parts, places as shares of the size."""
-    off = np.abs(one - other)
-    return np.asarray(np.maximum(off[:, :3].max(axis=(1, 2)), off[:, 3].max(axis=1) / size))
 
 
 def _size(rig: Rig) -> float:

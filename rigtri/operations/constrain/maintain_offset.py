@@ -8,7 +8,6 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import aim_rotation, lengths_for, nearest_rotation_of, to_parts
-from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import from_frame, identity, inverse, multiply, transform_points
 from rigtri.maths.quaternions import IDENTITY, conjugate, to_axes
 from rigtri.maths.quaternions import multiply as product
@@ -26,8 +25,7 @@ def measured(rig: Rig, rule: Constraint, *, keep: bool) -> Constraint:
 
     Raises GeometryError where the child, its parent or a driver has no frame (a scale of zero).
     """
-    local = rig.normalised_local
-    world = worlds(rig, local)
+    local, world = rig.normalised_local, rig.normalised_world
     count = 1 if rule.kind == "aim" else len(rule.drivers)
     offsets = identity(count)
     if keep:
@@ -45,6 +43,20 @@ def measured(rig: Rig, rule: Constraint, *, keep: bool) -> Constraint:
             "the two, or a node above, has a scale of zero, or numbers that are not finite"
         )
     return replace(rule, offsets=offsets)
+
+
+def resting_offsets(rig: Rig, rule: Constraint) -> Floats | None:
+    """The offsets, (d, 4, 4), with which the child of a rule stays at rest; None where it has none."""
+    try:
+        return measured(rig, rule, keep=True).offsets
+    except GeometryError:
+        return None
+
+
+def offsets_apart(rig: Rig, one: Floats, other: Floats) -> Floats:
+    """By how much offsets, (d, 4, 4), differ, (d,): in parts of axes, and of how far the rig goes."""
+    off, size = np.abs(one - other), float(np.abs(rig.world[:, 3, :3]).max(initial=0.0))
+    return np.asarray(np.maximum(off[:, :3].max(axis=(1, 2)), off[:, 3].max(axis=1) / max(size, 1e-30)))
 
 
 def _check_aim(rig: Rig, rule: Constraint, world: Floats) -> None:

@@ -10,11 +10,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rigtri.errors import GeometryError
 from rigtri.maths.matrices import identity
 from rigtri.model.constraints import Constraint, constraints_of
 from rigtri.model.rig import Rig
-from rigtri.operations.constrain.maintain_offset import measured
+from rigtri.operations.constrain.maintain_offset import offsets_apart, resting_offsets
 from rigtri.verification.compare.correspondence import Correspondence
 
 # What float64 and float32 leave of an offset, and what no rounding makes: of axes, and of the size.
@@ -46,9 +45,5 @@ def _is_other(rule: Constraint, now: Constraint, m: Correspondence) -> bool:
 
 def _off(rig: Rig, rule: Constraint) -> float:
     """How far an offset is from the one that leaves the child at rest, in parts of axes or of the size."""
-    try:
-        rests = measured(rig, rule, keep=True).offsets
-    except GeometryError:
-        return 0.0
-    off, size = np.abs(rests - rule.offsets), float(np.abs(rig.world[:, 3, :3]).max(initial=0.0))
-    return max(float(off[:, :3].max()), float(off[:, 3].max()) / max(size, 1e-30))
+    rests = resting_offsets(rig, rule)
+    return 0.0 if rests is None else float(offsets_apart(rig, rests, rule.offsets).max())
