@@ -51,13 +51,6 @@ class Hierarchy:
             node = int(self.parents[node])
         return path
 
-    def under(self, nodes: Iterable[int]) -> list[bool]:
-        """For each node whether one of ``nodes`` is above it."""
-        inside, under = set(nodes), list[bool]()
-        for parent in self.parents.tolist():
-            under.append(parent >= 0 and (under[parent] or parent in inside))
-        return under
-
     def with_ancestors(self, nodes: Iterable[int]) -> set[int]:
         """Nodes and all above them; −1 is none."""
         found = set[int]()
@@ -85,6 +78,12 @@ class Hierarchy:
         for level in self.levels[1:]:
             found[level] |= found[self.parents[level]]
         return found
+
+    def under(self, nodes: Iterable[int]) -> Booleans:
+        """Which nodes are below one of ``nodes``, (n,)."""
+        marked = np.zeros(len(self), dtype=bool)
+        marked[list(nodes)] = True
+        return np.asarray((self.parents >= 0) & self.at_or_below(marked)[self.parents])
 
     @cached_property
     def _walk(self) -> tuple[list[int], list[int]]:

@@ -230,6 +230,8 @@ class Rig(NodeNames):
     def own(self) -> frozenset[int]:
         """Nodes that rigtri has added, with what shows the lines of controls and holds joints of ours."""
         made = {node for node in self.metadata if self.type_of(node) in ADDED}
+        if not made:
+            return frozenset()
         drawings = (
             child
             for node in made
@@ -252,7 +254,6 @@ class Rig(NodeNames):
             for node, name in enumerate(self.names)
             if SWITCH.fullmatch(name)
             and (self.parents[node] in made or identifier(name) in ends or name.startswith(DRIVE))
-            and made
             and self.attachment[node] < 0
             and not self.children[node]
         )

@@ -16,6 +16,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.document import UsdDocument
+from rigtri.formats.usd.reading.mesh_reader import EARLIEST
 from rigtri.formats.usd.reading.reader import read_source
 
 # More nodes are not made of point instancers: 850 bipeds with a clip are 31,450 nodes, and take 21 s of
@@ -83,7 +84,7 @@ def _expand(stage: Any, instancer: Any, room: int) -> int:
     lengths = {-1 if array is None else len(array) for each in values.values() for array in each.values()}
     if not values["translate"] or lengths != {len(rows)}:
         return 0
-    mask = instancer.ComputeMaskAtTime(Usd.TimeCode.EarliestTime()) or [True] * len(rows)
+    mask = instancer.ComputeMaskAtTime(EARLIEST) or [True] * len(rows)
     taken = {child.GetName() for child in prim.GetAllChildren()}
     places = _paths(prim.GetPath(), [prototypes[row].name for row in rows], taken)
     shown = [number for number in range(len(rows)) if mask[number]]
@@ -119,7 +120,7 @@ def _nodes(prototype: Any) -> int:
 
 
 def _rows(attribute: Any) -> list[int]:
-    return list(attribute.Get(Usd.TimeCode.EarliestTime()) or ())
+    return list(attribute.Get(EARLIEST) or ())
 
 
 def _paths(parent: Any, names: Sequence[str], taken: set[str]) -> list[Any]:

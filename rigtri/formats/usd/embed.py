@@ -15,8 +15,8 @@ from rigtri.formats.image_types import KINDS, shows
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.composition.value_types import usable
+from rigtri.formats.usd.reading.mesh_reader import EARLIEST
 
-EARLIEST = Usd.TimeCode.EarliestTime()
 # The bytes of the texture that an asset path names; FileError where they are not to be had.
 Images = Callable[[Any], bytes]
 

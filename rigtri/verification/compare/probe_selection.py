@@ -161,11 +161,9 @@ def _between_skins(before: Rig, after: Rig, mine: Skin, theirs: Skin) -> Floats:
     from what holds the joints if they agree there: ``freeze`` takes a scale above a skeleton into it.
     """
     top = int(np.argmin(np.isin(before.parents[mine.joints], mine.joints)))
-    onto = np.eye(4)
-    for rig, joint in ((before, mine.joints[top]), (after, theirs.joints[top])):
-        above = int(rig.parents[joint])
-        world = rig.world[above] if above >= 0 else np.eye(4)
-        onto = world if rig is before else onto @ inverse(world)
+    above = (int(rig.parents[skin.joints[top]]) for rig, skin in ((before, mine), (after, theirs)))
+    holds = [rig.world[k] if k >= 0 else np.eye(4) for rig, k in zip((before, after), above, strict=True)]
+    onto = holds[0] @ inverse(holds[1])
     here, there = mine.bind[:, 3], theirs.bind[:, 3]
     with np.errstate(invalid="ignore", over="ignore"):
         closer = np.abs(here @ onto - there).max() < np.abs(here - there).max()
