@@ -127,6 +127,18 @@ def test_indices_of_another_type_say_nothing(rigged: Path) -> None:
     use(broken, "inspect")
 
 
+def test_keys_for_a_rivet_that_is_no_xform_are_refused_by_name(tmp_path: Path) -> None:
+    """Before, they were written where OpenUSD reads none, and the result was refused as another."""
+    (path := tmp_path / "scene.usda").write_text(scene(skeleton(), animation(), MESH), "utf-8")
+    out = tmp_path / "rigged.usda"
+    named = ["--mesh", "Skin", "--vertex", "0", "--name", "button"]
+    assert cli("add-rivet", path, "-o", out, *named).exit_code == 0
+    text = out.read_text("utf-8").replace('def Xform "button"', 'def Scope "button"')
+    out.write_text(text, "utf-8")
+    done = cli("bake", out, "--to", "joints", "-o", tmp_path / "baked.usda")
+    assert (done.exit_code, "button> is a Scope, which USD gives no transform" in done.stderr) == (3, True)
+
+
 def _replace(layer: Any, named: Any, kind: Any, value: Any) -> int:
     """Give attributes by their names another type and value; how many there were."""
     found: list[Any] = []

@@ -123,16 +123,22 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
             name = known.GetName() if known else curves_name(before.names[node])
             found += _define_curves(Sdf.Path(path).AppendChild(name), rig.pending.shapes[node])
         if node in keyed or (before.local[node] != rig.local[node]).any():
-            refuse(why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",)))
+            prim = source.stage.GetPrimAtPath(path)
+            refuse(_why_still(prim) or why_locked(prim, ("xformOpOrder",)))
             stands = set_transform(path, rig.local[node], _tracks(rig, node), to_key=_is_control(rig, node))
             used = {edit.name for edit in stands}
             idle = [name for name in (*OPS.values(), EULER) if name not in used]
-            prim = source.stage.GetPrimAtPath(path)
             found += [*stands, *(remove_properties(path, name) for name in idle if prim.HasAttribute(name))]
             record = rig.record(node)
             if isinstance(record, PoseWeightRecord) and record.attribute:
                 found += _values(rig, node, rig.labels[rig.find(record.control, "node")])
     return found
+
+
+def _why_still(prim: Any) -> str:
+    """Why a prim of rigtri has no transform, as a rivet of another type has none; "" where it has."""
+    why = f"<{prim.GetPath()}> is a {prim.GetTypeName()}, which USD gives no transform; make it an Xform"
+    return "" if prim.IsA(UsdGeom.Xformable) else why
 
 
 def _update_metadata(source: Source, rig: Rig, node: int) -> list[Edit]:
