@@ -92,6 +92,7 @@ BEFORE_2 = float(np.nextafter(np.float32(2.0), np.float32(-1.0)))
     [
         ([keyed(0.0, 1.0), keyed(0.5, 1.0)], None, 1.0, [0.0, 0.5, 1.0]),
         ([keyed(0.0, 1.0), keyed(7.0)], None, 1.0, [0.0, 1.0]),  # one key is held at all times
+        ([keyed(0.0, 1.0), keyed(0.25), keyed(0.0)], None, 1.0, [0.0, 0.25, 1.0]),  # and is a key
         ([keyed(7.0), keyed(3.0)], None, 1.0, [3.0]),
         ([], None, 1.0, [0.0]),
         ([keyed(0.0, np.inf, 2.0)], None, 1.0, [0.0, 2.0]),

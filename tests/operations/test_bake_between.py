@@ -192,3 +192,17 @@ def with_track(rig: Rig, old: Track, new: Track) -> Rig:
     """The rig with a track in the place of another."""
     clips = (replace(c, tracks=tuple(new if t is old else t for t in c.tracks)) for c in rig.clips)
     return replace(rig, clips=tuple(clips))
+
+
+def test_there_is_no_error_at_the_one_key_of_a_track() -> None:
+    """A pole vector is placed once, while its hand moves. Before, a bake had no sample there."""
+    rig, at = reaching("biped.glb"), np.array([0.375])
+    pole = rig.nodes_of("poleVector")[0]
+    once = Track(pole, "translation", "STEP", at, rig.translation[[pole]] + [0.0, 0.0, 0.05])
+    rig = replace(rig, clips=(replace(rig.clips[0], tracks=(*rig.clips[0].tracks, once)),))
+    (clip,) = timelines(rig)
+    solver, options = Solver(rig, controls_at_work(rig, clip)), BakeOptions(between=0.1, tolerance=1e-7)
+    baked = bake(rig, options=options, report=Report())
+    asked = solver.run(sample_parts(rig, clip.clip, at))
+    found = sampling.worlds(baked, sampling.locals_at(baked, baked.clips[0], at))[0]
+    assert max(np.abs(asked.world(k)[0] - found[k]).max() for k in solver.sets) < 1e-6 * size(rig)
