@@ -54,17 +54,22 @@ def refuse_other_rest(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
     _refuse_other_motion(rig, after, noisy, scales, TOLERANCE, f"{loses}. {command}")
 
 
+def seen_below(rig: Rig, nodes: Collection[int]) -> list[int]:
+    """What others have put right below nodes of rigtri and is seen, or shows what is below it: joints too."""
+    seen = rig.is_joint | (rig.attachment >= 0)
+    hung = (node for k in nodes for node in rig.children[k] if node not in rig.own)
+    return sorted(node for node in hung if seen[[node, *rig.below(node)]].any())
+
+
 def refuse_carried(rig: Rig, offset: int, control: int) -> None:
     """GeometryError where others have put what is seen below a control, whose offset gets another place."""
-    seen = rig.is_joint | (rig.attachment >= 0)
-    for node in (*rig.children[offset], *rig.children[control]):
-        if node not in rig.own and seen[[node, *rig.below(node)]].any():
-            mine, theirs, above = (rig.title(k) for k in (control, node, int(rig.parents[node])))
-            raise GeometryError(
-                f"'{mine}' would get another place, and '{theirs}', which is not from rigtri, is a child of "
-                f"'{above}', with which it would move. In the program that put it there, parent it to a "
-                "node that is not from rigtri; then run this again"
-            )
+    for node in seen_below(rig, (offset, control)):
+        mine, theirs, above = (rig.title(k) for k in (control, node, int(rig.parents[node])))
+        raise GeometryError(
+            f"'{mine}' would get another place, and '{theirs}', which is not from rigtri, is a child of "
+            f"'{above}', with which it would move. In the program that put it there, parent it to a "
+            "node that is not from rigtri; then run this again"
+        )
 
 
 def _refuse_other_motion(

@@ -26,6 +26,7 @@ from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.controls_check import seen_below
 from rigtri.operations.options.bake import BETWEEN
 from rigtri.recognition.one_character import about
 from rigtri.report import Report
@@ -173,11 +174,7 @@ def _refuse_carried(
     before: Rig, after: Rig, timelines: tuple[Timeline, Timeline], times: Floats, size: float
 ) -> None:
     """GeometryError where what others have put below a control is seen to move with its new keys."""
-    hung = [
-        k for k, above in enumerate(before.parents.tolist()) if above in before.own and k not in before.own
-    ]
-    shown = [k for k in hung if any(before.attachment[n] >= 0 for n in (k, *before.below(k)))]
-    if not shown:
+    if not (shown := seen_below(before, before.own)):
         return
     was, now = (
         PoseCache(rig, sample_parts(rig, each.clip, times))
