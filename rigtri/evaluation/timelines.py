@@ -287,13 +287,14 @@ def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0)
     distinct = {id(track.times): track.times for track in timeline.clip.tracks if len(track.times) > 1}
     keys = np.unique(np.concatenate([*distinct.values(), np.zeros(0)]))
     keys = keys[np.isfinite(keys)]
-    firsts = [float(t.times[0]) for t in timeline.clip.tracks if len(t.times) and np.isfinite(t.times[0])]
+    firsts = np.array([track.times[0] for track in timeline.clip.tracks if len(track.times)])
+    firsts = firsts[np.isfinite(firsts)]
     if not len(keys):
-        return np.array([min(firsts, default=0.0)])
+        return np.sort(firsts)[:1] if len(firsts) else np.zeros(1)
     # One key is held at all times: it makes no clip longer, but somebody looks at what is there.
-    keys = np.unique([*keys, *(time for time in firsts if keys[0] < time < keys[-1])])
+    keys = np.union1d(keys, firsts[(keys[0] < firsts) & (firsts < keys[-1])])
     if fps is None:
-        return np.asarray(keys)
+        return keys
     if not per_second > 0.0:
         raise UsageError(
             f"--fps {fps:g}: the file has {per_second:g} time codes per second, so clip '{timeline.name}' "
