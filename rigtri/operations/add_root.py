@@ -13,7 +13,7 @@ from rigtri.maths.matrices import compose, from_frame, inverse, multiply, orthon
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot
+from rigtri.maths.vectors import dot, perpendicular
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -24,6 +24,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_root import AddRootOptions as AddRootOptions
 from rigtri.operations.prune_joints import weighted_joints
 from rigtri.operations.rigtri_nodes import given_name
+from rigtri.recognition.limbs import upright
 from rigtri.recognition.one_character import listed
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
@@ -66,7 +67,7 @@ def root_above(rig: Rig, start: int) -> int:
 
     A root moves no vertex of the body itself, and stands near the ground.
     """
-    weighted, up = weighted_joints(rig), np.array(rig.rules.up)
+    weighted, up = weighted_joints(rig), upright(rig)
     low = float(dot(_ground(rig, start), up))
     most = low + _LOW * (float(dot(rig.world[start, 3, :3], up)) - low)
     above = [node for node in rig.path_to_root(start)[1:] if rig.is_joint[node] and not weighted[node]]
@@ -175,11 +176,11 @@ def _world(position: Floats, rotation: Floats, above: Floats) -> Floats:
 
 def _ground(rig: Rig, top: int) -> Floats:
     """Below the top joint on the ground: of the scene, or as low as the lowest joint."""
-    up = np.array(rig.rules.up)
+    up = upright(rig)
     joints = [node for node in rig.below(top) if rig.is_joint[node]]
     heights = dot(rig.world[joints, 3, :3], up)
     low, high = float(heights.min()), float(heights.max())
-    place = rig.world[top, 3, :3] * (1.0 - up)
+    place = perpendicular(rig.world[top, 3, :3], up)
     on_ground = abs(low) <= _ON_GROUND * max(high - low, 1e-12)
     return np.asarray(place + up * (0.0 if on_ground else low))
 

@@ -43,8 +43,9 @@ class AxisStyle:
             return "every frame parallel to the world"
         source = {"plane": "the hinge", "pole": "towards the bend"}.get(self.up_from)
         above = self.up_from.removeprefix("world:").removeprefix("+")
-        held = f"as near as can be to the world's {above}, one sign per chain"
-        return f"{self.aim} along the bone, {self.up} {source or held}"
+        hinge = self.up.removeprefix("-") if self.up.startswith("-") else f"-{self.up}"
+        held = f"{hinge} the hinge; where there is none, {self.up} towards the world's {above}"
+        return f"{self.aim} along the bone, " + (f"{self.up} {source}" if source else held)
 
     def with_axes(self, options: Any) -> AxisStyle:
         """This style, with what options name of `AXES`."""

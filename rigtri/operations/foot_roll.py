@@ -32,7 +32,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.control_sizes import MARGIN, SkinSections
 from rigtri.operations.options.add_controls import AddControlsOptions
-from rigtri.recognition.limbs import Limb
+from rigtri.recognition.limbs import Limb, upright
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
@@ -119,7 +119,7 @@ def rolling_feet(
 
 def _level(rig: Rig, way: Floats) -> Floats:
     """A way, (3,), without its part upwards."""
-    up = np.asarray(rig.rules.up, dtype=np.float64)
+    up = upright(rig)
     return way - up * float(dot(way, up))
 
 
@@ -132,7 +132,7 @@ def _foot(
     in the middle of a step. Places are found there, and carried along by foot and toe.
     """
     rest, standing = poses
-    up = np.asarray(rig.rules.up, dtype=np.float64)
+    up = upright(rig)
     ankle, ball = standing[limb.end, 3, :3], standing[toe, 3, :3]
     level = _level(rig, ball - ankle)
     way = float(length(level))

@@ -30,6 +30,7 @@ from rigtri.maths.vectors import dot, length
 from rigtri.model.animation import Clip, Interpolation, Path, Track, off_rest, reached
 from rigtri.model.rig import Rig
 from rigtri.operations.options.root_motion import RootMotionOptions
+from rigtri.recognition.limbs import upright
 from rigtri.report import Report
 
 # Motion over the ground by no more of its keys is what float32 leaves of one that was taken out.
@@ -58,8 +59,8 @@ def _is_small(along: Floats, whole: Floats) -> bool:
 
 
 def up_of(rig: Rig, root: int) -> Floats:
-    """The scene's up axis, seen from the root, (3,)."""
-    return seen_from(rig, root, np.array(rig.rules.up))
+    """The up axis of the character as it stands, seen from the root, (3,)."""
+    return seen_from(rig, root, upright(rig))
 
 
 def seen_from(rig: Rig, root: int, direction: Floats) -> Floats:

@@ -20,6 +20,7 @@ from rigtri.operations.ground_motion import is_none, over_ground, rests, turned,
 from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
 from rigtri.operations.root_children import besides, keeping_children
+from rigtri.recognition.limbs import upright
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import and_more, list_names
@@ -34,7 +35,7 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     ``report.added``. Raises GeometryError where there is no root above the hips, or it rotates or moves at
     other times, or with ``yaw`` has a scale that turning about the up axis would shear.
     """
-    if options.axis is not None and rig.rules.up["xyz".index(options.axis)]:
+    if options.axis is not None and upright(rig)["xyz".index(options.axis)]:
         raise UsageError(f"--axis {options.axis}: this is up, and height stays with the hips")
     hips, root = _joints(rig, options)
     going, others = besides(rig, hips, root)
@@ -106,7 +107,7 @@ def _refuse_skinned(rig: Rig, root: int) -> None:
 def _refuse_unbaked(rig: Rig, timeline: Timeline, hips: int, options: RootMotionOptions) -> None:
     """GeometryError where controls move the hips over the ground in a clip as their own keys do not."""
     away = away_from_keys(rig, timeline, hips)
-    over = perpendicular(away[:, 3, :3], rig.rules.up)
+    over = perpendicular(away[:, 3, :3], upright(rig))
     far = max(np.abs(over).max() / skeleton_size(rig), np.abs(away[:, :3, :3]).max() if options.yaw else 0.0)
     if not far <= UNBAKED:
         raise GeometryError(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import struct
 from pathlib import Path
 from typing import Any
@@ -123,6 +124,16 @@ def glb_parts(path: Path) -> tuple[dict[str, Any], bytes]:
     content = path.read_bytes()
     (length,) = struct.unpack_from("<I", content, 12)
     return glb_json(path), content[28 + length :]
+
+
+def standing_along_z(path: Path) -> bytes:
+    """The GLB below a node that turns y to z, as tools with z up write bodies into glTF."""
+    gltf, binary = glb_parts(path)
+    (scene,) = gltf["scenes"]
+    half = math.sqrt(0.5)
+    gltf["nodes"].append({"name": "z_up", "rotation": [half, 0, 0, half], "children": scene["nodes"]})
+    scene["nodes"] = [len(gltf["nodes"]) - 1]
+    return glb_bytes(gltf, binary)
 
 
 # --- the character

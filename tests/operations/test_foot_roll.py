@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gltf_files import glb_bytes, glb_parts
+from gltf_files import glb_bytes, glb_parts, standing_along_z
 from places import SAMPLES, slow
 from program import cli
 from recognition_bodies.skeletons import HORSE, rig_with
@@ -97,6 +97,18 @@ def test_a_toe_that_rolls_follows_its_constraints_too(rolling: Path) -> None:
     pose = posed(rig, degrees, {head: grown._replace(scale=grown.scale * 1.25)})
     axes = pose.world(toe)[0, :3, :3] / 1.25
     assert np.allclose(axes, rolled(rig, toe, degrees, ("tip", "heel"))[:3, :3], atol=2e-6)
+
+
+def test_a_body_that_stands_on_another_up_axis_rolls_as_well(tmp_path: Path) -> None:
+    """As a tool with z up writes bodies: the ground is below the feet, whatever the format says."""
+    lying, out = tmp_path / "lying.glb", tmp_path / "out.glb"
+    lying.write_bytes(standing_along_z(SAMPLES / "biped.glb"))
+    cli("add-controls", lying, "-o", out, "--whole-character", "--foot-roll", "--strict", code=0)
+    rig = rigtri.read(out)
+    here, ground = pivots(rig), rig.skins[0].joints
+    low = float(rig.world[ground, 3, 2].min())
+    assert set(here) == set(PIVOTS)
+    assert max(rig.world[here["heel"], 3, 2], rig.world[here["tip"], 3, 2]) < low + 1e-6
 
 
 def test_heel_and_tip_are_where_the_skin_ends_on_the_ground(rolling: Path) -> None:

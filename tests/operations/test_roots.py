@@ -14,7 +14,7 @@ import numpy as np
 import pygltflib
 import pytest
 from crowds import crowd
-from gltf_files import glb_bytes, glb_parts
+from gltf_files import glb_bytes, glb_parts, standing_along_z
 from morphs import arm_usd
 from pairs import pair
 from places import SAMPLES, first
@@ -184,6 +184,26 @@ def test_motion_over_the_ground_goes_to_the_root(rooted: Path, tmp_path: Path) -
     assert np.ptp(places(rigtri.read(still), "hips")[:, [0, 2]], axis=0).max() < 1e-4
     cli("root-motion", out, "-o", still, "--overwrite", "--mode", "remove", "--clip", clip.name, code=0)
     assert np.ptp(places(rigtri.read(still), "hips")[:, [0, 2]], axis=0).max() < 1e-4, "the root's own, too"
+
+
+def test_the_ground_is_below_a_body_that_stands_on_another_up_axis(tmp_path: Path) -> None:
+    """As a tool with z up writes bodies: the root gets the way over that ground, and no height."""
+    lying, rooted = tmp_path / "lying.glb", tmp_path / "rooted.glb"
+    lying.write_bytes(standing_along_z(SAMPLES / "biped.glb"))
+    cli("add-root", lying, "-o", rooted, code=0)
+    rig = rigtri.read(rooted)
+    hips, clip = rig.find("hips"), rig.clips[0]
+    assert rig.world[rig.find("root"), 3, 2] == pytest.approx(0.0, abs=1e-6)
+    assert np.allclose(rig.world[rig.find("root"), 3, :2], rig.world[hips, 3, :2], atol=1e-6)
+    (track,) = (t for t in clip.tracks if t.node == hips and t.path == "translation")
+    over = np.linspace(0, 1, len(track.times))[:, np.newaxis] * np.array([0.0, -100.0, 7.0])
+    walks = track.having(track.values + over)
+    moved = rigtri.root_motion(rigtri_with(rig, tuple(walks if t is track else t for t in clip.tracks)))
+    way = places(moved, "root")
+    assert way[-1, 1] - way[0, 1] < -90
+    assert np.ptp(way[:, 2]) < 1e-6
+    with pytest.raises(UsageError, match="this is up"):
+        rigtri.root_motion(rig, axis="z")
 
 
 def test_a_joint_that_carries_the_hips_gives_its_motion_to_the_root(rooted: Path, tmp_path: Path) -> None:
