@@ -392,6 +392,20 @@ def test_a_crate_that_lists_a_prim_that_is_not_in_it_is_refused(tmp_path: Path) 
     assert re.search(r"below </> it lists a prim '.*' and has none", error_of(tmp_path / "odd.usdc"))
 
 
+def test_a_crate_that_lists_a_property_that_is_not_in_it_is_refused(tmp_path: Path) -> None:
+    """Before, it had one without a name, at which `verify` ended with a traceback."""
+    layer = Sdf.Layer.CreateNew(str(tmp_path / "odd.usdc"))
+    prim = Sdf.PrimSpec(layer, "Root", Sdf.SpecifierDef)
+    for name in ("x", "y"):
+        Sdf.AttributeSpec(prim, name, Sdf.ValueTypeNames.Token)
+    layer.Save()
+    content = bytearray((tmp_path / "odd.usdc").read_bytes())
+    at = content.rindex(struct.pack("<Q", 2), 0, 200) + 8  # the tokens of both names, behind their number
+    content[at] -= 1
+    (tmp_path / "odd.usdc").write_bytes(content)
+    assert re.search(r"below </Root> it lists a property '.*' and has none", error_of(tmp_path / "odd.usdc"))
+
+
 def test_a_crate_whose_sample_times_are_not_in_order_is_refused(tmp_path: Path) -> None:
     """OpenUSD lists all of them, and finds no value at some."""
     content = bytearray(crate(tmp_path))

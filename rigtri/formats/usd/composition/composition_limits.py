@@ -196,13 +196,7 @@ class _Count:
             if spec is None:
                 continue
             content.there = True
-            for name, child in spec.nameChildren.items():
-                if child is None:  # where pxr looks for it all the same, the process dies
-                    raise FileError(
-                        f"{layer.identifier}: below <{path}> it lists a prim '{name}' and has none, so the "
-                        "file is damaged. Export it again"
-                    )
-                content.children[name] = None
+            content.children |= dict.fromkeys(spec.nameChildren.keys())
             if path.IsAbsoluteRootPath():
                 continue
             content.arcs += self._arcs(spec, layer, number)

@@ -17,7 +17,7 @@ from typing import TypeVar
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.crate import lz4
+from rigtri.formats.usd.crate import children, lz4
 
 MAGIC = b"PXR-USDC"
 _BOOTSTRAP = struct.Struct("<8s8Bq")
@@ -74,21 +74,24 @@ class _Crate:
             raise ValueError("it is cut off in its first bytes")
         _, *numbers = _BOOTSTRAP.unpack_from(content)
         self.version = (numbers[0], numbers[1], numbers[2])
-        self.default = -1  # which token names the value of an attribute
         self.sections = self._table_of_contents(numbers[8])
 
     def check(self) -> None:
         if self.version < _OLDEST:
             return
-        tokens = self._section("TOKENS", self._tokens) or 0
+        texts = self._section("TOKENS", self._tokens) or []
+        tokens = len(texts)
         strings = self._section("STRINGS", self._strings)
         if strings is not None:
             _below(strings, tokens, "string")
         known = 0 if strings is None else len(strings)
-        fields = self._section("FIELDS", lambda at, end: self._fields(at, end, tokens, known)) or 0
-        sets = self._section("FIELDSETS", lambda at, end: self._field_sets(at, end, fields))
-        paths = self._section("PATHS", lambda at, end: self._paths(at, end, tokens)) or 0
-        self._section("SPECS", lambda at, end: self._specs(at, end, paths, sets))
+        fields = self._section("FIELDS", lambda at, end: self._fields(at, end, texts, known))
+        count = 0 if fields is None else len(fields.names)
+        sets = self._section("FIELDSETS", lambda at, end: self._field_sets(at, end, count))
+        most, paths = self._section("PATHS", lambda at, end: self._paths(at, end, tokens)) or (0, None)
+        specs = self._section("SPECS", lambda at, end: self._specs(at, end, most, sets))
+        if fields is not None and paths is not None and specs is not None:
+            children.check(self.content, paths, fields, specs)
 
     def _table_of_contents(self, at: int) -> dict[str, tuple[int, int]]:
         size = len(self.content)
@@ -118,8 +121,8 @@ class _Crate:
     def _number(self, at: int) -> int:
         return int(struct.unpack_from("<Q", self.content, at)[0])
 
-    def _tokens(self, at: int, end: int) -> int:
-        """The number of tokens, every one of which is there."""
+    def _tokens(self, at: int, end: int) -> list[bytes]:
+        """The tokens, every one of which is there."""
         count, size = self._number(at), self._number(at + 8)
         packed = self._slice(at + 24, self._number(at + 16), end)
         if size > lz4.MOST * len(packed) + 16:
@@ -129,26 +132,25 @@ class _Crate:
             raise ValueError("it is shorter than it claims")
         if text.count(0) != count or (text and text[-1]):
             raise ValueError(f"it claims {count} tokens and has {text.count(0)}")
-        at = (b"\0" + text).find(b"\0default\0")
-        self.default = text.count(0, 0, at) if at >= 0 else -1
-        return count
+        return text.split(b"\0")[:-1]
 
     def _strings(self, at: int, end: int) -> Integers:
         count = self._number(at)
         return np.frombuffer(self._slice(at + 8, 4 * count, end), dtype="<u4").astype(np.int64)
 
-    def _fields(self, at: int, end: int, tokens: int, strings: int) -> int:
+    def _fields(self, at: int, end: int, tokens: list[bytes], strings: int) -> children.Fields:
         count, at = self._count(at, end)
         names, at = self._integers(at, end, count)
-        _below(names, tokens, "name")
+        _below(names, len(tokens), "name")
         packed = self._slice(at + 8, self._number(at), end)
         values = lz4.unpacked(bytes(packed), 8 * count) if count else b""
         if len(values) != 8 * count:
             raise ValueError("it has fewer values than it claims")
         words = np.frombuffer(values, dtype="<u8")
-        _check_kinds(words[names == self.default])
-        _check_values(self.content, words, self.version, tokens, strings)
-        return count
+        if b"default" in tokens:  # the value of an attribute
+            _check_kinds(words[names == tokens.index(b"default")])
+        _check_values(self.content, words, self.version, len(tokens), strings)
+        return children.Fields(names, words, tokens)
 
     def _field_sets(self, at: int, end: int, fields: int) -> Integers:
         count, at = self._count(at, end)
@@ -158,7 +160,8 @@ class _Crate:
             raise ValueError("its last set does not end")
         return sets
 
-    def _paths(self, at: int, end: int, tokens: int) -> int:
+    def _paths(self, at: int, end: int, tokens: int) -> tuple[int, children.Paths]:
+        """How many paths there are, and their tree."""
         most, at = self._count(at, end)
         count, at = self._count(at, end)
         indices, at = self._integers(at, end, count)
@@ -166,10 +169,9 @@ class _Crate:
         jumps, at = self._integers(at, end, count)
         _below(indices, most, "path")
         _below(np.abs(_signed(names)), tokens, "name")
-        _check_tree(_signed(jumps))
-        return most
+        return most, children.Paths(children.parents_of(_signed(jumps)), _signed(names), indices)
 
-    def _specs(self, at: int, end: int, paths: int, sets: Integers | None) -> None:
+    def _specs(self, at: int, end: int, paths: int, sets: Integers | None) -> children.Specs:
         count, at = self._count(at, end)
         places, at = self._integers(at, end, count)
         fields, at = self._integers(at, end, count)
@@ -183,6 +185,7 @@ class _Crate:
             raise ValueError("a set of fields starts within another")
         if not ((kinds > 0) & (kinds < _KINDS_OF_SPEC)).all():
             raise ValueError("a spec is of no known kind")
+        return children.Specs(places, fields, kinds, sets)
 
     def _count(self, at: int, end: int) -> tuple[int, int]:
         """A number of packed integers, which can be that many, and where they start."""
@@ -237,21 +240,6 @@ def _signed(values: Integers) -> Integers:
 def _below(values: Integers, limit: int, what: str) -> None:
     if len(values) and int(values.max()) >= limit:
         raise ValueError(f"it names {what} {int(values.max())} of {limit}")
-
-
-def _check_tree(jumps: Integers) -> None:
-    """Each path is reached once: -2 a leaf, -1 only a child, 0 only a sibling, n both, the sibling n on."""
-    waiting: list[int] = []
-    last = len(jumps) - 1
-    for place, jump in enumerate(jumps.tolist()):
-        if jump < -2 or jump > last - place or jump == 1:
-            raise ValueError("its tree of paths is broken")
-        if jump > 0:
-            waiting.append(place + jump)
-        elif jump == -2 and place < last and (not waiting or waiting.pop() != place + 1):
-            raise ValueError("its tree of paths is broken")
-        if place == last and (jump != -2 or waiting):
-            raise ValueError("its tree of paths does not end")
 
 
 def _check_values(
