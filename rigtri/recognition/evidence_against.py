@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rigtri.recognition.arms_legs import AGREED, Found
+from rigtri.recognition.arms_on_the_ground import arm_as_front_leg, arm_below_a_lying_trunk, arm_on_the_ground
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.guessed_hierarchy import (
     called_end,
@@ -15,7 +16,6 @@ from rigtri.recognition.guessed_hierarchy import (
     lost_third,
     lower_elsewhere,
     miscounted,
-    named_twice,
     numbers_in,
     out_of_order,
     small_part,
@@ -35,12 +35,11 @@ from rigtri.recognition.inanimate import (
 from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.names_of_several import named_twice, one_of_several
 from rigtri.recognition.naming_schemes import limb_kind_in_name, roles_in_name
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
-    arm_as_front_leg,
     arm_as_leg,
-    arm_on_the_ground,
     folded,
     goes_on,
     later_start,
@@ -206,17 +205,6 @@ def _counted(draft: Draft, each: Found) -> str:
     return f"its joints are counted on to {_title(draft, more[0])}, and any three may bend" if more else ""
 
 
-def _one_of_several(draft: Draft, each: Found) -> str:
-    """A limb without a side where joints of other branches have its names but for their numbers."""
-    tree, middle = draft.tree, each.joints[1]
-    plain = parse_name(tree.rig.names[middle]).plain
-    if each.side or not plain:
-        return ""
-    others = (k for k in tree.nodes if parse_name(tree.rig.names[k]).plain == plain)
-    away = [k for k in others if not tree.is_below(k, each.joints[0])]
-    return f"{_title(draft, away[0])} may be its middle as well" if away else ""
-
-
 def _twin(each: Found, found: Sequence[Found]) -> Found | None:
     """The limb of the other side that bends, too."""
     sides, bent = {"left", "right"}, (k for k in found if k.kind == each.kind and len(k.joints) == 3)
@@ -366,8 +354,9 @@ _OF_NAMES = (
     *_alone(_unnamed_between),
     called_end,
     _unlike_twin,
-    *_alone(_counted, _one_of_several, split_bone),
+    *_alone(_counted, one_of_several, split_bone),
     named_twice,
+    arm_below_a_lying_trunk,
 )
 _OF_SHAPES = (
     upside_down,

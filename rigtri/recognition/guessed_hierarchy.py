@@ -12,8 +12,9 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import BY_LEGS
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_words import NO_WORDS, LimbWords, in_order, other_words
+from rigtri.recognition.limb_words import NO_WORDS, in_order, other_words
 from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.names_of_several import alike
 from rigtri.recognition.naming_schemes import roles_in_name
 
 # What is so long a part of an upper bone, and further beside it than this part of its own length, may be
@@ -83,24 +84,6 @@ def _called_so(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     return ""
 
 
-def named_twice(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """A limb by names whose joints are not below each other, where another is called as its start is."""
-    rig, (start, middle, end) = draft.tree.rig, each.joints
-    own, side = draft.words.get(start, NO_WORDS), parse_name(rig.names[start]).side
-    if own.levels != {"upper": 1.0} or (rig.is_below(middle, start) and rig.is_below(end, middle)):
-        return ""
-    taken = {joint for limb in found for joint in limb.joints}
-    for node in (k for k in draft.tree.nodes if k not in taken and not roles_in_name(rig.names[k])):
-        if _alike(own, draft.words.get(node, NO_WORDS)) and parse_name(rig.names[node]).side == side:
-            return f"'{rig.title(node)}' may be its start as well as '{rig.title(start)}'"
-    return ""
-
-
-def _alike(one: LimbWords, other: LimbWords) -> bool:
-    """Whether names call two joints by the same words of a limb."""
-    return (one.levels, one.kind, one.place) == (other.levels, other.kind, other.place)
-
-
 def start_beside(draft: Draft, each: Found) -> str:
     """A limb of the shape beside whose start another joint stands alone, at the distance of a bone."""
     tree, (start, middle, _) = draft.tree, each.joints
@@ -165,7 +148,7 @@ def _called_upper(draft: Draft, each: Found) -> str:
     for joint in (k for k in each.joints if not _HELPS.isdisjoint(roles_in_name(names[k]))):
         own, side = words.get(joint, NO_WORDS), parse_name(names[joint]).side
         for node in (k for k in draft.tree.nodes if k not in each.joints and not roles_in_name(names[k])):
-            if _alike(own, words.get(node, NO_WORDS)) and own.levels and side == parse_name(names[node]).side:
+            if alike(own, words.get(node, NO_WORDS)) and own.levels and side == parse_name(names[node]).side:
                 return (
                     f"'{draft.tree.rig.title(joint)}' is called as what helps '{draft.tree.rig.title(node)}'"
                 )

@@ -16,6 +16,7 @@ from rigtri.model.rig import Rig
 from rigtri.recognition.limb_words import AXES, limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import is_bone, is_segment, roles_in_name
+from rigtri.text import is_number
 
 # A path longer than this is not a limb: what comes after is of no interest, and paths stay short.
 _LONGEST = 15
@@ -248,7 +249,7 @@ def segments_of(tree: Tree) -> frozenset[int]:
         over = tree.above[node]
         while over in found:
             over = tree.above[over]
-        if over >= 0 and (_held(names[node]) in called or _is_empty(tree, node)):
+        if over >= 0 and (_held(names[node]) in called or _is_empty(tree, node) or _holds_below(tree, node)):
             found.add(node)
             continue
         if over < 0 or len(tree.below[node]) > 1 or not is_segment(names[node], names[over]):
@@ -267,6 +268,21 @@ def _is_empty(tree: Tree, node: int) -> bool:
     """Whether a joint is called a group and stands where the one above does, so that it is no bone."""
     group = not HOLDERS.isdisjoint(parse_name(tree.rig.names[node]).words)
     return group and bool(tree.below[node]) and tree.bone[node] <= _SAME_POSITION * tree.span
+
+
+def _holds_below(tree: Tree, node: int) -> bool:
+    """Whether a joint is called to hold the one below it, in whose place it stands, but for numbers.
+
+    Exporters number all nodes: ``lowerarm_l_offset_100`` holds ``lowerarm_l_101``.
+    """
+    held = _held(tree.rig.names[node])
+    near = [k for k in tree.below[node] if held and tree.bone[k] <= _SAME_POSITION * tree.span]
+    below = [parse_name(tree.rig.names[k]) for k in near]
+    return held is not None and (held[0], _letters(held[1])) in [(k.side, _letters(k.kept)) for k in below]
+
+
+def _letters(words: Sequence[str]) -> list[str]:
+    return [word for word in words if not is_number(word)]
 
 
 def _held(name: str) -> tuple[str, tuple[str, ...]] | None:

@@ -133,7 +133,8 @@ def triple_of(
         if quality == 0.0 or any(_are_axes(words, at) for words in words_of):
             continue  # a joint between bends, a bone has no length, or is between axes of one joint
         quality -= _LED if at[0] < first else 0.0
-        quality -= _LED if kind == "leg" and at[0] > first and now[at[0]] > STRAIGHT else 0.0
+        led = fsum(bones[first + 1 : at[0] + 1]) > SAME_PLACE * fsum(bones[at[0] + 1 : at[2] + 1])  # no group
+        quality -= _LED if kind == "leg" and led and now[at[0]] > STRAIGHT else 0.0
         quality -= _HANDLESS if fingers >= HAND and at[2] < len(path) - 1 and kind != "leg" else 0.0
         named = fsum([agreement(levels, at) for levels in levels_of]) / max(1, len(levels_of))
         if towards is not None:
@@ -215,8 +216,13 @@ def first_bend(tree: Tree, path: Sequence[int], at: Sequence[int], lateral: Vect
 
 
 def _cosines(tree: Tree, path: Sequence[int]) -> list[float]:
-    """The cosine of the bend at each joint of a path; 1 at both ends, and beside a bone without length."""
+    """The cosine of the bend at each joint of a path; 1 at both ends, and above a bone without length.
+
+    Of joints in one place, a group and what it holds, the bend is that of the last.
+    """
     along = [(tree.at[b] - tree.at[a]).unit for a, b in pairwise(path)]
+    for k, bone in enumerate(along):
+        along[k] = bone if any(bone) or k == 0 else along[k - 1]
     inner = [a.dot(b) if any(a) and any(b) else 1.0 for a, b in pairwise(along)]
     return [1.0, *inner, 1.0]
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.model.dataclass import dataclass
-from rigtri.model.joint_names import SIDES, Side, spread, words
+from rigtri.model.joint_names import SIDES, Side, side_of_words, spread, words
 from rigtri.recognition.layout import LimbKind
 from rigtri.recognition.word_tables import our_table
 from rigtri.text import is_number
@@ -45,11 +45,11 @@ class LimbWords:
     """levels: the places along a limb that a name may mean, with how far it says so, 0 to 1; none for a
     name without such words. kind: the limb that its words are of, "" where they do not say or disagree.
     place: ``front`` or ``hind``, where it says one. corner: the side of an arm or leg that says it and its
-    place in two letters, ``leg_FL``. plain: of vague words alone, the name without its
-    number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb. bends: a knee or
-    an elbow. animal: of one. alive: a word that no furniture has, as ``thigh`` is. trunk: it is of the trunk
-    or the head, and so of no limb (`name_readings.limb_names` says so). joint: of a name that says an axis,
-    ``hip_pitch``, the words without it, which all axes of one joint have."""
+    place in two letters, ``leg_FL``, where no other word says another. plain: of vague words alone, the name
+    without its number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb.
+    bends: a knee or an elbow. animal: of one. alive: a word that no furniture has, as ``thigh`` is. trunk: it
+    is of the trunk or the head, and so of no limb (`name_readings.limb_names` says so). joint: of a name that
+    says an axis, ``hip_pitch``, the words without it, which all axes of one joint have."""
 
     levels: Mapping[Level, float]
     kind: LimbKind | Literal[""]
@@ -108,6 +108,8 @@ def limb_words(name: str) -> LimbWords:
     alive = animal or any(word in table.kinds and word not in _FURNITURE for word in found)
     sides = {table.corners[word] for word in found if word in table.corners}
     corner: Side = sides.pop() if len(sides) == 1 and (kind or levels_of_words) else ""
+    said = side_of_words(word for word in found if word not in table.corners)
+    corner = "" if said and said != corner else corner  # ``frElbow_L`` is a front elbow on the left
     if not levels_of_words:
         return LimbWords({}, kind, place, animal=animal, corner=corner, alive=alive)
     common = frozenset[Level].intersection(*levels_of_words)

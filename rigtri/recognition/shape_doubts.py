@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import inf
+from math import fsum, inf
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
@@ -15,7 +15,7 @@ from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_ends import HAND, branches
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_triples import begin_as_one, beside, within_upper
+from rigtri.recognition.limb_triples import SAME_PLACE, begin_as_one, beside, within_upper
 from rigtri.recognition.limb_words import NO_WORDS, Level
 from rigtri.recognition.naming_schemes import roles_in_name
 
@@ -43,7 +43,7 @@ _SIMILAR = 0.15
 # Bones of a longer chain that are less like those of a limb than this.
 _NO_LIMB = 0.25
 # Front and hind legs end as low as each other up to this part of a leg.
-_LOW = 0.2
+ENDS_LOW = 0.2
 # A bone that is so small a part of the next one is hardly any.
 _HARDLY_ANY = 0.2
 # Ankles and most hocks stand lower than this part of the height of the hips; and legs bend at them by more
@@ -115,31 +115,6 @@ def _leads_up(draft: Draft, node: int) -> bool:
     if above < 0 or not draft.poses.moves_points(above):
         return False
     return (draft.tree.at[node] - draft.tree.at[above]).dot(draft.up) > 0.0
-
-
-def arm_as_front_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """Arms on the ground, below another pair of arms: names of bones are those of front legs, too."""
-    body, mine = draft.shape.body, each.pair
-    if each.kind != "arm" or mine is None or body is None or body.legs is None or mine is body.legs:
-        return ""
-    at, up = draft.tree.at, draft.up
-    over = any(
-        k.kind == "arm" and k.pair is not mine and at[k.joints[0]].dot(up) > mine.starts.dot(up)
-        for k in found
-    )
-    high = abs(lowest(draft.tree, mine, up) - lowest(draft.tree, body.legs, up))
-    return "it ends as low as the legs, below other arms" if over and high < _LOW * body.legs.size else ""
-
-
-def arm_on_the_ground(draft: Draft, each: Found) -> str:
-    """Arms without names or hands that end as low as the legs: front legs, of an animal that sits."""
-    body, mine = draft.shape.body, each.pair
-    if each.kind != "arm" or mine is None or mine.kind or mine.fingers >= 2:
-        return ""
-    if body is None or body.legs is None or mine is not body.arms:
-        return ""
-    high = lowest(draft.tree, mine, body.up) - lowest(draft.tree, body.legs, body.up)
-    return "it ends as low as the legs, as front legs do" if high < _LOW * mine.size else ""
 
 
 def folded(draft: Draft, each: Found) -> str:
@@ -227,13 +202,14 @@ def later_start(draft: Draft, each: Found) -> str:
     mine, body = each.pair, draft.shape.body
     if each.kind != "leg" or mine is None or body is None or mine.named > 0.0:
         return ""
-    node = within_upper(draft.tree, mine.pair.paths[0], mine.at) if mine.at[0] == 0 else -1
+    path, start = mine.pair.paths[0], mine.at[0]
+    led = fsum(draft.tree.bone[k] for k in path[1 : start + 1]) > SAME_PLACE * mine.size
+    node = within_upper(draft.tree, path, mine.at) if not led else -1
     if body.form == "quadruped" and mine is body.arms and node >= 0:
         inner = draft.tree.rig.title(node)
         return f"'{inner}' in its upper bone may be where it begins, below a shoulder blade"
     if body.form != "biped":
         return ""
-    path, start = mine.pair.paths[0], mine.at[0]
     first = 1 if start > 1 and begin_as_one(draft.tree, mine.pair.paths) else -1
     if first < 0 and start > 0 and _leads_on(draft.tree, [path[k] for k in (start - 1, *mine.at[:2])]):
         first = start - 1
@@ -356,7 +332,7 @@ def _stands_below_its_blade(tree: Tree, body: Body | None, arms: Limbs) -> bool:
     legs = body.legs if body is not None else None
     if body is None or legs is None or arms.at[0] != 1 or not begin_as_one(tree, arms.pair.paths):
         return False
-    return abs(lowest(tree, arms, body.up) - lowest(tree, legs, body.up)) < _LOW * legs.size
+    return abs(lowest(tree, arms, body.up) - lowest(tree, legs, body.up)) < ENDS_LOW * legs.size
 
 
 def _moves_a_foot(draft: Draft, mine: Limbs) -> bool:

@@ -21,6 +21,8 @@ _SIMILAR_LENGTH = 0.25
 _LIKE, _LEADS = 0.25, 3.0 * TIE
 # How Blender numbers the further parts of a bone that was split.
 _PART = re.compile(r"(.+)\.\d{3}")
+# And how that is written in USD, which has no dots in names.
+_NUMBER = re.compile(r"[._]\d{3}")
 
 
 def split_bone(draft: Draft, each: Found) -> str:
@@ -32,6 +34,10 @@ def split_bone(draft: Draft, each: Found) -> str:
     tree, names = draft.tree, draft.tree.rig.names
     if _is_counted_on(draft, each):
         return ""
+    start, middle, end = each.joints
+    piece = _NUMBER.fullmatch(names[middle].removeprefix(names[start]))
+    if piece and not tree.rig.is_below(end, middle):
+        return f"'{tree.rig.title(middle)}' may be a part of its upper bone, as nothing of it follows there"
     for joint, bone in zip(each.joints, ("upper", "lower"), strict=False):
         part, whole = tree.above[joint], _whole(names[joint])
         if part >= 0 and (_is_twist_of(draft, part, joint) or _is_part(draft, joint)):

@@ -187,14 +187,15 @@ def test_two_hands_that_are_bent_alike_count_with_their_mean_bend() -> None:
         assert mean_of_pair(curls) == curls
 
 
-def test_bends_of_a_path_are_cosines_and_none_at_ends_or_beside_bones_without_length() -> None:
+def test_bends_of_a_path_are_cosines_and_none_at_ends_or_above_bones_without_length() -> None:
     tree: Any = SimpleNamespace(
         at=[Vector(5, 1, 0), Vector(6, 1, 0), Vector(6, 3, 0), Vector(6, 3, 0), Vector(5, 3, 0)]
     )
     assert _cosines(tree, [0, 1, 2]) == [1.0, 0.0, 1.0]
     assert _cosines(tree, [0, 1]) == [1.0, 1.0]
     assert _cosines(tree, [0, 1, 4]) == [1.0, pytest.approx(-(5.0**-0.5)), 1.0]
-    assert _cosines(tree, [1, 2, 3, 4]) == [1.0, 1.0, 1.0, 1.0]
+    assert _cosines(tree, [1, 2, 3, 4]) == [1.0, 1.0, 0.0, 1.0]
+    assert _cosines(tree, [2, 3, 4]) == [1.0, 1.0, 1.0]
 
 
 @pytest.mark.parametrize(

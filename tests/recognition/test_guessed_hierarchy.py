@@ -15,9 +15,10 @@ from rigtri.recognition import front_or_hind
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
-from rigtri.recognition.guessed_hierarchy import lost_third, lower_elsewhere, named_twice, start_beside
+from rigtri.recognition.guessed_hierarchy import lost_third, lower_elsewhere, start_beside
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_words import limb_words
+from rigtri.recognition.names_of_several import named_twice
 from rigtri.recognition.recognise import recognise
 
 
