@@ -28,13 +28,16 @@ def arm_as_front_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
 
 
 def arm_below_a_lying_trunk(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """Arms by names alone that end as low as legs, below a trunk that lies.
+    """Arms by names alone that end as low as legs, below a trunk that lies, and have no thumb.
 
     Tools for people give front legs of animals the names of arms, and a file without a hierarchy no shape.
     """
     legs = [k for k in found if k.kind == "leg" and k.side and len(k.joints) == 3]
     if each.kind != "arm" or AGREED in each.evidence or not legs:
         return ""
+    body = draft.shape.body
+    if body is not None and body.arms is not None and body.arms.thumb:
+        return ""  # hands, of who is on all fours
     at, up = draft.tree.at, draft.up
     for leg in legs:
         (start, middle, end), first = leg.joints, at[each.joints[0]]

@@ -41,7 +41,12 @@ def drafted(joints: Sequence[Joint], **known: Any) -> Any:
     own = known.pop("own", False)
     tree = Tree(rig, list(range(len(rig))), rig.world[:, 3, :3], list(rig.parents) if own else None)
     words = {node: limb_words(name) for node, name in enumerate(rig.names)}
-    base = {"segments": frozenset[int](), "reading": None, "up": Vector(0.0, 1.0, 0.0)}
+    base = {
+        "shape": SimpleNamespace(body=None),
+        "segments": frozenset[int](),
+        "reading": None,
+        "up": Vector(0.0, 1.0, 0.0),
+    }
     return SimpleNamespace(tree=tree, words=words, **{**base, **known})
 
 
