@@ -179,5 +179,6 @@ def _along_arcs(op: Any, time: float) -> Any:
 
 def _unevenness(op: Any) -> float:
     """How far OpenUSD plays an orient op beside its arcs, in radians."""
-    rows = np.stack([value_numbers(op.Get(time)) for time in op.GetTimeSamples()])
-    return unevenness(make_continuous(unit(rows))) if np.isfinite(rows).all() else 0.0
+    values = (op.Get(time) for time in op.GetTimeSamples())
+    rows = np.array([value_numbers(value) for value in values if value is not None])  # the others are blocked
+    return unevenness(make_continuous(unit(rows))) if len(rows) and np.isfinite(rows).all() else 0.0

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom
 
 import rigtri
 from rigtri.evaluation.sampling import Motion, worlds
@@ -80,3 +80,20 @@ def test_rotations_that_openusd_plays_unevenly_go_along_arcs_and_are_listed(
     there = worlds(rig, Motion(rig, rig.clips[0]).locals_at(np.array([0.25, 1.75])))[:, rig.find("moved")]
     angles = np.degrees(np.arctan2(there[:, 2, 0], there[:, 2, 2]))
     assert angles == pytest.approx([0.25 * degrees, 1.75 * degrees], abs=1e-5)
+
+
+def test_a_blocked_sample_of_an_orient_op_is_no_rotation(tmp_path: Path) -> None:
+    """Before, a traceback."""
+    stage, moved = _stage(tmp_path / "in.usda")
+    op = moved.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
+    for code in (0, 24, 48):
+        op.Set(Gf.Rotation(Gf.Vec3d(0, 1, 0), 10.0 + code).GetQuat(), code)
+    op.GetAttr().Set(Sdf.ValueBlock(), 24)
+    stage.Save()
+    outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-6
+    rig = rigtri.read(tmp_path / "out.glb")
+    there = worlds(rig, Motion(rig, rig.clips[0]).locals_at(np.array([0.0, 1.5])))[:, rig.find("moved")]
+    angles = np.degrees(np.arctan2(there[:, 2, 0], there[:, 2, 2]))
+    assert angles == pytest.approx([10.0, 0.0], abs=1e-5)
