@@ -151,12 +151,19 @@ class _Ground:
 
     @cached_property
     def size(self) -> float:
-        """The diagonal of the box of the points at rest."""
+        """The diagonal of the box of the points at rest; 1 where all are in one place, to rounding."""
         points = np.concatenate(self.points)
         points = points[np.isfinite(points).all(axis=1)]
         if not len(points):
             raise GeometryError(f"No point of mesh '{self.name}' has a finite position at rest")
-        return float(length(points.max(axis=0) - points.min(axis=0))) or 1.0
+        diagonal = float(length(points.max(axis=0) - points.min(axis=0)))
+        skins = {mesh.skin for mesh in self.meshes if mesh.skin is not None}
+        joints = [self.rig.world[self.rig.skins[skin].joints, 3, :3] for skin in skins]
+        # Files hold points, and where the joints stand that carry them, as float32.
+        rounding = float(np.finfo(np.float32).eps) * max(
+            float(np.abs(p).max(initial=0.0)) for p in [points, *joints]
+        )
+        return diagonal if diagonal > rounding else 1.0
 
     def seats(self, options: AddRivetOptions) -> list[_Seat]:
         middle = (1.0 / 3, 1.0 / 3, 1.0 / 3)
