@@ -105,6 +105,8 @@ def _role(body: _Body, node: int) -> tuple[Role, float, list[str]]:
         bone = int(rig.parents[bone])
     if node in draft.segments and bone in chains and chains[bone].kind in ("arm", "leg"):
         return "twist", 0.8, ["its name says that it is a part of the bone above"]
+    if rig.attachment[node] >= 0 and node not in draft.tree.below and not rig.is_joint.any():
+        return "attachment", 0.9, ["the mesh of the node above"]
     if not rig.is_joint[node] and rig.is_joint.any():
         if rig.attachment[node] >= 0 or rig.children[node]:
             return "attachment", 0.9, ["not a joint of a skin but a child of one"]

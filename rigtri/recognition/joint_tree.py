@@ -184,13 +184,26 @@ def joints_of(rig: Rig) -> list[int]:
     """The nodes that a body can be made of: joints, not ours, and bones above them; else all."""
     joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.own]
     if not joints:
-        return [k for k in range(len(rig)) if k not in rig.own and k not in rig.rules.data_nodes]
+        apart = rig.own | rig.rules.data_nodes | _shapes_of_parents(rig)
+        return [k for k in range(len(rig)) if k not in apart]
     inside = set(joints)
     for node, below in _branches(rig, joints).items():
         if node not in rig.holders and _may_be_bone(rig, node, below, inside):
             inside.add(node)
     lost = _unplaced_joints(rig)
     return sorted(inside - lost if len(lost) < len(inside) // 2 else inside)
+
+
+def _shapes_of_parents(rig: Rig) -> frozenset[int]:
+    """Nodes that hold the mesh of the node above, which shows none: without children, in its place."""
+    shapes = [
+        k for k in np.flatnonzero(rig.attachment >= 0).tolist() if not rig.children[k] and rig.parents[k] >= 0
+    ]
+    shapes = [k for k in shapes if rig.attachment[rig.parents[k]] < 0]
+    places = rig.world[:, 3, :3]
+    span = float(np.abs(places - places.mean(axis=0)).max()) if len(rig) else 0.0
+    near = [k for k in shapes if float(length(places[k] - places[rig.parents[k]])) <= _SAME_POSITION * span]
+    return frozenset(near) | (_unplaced_joints(rig) & frozenset(shapes))
 
 
 def _branches(rig: Rig, joints: Sequence[int]) -> dict[int, list[int]]:

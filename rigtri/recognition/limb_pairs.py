@@ -118,7 +118,7 @@ def _kind_of(limbs: Limbs, words: Sequence[LimbWords], poses: Poses) -> LimbKind
     kinds: set[LimbKind] = {word.kind for word in words if word.kind}
     kind = kinds.pop() if len(kinds) == 1 else ""
     for *bones, end in (limbs.joints(0), limbs.joints(1)):
-        armed = kind and len(bones) == 2 and poses.moves_points(end)
+        armed = kind and len(bones) == 2 and poses.moves_anything(end)
         roles = {role for joint in bones for role in poses.roles_of(joint)}
         roles |= {role for role in poses.roles_of(end) if not (armed and role == "attachment")}
         if NO_LIMB & roles:

@@ -154,6 +154,12 @@ class Poses:
         """Whether a joint has weight of any point. It reads the weights of all meshes when first called."""
         return bool(self._moving[node])
 
+    def moves_anything(self, node: int) -> bool:
+        """Whether a joint moves points, or in a file without skins shows a mesh, itself or by a child."""
+        if self.rig.skins:
+            return self.moves_points(node)
+        return any(self.rig.attachment[k] >= 0 for k in (node, *self.rig.children[node]))
+
     @property
     def has_weights(self) -> bool:
         """Whether any joint moves points: a skeleton alone, as for motion, has no skin."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from recognition_bodies.skeletons import (
     ARM,
@@ -17,6 +20,8 @@ from recognition_bodies.skeletons import (
     rig_with,
 )
 
+from rigtri import orient_joints
+from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
 
 
@@ -149,3 +154,56 @@ def test_joints_in_the_middle_of_chains_are_no_middle_fingers() -> None:
     rails = line("rail.L rail_mid.L rail_end.L", "deck", (0.3, 1.2, -0.3), (0.3, 1.6, -0.3), (0.3, 1.6, 0.3))
     layout = recognise(rig_with([("deck", "", (0, 1, 0)), *both([*legs, *rails])]))
     assert [chain.name for chain in layout.chains if chain.is_sure] == []
+
+
+_SIDES = (("L", 1.0), ("R", -1.0))
+# A machine of rigid parts, which looks along +z.
+_MACHINE: list[Joint] = [
+    ("Pelvis", "", (0, 1.6, 0)),
+    ("Torso", "Pelvis", (0, 1.8, 0)),
+    ("Cockpit", "Torso", (0, 2.6, 0.1)),
+    *(
+        joint
+        for s, x in _SIDES
+        for joint in (
+            (f"Hip_{s}", "Pelvis", (0.35 * x, 1.6, 0)),
+            (f"Knee_{s}", f"Hip_{s}", (0.4 * x, 0.95, 0.15)),
+            (f"Ankle_{s}", f"Knee_{s}", (0.4 * x, 0.2, -0.1)),
+            (f"Shoulder_{s}", "Torso", (0.55 * x, 2.4, 0)),
+            (f"Elbow_{s}", f"Shoulder_{s}", (0.75 * x, 1.9, -0.05)),
+            (f"Gun_{s}", f"Elbow_{s}", (0.75 * x, 1.8, 0.45)),
+        )
+    ),
+]
+
+
+def _of_rigid_parts(*, meshes_apart: bool) -> Rig:
+    """The machine without a skin: its nodes show meshes, or each has a child that does."""
+    parts = [(f"{name}_geo", name, place) for name, _, place in _MACHINE] if meshes_apart else []
+    rig = rig_with([*_MACHINE, *parts])
+    shows = [name.endswith("_geo") or not meshes_apart for name in rig.names]
+    return replace(rig, skins=(), attachment=np.where(shows, 0, -1))
+
+
+@pytest.mark.parametrize("meshes_apart", [False, True])
+def test_arms_of_rigid_parts_end_in_guns_and_meshes_are_no_limbs(*, meshes_apart: bool) -> None:
+    (machine,) = recognise(rig := _of_rigid_parts(meshes_apart=meshes_apart)).characters
+    found = {
+        f"{chain.side} {chain.kind}": tuple(rig.names[k] for k in chain.bend)
+        for chain in machine.limbs
+        if chain.is_sure
+    }
+    assert found == {
+        f"{side} {kind}": tuple(f"{name}_{side[0].upper()}" for name in names)
+        for side in ("left", "right")
+        for kind, names in (("leg", ("Hip", "Knee", "Ankle")), ("arm", ("Shoulder", "Elbow", "Gun")))
+    }
+    roles = {rig.names[part.joint]: part.role for part in machine.parts}
+    assert {role for name, role in roles.items() if name.endswith("_geo")} <= {"attachment"}
+
+
+def test_below_a_named_root_feet_of_rigid_parts_aim_ahead() -> None:
+    rig = orient_joints(_of_rigid_parts(meshes_apart=True), root="Pelvis")
+    ankle = rig.world[rig.find("Ankle_L"), :3, :3]
+    assert ankle[0] == pytest.approx([0, 0, 1], abs=1e-6)
+    assert ankle[1] == pytest.approx([1, 0, 0], abs=1e-6)

@@ -106,9 +106,9 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     ref = reference(tree, "nodes" if aligned else options.pose)
     styled = tuple((start, end) for start, end, _ in options.chain_styles)
     selection = replace(options.selection, chains=(*options.selection.chains, *styled))
-    everything = elsewhere or options.root is not None or bool(aligned)
+    literal = elsewhere or bool(aligned)
     characters: Sequence[Character] = ()
-    if not everything:
+    if not literal:
         characters = [k for k in recognise(rig).characters if k.gives_axes]
         tree = replace(tree, sockets=body_hinges.sockets(rig, characters))
     chains = [(k, chain) for k in characters for chain in k.sure_chains]
@@ -125,7 +125,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         ref,
         selection,
         aimed=aim_at,
-        all_named=everything,
+        all_named=literal or options.root is not None,
         hips=hips,
         heads=heads,
         whole=twists.union(bodily, beside),
@@ -133,7 +133,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     )
     styles = _styles(tree, options)
     limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)), flat=True)
-    bodies = None if everything else body_hinges.bodies(rig, characters, ref.world, options.facing)
+    bodies = None if literal else body_hinges.bodies(rig, characters, ref.world, options.facing)
     known = limb_children(tree, limbs)
     if not options.branch:  # a rule that the user names goes before what is known of a body
         known = trunk_children(tree, characters) | chain_children(tree, ref, characters) | beside | known
