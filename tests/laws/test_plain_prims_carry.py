@@ -17,8 +17,11 @@ from places import SAMPLES, slow
 from program import Ran, cli
 from pxr import Gf, Usd, UsdGeom
 
+from rigtri.evaluation.sampling import sample
 from rigtri.formats import ReadOptions, read
+from rigtri.formats.usd.reading.sampled_xforms import sampled_tracks
 from rigtri.frames.skeleton import skeleton
+from rigtri.maths.quaternions import to_axes
 
 SAME = 1e-5
 FRAMES = (0, 6, 12, 18, 24)
@@ -188,3 +191,30 @@ def test_plain_prims_of_another_file_are_said_to_give_keys_alone(tmp_path: Path)
     source = _save(tmp_path / "in.usda", "rotateXYZ", animated=False)
     ran = cli("bake", SAMPLES / "biped.usda", "-o", tmp_path / "out.usda", "--rig", source, code=3)
     assert "take-clips RIG --from EDITED --root PRIM" in ran.stderr
+
+
+def test_a_prim_that_turns_by_euler_angles_gets_no_keys_of_its_place(tmp_path: Path) -> None:
+    """Its rotation is sampled where it is on no arc. Before, what stood still had a key at each of these."""
+    source, built, baked = (tmp_path / f"{name}.usda" for name in ("in", "built", "baked"))
+    _save(source, "rotateXYZ", animated=True)
+    assert _run(THINGS["constraint"][0], source, "-o", built, *THINGS["constraint"][1:]).exit_code == 0
+    assert _run("bake", built, "-o", baked).exit_code == 0
+    stage = Usd.Stage.Open(str(baked))
+    place, turn = UsdGeom.Xformable(stage.GetPrimAtPath("/rig/hip/other")).GetOrderedXformOps()
+    assert (place.GetOpName(), place.GetNumTimeSamples()) == ("xformOp:translate", 1)
+    assert turn.GetNumTimeSamples() > len(FRAMES)
+
+
+def test_sampled_tracks_keep_the_keys_that_they_need_between_samples(tmp_path: Path) -> None:
+    """Up goes a prim on a line, and turns by angles about two axes: its place has the samples' keys."""
+    stage = Usd.Stage.Open(str(_save(tmp_path / "in.usda", "rotateXYZ", animated=True)))
+    prim = stage.GetPrimAtPath("/rig/hip/upper")
+    for time in FRAMES:
+        prim.GetAttribute("xformOp:translate").Set(Gf.Vec3d(0.2, 0.3 + time, 0), time)
+    place, turn = sampled_tracks(prim, 0, "LINEAR") or ()
+    assert place.times.tolist() == list(FRAMES)
+    assert set(FRAMES) < set(turn.times.tolist())
+    inside = np.linspace(0, 24, 97)
+    world = np.array([UsdGeom.Xformable(prim).GetLocalTransformation(time) for time in inside])
+    assert np.abs(sample(place, inside) - world[:, 3, :3]).max() < 1e-12
+    assert np.abs(to_axes(sample(turn, inside)) - world[:, :3, :3]).max() < 2e-6

@@ -5,6 +5,8 @@ They have keys as near to each other as it takes to go USD's way between the sam
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -72,7 +74,7 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
         order = np.argsort([*times, *(between[k] for k in new)], kind="stable")
         times = np.array([*times, *(between[k] for k in new)])[order].tolist()
         found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, now, strict=True))
-    tracks = _tracks(node, interpolation, times, found)
+    tracks = _thinned(_tracks(node, interpolation, times, found), ops_times(xformable))
     return tracks if can_scale(xformable) else tracks[:2]
 
 
@@ -130,6 +132,26 @@ def _wraps(xformable: Any, times: list[float]) -> Floats:
 def _tracks(node: int, way: Interpolation, times: list[float], values: tuple[Floats, ...]) -> list[Track]:
     at = np.array(times)
     return [Track(node, path, way, at, each) for path, each in zip(PATHS, values, strict=True)]
+
+
+def _thinned(tracks: list[Track], samples: Collection[float]) -> list[Track]:
+    """The tracks without keys that they do not need: halves that another track was looked at for.
+
+    samples: the times of the prim's own, at which all that moves keeps its keys. What stands still has one
+    key, unless everything does.
+    """
+    moving = [t for t in tracks if _off(t.path, t.values, t.values[:1]).any()]
+    own = np.isin(tracks[0].times, [float(time) for time in samples])
+    gaps = np.cumsum(own)  # in which gap between samples a key is
+    found = []
+    for track in tracks:
+        line = replace(track, times=track.times[own], values=track.values[own])
+        off = _off(track.path, sample(line, track.times), track.values) > _ON_WAY
+        kept = own | np.isin(gaps, gaps[off])
+        if moving and track not in moving:
+            kept = np.arange(len(kept)) == 0
+        found.append(replace(track, times=track.times[kept], values=track.values[kept]))
+    return found
 
 
 def _off(path: Path, one: Floats, other: Floats) -> Floats:
