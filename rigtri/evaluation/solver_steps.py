@@ -5,6 +5,7 @@ Source: docs/evaluation.md.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Protocol
 
@@ -29,6 +30,19 @@ class Step(Uses, Protocol):
     """Something that moves nodes."""
 
     def run(self, posed: PoseCache) -> None: ...
+
+
+def depending(rig: Rig, nodes: Iterable[int], steps: Iterable[Step]) -> set[int]:
+    """The nodes whose places depend on some nodes: these, all below them, and what steps make of them.
+
+    steps: in the order in which they are done.
+    """
+    found = np.zeros(len(rig), dtype=bool)
+    found[list(nodes)] = True
+    for step in steps:
+        if found[list(rig.with_ancestors((*step.reads, *step.needs)))].any():
+            found[[*step.sets, *getattr(step, "carries", ())]] = True
+    return set(np.flatnonzero(rig.at_or_below(found)).tolist())
 
 
 @dataclass(frozen=True, eq=False)

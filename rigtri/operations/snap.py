@@ -7,7 +7,7 @@ of the clip's keys, so that the rest of the motion stays; what is at work alread
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -24,6 +24,7 @@ from rigtri.evaluation.key_insertion import insert_keys
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.rig_space import in_rig_space
 from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.solver_steps import depending
 from rigtri.evaluation.timelines import (
     Timeline,
     as_float32,
@@ -50,6 +51,7 @@ from rigtri.operations.pose import at_rest, warn_outside_clip
 from rigtri.progress import counted
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
+from rigtri.text import and_more
 
 # Joints that move by more, as a share of the size, are reported.
 NEAR = 1e-5
@@ -312,7 +314,10 @@ class _Limb:
 
     def _record(self, rig: Rig, times: Floats, changed: Collection[int]) -> None:
         solvers = self._solver(self.rig), self._solver(rig)
-        joints = _joints_moved(rig, changed, solvers)
+        ends = rig.nodes_of("control", "poleVector")
+        moved = sorted(depending(rig, changed, [s for each in solvers for s in each.steps]).difference(ends))
+        joints = [node for node in moved if rig.is_joint[node]]
+        self._warn_followers(solvers, [node for node in moved if node in self._rules], times)
         # Keys set at the moments alone change what the clip shows between them and its other keys.
         all_times = times if self.timeline is None else np.union1d(times, self._all_times(self.timeline))
         far, elsewhere = (
@@ -336,6 +341,19 @@ class _Limb:
             }
         )
 
+    def _warn_followers(self, solvers: tuple[Solver, Solver], moved: Sequence[int], times: Floats) -> None:
+        """A warning for what follows controls of the limb, and moves with them where its joints stay."""
+        rig = solvers[1].rig
+        for node in moved:
+            loose = not rig.is_joint[node] and node not in rig.own
+            if loose and not (far := self._deviation(solvers, [node], times)) <= NEAR:
+                led = sorted({f"'{rig.title(k)}'" for rule in self._rules[node] for k in rule.sources})
+                text = (
+                    f"'{rig.title(node)}' follows {and_more(led, 3)} and moves by {far:.2g} of the size: "
+                    "controls that no longer move a limb do not go along with it. Let it follow the joint"
+                )
+                self.report.warn("snap-off", text, geometry=True)
+
     def _deviation(self, solvers: tuple[Solver, Solver], joints: Sequence[int], times: Floats) -> float:
         """How far joints are from where they were, at most, as a share of the size."""
         before, after = (self._posed(solver, times, joints) for solver in solvers)
@@ -349,21 +367,6 @@ class _Limb:
                 apart = apart + off[:, :3].max(axis=1) * float(length(rig.translation[joint]))
             far = max(far, float(np.nan_to_num(apart).max()))
         return far / skeleton_size(rig)
-
-
-def _joints_moved(rig: Rig, changed: Collection[int], solvers: Iterable[Solver]) -> list[int]:
-    """The joints whose places depend on some nodes, but controls: below these, or by steps that use them."""
-    moved = np.zeros(len(rig), dtype=bool)
-    moved[list(changed)] = True
-    for solver in solvers:
-        for step in solver.steps:
-            used = rig.with_ancestors((*step.reads, *step.needs))
-            if moved[list(used)].any():
-                moved[list(step.sets)] = True
-                moved[list(getattr(step, "carries", ()))] = True
-    moved = rig.at_or_below(moved)
-    moved[list(rig.nodes_of("control", "poleVector"))] = False
-    return np.flatnonzero(moved & rig.is_joint).tolist()
 
 
 def _channel_values(channels: Mapping[int, Parts]) -> dict[tuple[int, Path], Floats]:

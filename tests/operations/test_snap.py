@@ -257,6 +257,18 @@ def test_an_end_joint_that_a_constraint_turns_once_fk_takes_over_is_reported() -
     assert report.added[0]["deviation"] > 0.01
 
 
+@pytest.mark.parametrize(("driver", "codes"), [("hand_L_ik_ctl", ["snap-off"]), ("hand_L", [])])
+def test_what_follows_the_ik_end_that_fk_takes_over_from_is_reported(driver: str, codes: list[str]) -> None:
+    """It stays behind with the control: no joint shows that, nor keys of the file. Before, without a word."""
+    rig = with_keyed_controls()
+    rig = rigtri.constrain(rig, child="staff", driver=((driver, 1.0),))
+    report = Report()
+    snap(rig, options=SnapOptions("fk", ("walk@0.5",), (ARM,)), report=report)
+    assert [warning.code for warning in report.warnings] == codes
+    for warning in report.warnings:
+        assert f"follows '{driver}' and moves by 0." in warning.text
+
+
 @pytest.mark.ci
 def test_an_ik_end_that_follows_a_constraint_is_reported() -> None:
     rig = posed_by_ik()
