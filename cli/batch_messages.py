@@ -10,7 +10,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, system_reason
 
 from .terminal_text import counted, plain, without_advice
 
@@ -100,6 +100,6 @@ def opened_log(path: str | None) -> Iterator[IO[str] | None]:
     try:
         file = open(path, "a", encoding="utf-8", errors="backslashreplace")  # noqa: SIM115
     except OSError as error:
-        raise FileError(f"--log {path} cannot be written: {error.strerror}") from error
+        raise FileError(f"--log {path} cannot be written: {system_reason(error)}") from error
     with file:
         yield file

@@ -11,7 +11,7 @@ from typing import NoReturn
 
 import click
 
-from rigtri.errors import Fault, RigtriError, error_kind, faults_by_text
+from rigtri.errors import Fault, RigtriError, error_kind, faults_by_text, system_reason
 
 from . import ending
 from .terminal_text import echo_message, plain, request_plain, without_advice
@@ -144,5 +144,5 @@ def _kind_message_code(error: Exception) -> tuple[str, str, int]:
         return error_kind(error), str(error), error.exit_code
     if isinstance(error, OSError):
         # What the pipeline did not foresee, such as a full disk behind standard output.
-        return "file", f"{error.filename or 'output'}: {error.strerror or error}", 3
+        return "file", f"{error.filename or 'output'}: {system_reason(error)}", 3
     return "memory", "There is not enough memory for this file.", 1

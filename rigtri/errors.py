@@ -7,9 +7,13 @@ programmer's mistake.
 
 from __future__ import annotations
 
+import errno
 import re
 from collections.abc import Iterable, Sequence
 from typing import Protocol
+
+# How a shell lets a program have more files open at once; in batches, each process needs some.
+MORE_FILES = "Allow more: ulimit -n 256"
 
 
 class RigtriError(Exception):
@@ -34,6 +38,12 @@ def faults_by_text(faults: Iterable[Fault]) -> dict[str, list[Fault]]:
     for fault in faults:
         found.setdefault(str(fault.as_json()["text"]), []).append(fault)
     return found
+
+
+def system_reason(error: Exception) -> str:
+    """What the system said is wrong with a file, and what to do where it is a limit that users set."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return f"{reason}. {MORE_FILES}" if getattr(error, "errno", None) == errno.EMFILE else reason
 
 
 class UsageError(RigtriError):

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, system_reason
 from rigtri.files.atomic_write import discard_stale, fsync_while_writing, same_file, temp_path
 
 # Smaller files are copied in no time. A .gltf with embedded data would be read twice for nothing.
@@ -146,7 +146,7 @@ def copy_file(file: Path, to: Path, stop: threading.Event | None = None) -> bool
     try:
         source = file.open("rb")
     except OSError as error:
-        raise FileError(f"{file} cannot be read: {error.strerror}") from error
+        raise FileError(f"{file} cannot be read: {system_reason(error)}") from error
     size = os.fstat(source.fileno()).st_size
     with source, to.open("wb") as target, fsync_while_writing(target, large=size >= FROM):
         while not (stop and stop.is_set()) and _by_kernel(source.fileno(), target.fileno()):

@@ -14,7 +14,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, system_reason
 
 # Smaller files are read: a mapped file dies with the process that truncates it.
 MAP_FROM = 16 * 1024 * 1024
@@ -62,8 +62,7 @@ def load(path: Path) -> memoryview:
                 return memoryview(file.read())
             return memoryview(Mapped(file.fileno()))
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise FileError(f"{path}: cannot be read: {reason}") from None
+        raise FileError(f"{path}: cannot be read: {system_reason(error)}") from None
 
 
 def pour(file: BinaryIO, piece: bytes | bytearray | memoryview) -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import IO, Any
 from weakref import WeakValueDictionary
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError, UsageError, system_reason
 from rigtri.files.atomic_write import (
     atomic_write,
     commit,
@@ -347,8 +347,7 @@ def as_file_error(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise FileError(f"{path} cannot be written: {reason}") from error
+        raise FileError(f"{path} cannot be written: {system_reason(error)}") from error
 
 
 def destination(path: Path) -> Path:

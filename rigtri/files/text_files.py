@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError, UsageError, system_reason
 from rigtri.text import and_more
 
 # The axes of a million joints take less, and so does a list of a million files.
@@ -34,7 +34,7 @@ def check_plain(path: Path | str, what: str = "") -> Path:
         if path.is_symlink():
             raise FileError(f"{name} is a link that leads to no file")
     except (OSError, ValueError) as error:  # a name that no file can have
-        raise FileError(f"{name} cannot be read: {getattr(error, 'strerror', error)}") from error
+        raise FileError(f"{name} cannot be read: {system_reason(error)}") from error
     if (scheme := path.parts[0] if path.parts else "").endswith(":") and len(scheme) > 2:  # no drive
         address = f"{scheme}//{'/'.join(path.parts[1:])}"
         raise FileError(f"{address} is not a local file: download it, or give it to rigtri batch")
@@ -83,7 +83,7 @@ def text_of(path: Path | str, what: str = "", most: int = MOST_BYTES) -> str:
         with place.open("rb") as file:
             content = file.read(most + 1)
     except OSError as error:
-        raise FileError(f"{name} cannot be read: {error.strerror}") from error
+        raise FileError(f"{name} cannot be read: {system_reason(error)}") from error
     if len(content) > most:
         raise FileError(f"{name} has more than {most} bytes; it is not what this option takes")
     try:

@@ -26,7 +26,7 @@ from multiprocessing.util import get_temp_dir
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
-from rigtri.errors import FileError, RigtriError
+from rigtri.errors import MORE_FILES, FileError, RigtriError
 from rigtri.files.import_path import no_working_folder_in_children
 from rigtri.files.temp_dirs import adopt, root
 
@@ -244,7 +244,7 @@ def _refuse_few_files() -> None:
     if 0 <= most < _FILES:
         raise FileError(
             f"no process can be started to work on files: at most {most} files may be open at once, and it "
-            f"takes {_FILES}. Allow more: ulimit -n 256"
+            f"takes {_FILES}. {MORE_FILES}"
         )
 
 

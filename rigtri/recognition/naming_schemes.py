@@ -17,7 +17,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from rigtri.errors import FileError, did_you_mean
+from rigtri.errors import FileError, did_you_mean, system_reason
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.layout import BENDS, FINGERS, MIDDLE, SIDED, LimbKind
@@ -158,7 +158,7 @@ def own_table(
     try:
         table = tomllib.loads(path.read_text("utf-8-sig"))
     except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror}") from error
+        raise FileError(f"{path} cannot be read: {system_reason(error)}") from error
     except UnicodeDecodeError as error:
         raise FileError(f"{path} is not a naming scheme: it is not UTF-8 at offset {error.start}") from error
     except ValueError as error:  # of TOML, and of whole numbers of too many digits

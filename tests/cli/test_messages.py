@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import subprocess
@@ -249,3 +250,14 @@ def test_names_that_a_warning_leaves_out_are_listed_with_v(
     ]
     print_warnings(warnings, verbose)
     assert capsys.readouterr().err.count("all of them: a, b, xyz") == verbose
+
+
+def test_too_many_open_files_are_told_with_how_to_have_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With few, as after ulimit -n 5, any file may be the one that is too many."""
+
+    def refused(self: Path, *_: object, **__: object) -> None:
+        raise OSError(errno.EMFILE, os.strerror(errno.EMFILE), str(self))
+
+    monkeypatch.setattr(Path, "open", refused)
+    told = cli("inspect", BIPED, code=3).stderr
+    assert f"cannot be read: {os.strerror(errno.EMFILE)}. Allow more: ulimit -n 256" in told

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri._version import __version__
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError, UsageError, system_reason
 from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.export.drawing.style import LEGEND, variables
 from rigtri.export.viewer.page_data import clip_names, clip_number, facts
@@ -241,7 +241,7 @@ def _bytes(content: bytes | Path) -> bytes:
     try:
         return content.read_bytes()
     except OSError as error:
-        raise FileError(f"{content} cannot be read: {error.strerror}") from error
+        raise FileError(f"{content} cannot be read: {system_reason(error)}") from error
 
 
 def _check_size(shown: Sequence[Shown], limit: float) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError, UsageError, system_reason
 from rigtri.files import mapped_file
 from rigtri.files.atomic_write import fsync_while_writing, same_file
 from rigtri.files.mapped_file import load, pour
@@ -385,4 +385,4 @@ def _write(part: Path, pieces: Sequence[Piece]) -> None:
             for piece in pieces:
                 pour(file, piece)
     except OSError as error:
-        raise FileError(f"{part}: cannot be written: {error.strerror or error}") from None
+        raise FileError(f"{part}: cannot be written: {system_reason(error)}") from None

@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
-from rigtri.errors import FileError, RigtriError, error_kind, faults_by_text
+from rigtri.errors import FileError, RigtriError, error_kind, faults_by_text, system_reason
 from rigtri.files.staged_output import StagedOutput
 from rigtri.files.temp_dirs import adopt
 from rigtri.files.temp_dirs import folder as temporary
@@ -240,7 +240,7 @@ def _refused(error: RigtriError | OSError, report: Report) -> Record:
         # What is wrong in several places of a spec is one reason.
         text = "; ".join(str(first) for first, *_ in faults_by_text(error.faults).values()) or str(error)
         return Record("error", error_kind(error), text, error.exit_code, warnings=_warnings(report))
-    text = f"{error.filename or 'the output'}: {error.strerror or error}"
+    text = f"{error.filename or 'the output'}: {system_reason(error)}"
     return Record("error", "file", text, 3, warnings=_warnings(report))
 
 

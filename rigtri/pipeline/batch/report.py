@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, system_reason
 from rigtri.maths.ranking import first_largest
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.axis_summary import angles, names
@@ -66,7 +66,7 @@ def manifests(path: Path) -> list[Path]:
     try:
         os.scandir(path).close()
     except OSError as error:  # glob finds nothing there, and does not say so
-        raise FileError(f"{path} cannot be read: {error.strerror}") from None
+        raise FileError(f"{path} cannot be read: {system_reason(error)}") from None
     found = sorted(path.glob(f"{Path(NAME).stem}*{Path(NAME).suffix}"))
     if not found:
         raise FileError(f"There is no manifest of a batch in {path}")
