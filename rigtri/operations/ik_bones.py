@@ -15,7 +15,7 @@ from rigtri.errors import UsageError
 from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.pose_cache import blocks
-from rigtri.evaluation.sampling import locals_at, worlds
+from rigtri.evaluation.sampling import Motion, worlds
 from rigtri.evaluation.timelines import (
     Timeline,
     as_float32,
@@ -172,13 +172,21 @@ def _seen(world: Floats, parent: Floats) -> Floats:
     return np.concatenate([local[..., 3, :3], from_axes(orthonormal_axes(turned))], axis=-1)
 
 
+def _part(rig: Rig, clip: Clip, nodes: Sequence[int]) -> tuple[Rig, dict[int, int]]:
+    """Some nodes and all above them, with one clip: all that these have to be posed by; and their indices."""
+    return replace(rig, clips=(clip,)).subset(sorted(rig.with_ancestors(nodes)))
+
+
 def _follow(rig: Rig, timeline: Timeline, followers: Sequence[_Follower]) -> bool:
     """Whether joints are where their leaders are, at all keys of these and between them."""
-    nodes, _, leaders = np.array(followers).T
+    nodes, _, leaders = np.array(followers).T.tolist()
+    small, place = _part(rig, timeline.clip, [*nodes, *leaders])
+    nodes, leaders = ([place[node] for node in some] for some in (nodes, leaders))
+    motion = Motion(small, *small.clips)
     times = keys_and_between(times_and_jumps(timeline, None, rig.rules.per_second))
     size = skeleton_size(rig)
     for rows in blocks(len(times)):
-        world = worlds(rig, locals_at(rig, timeline.clip, times[rows]))
+        world = worlds(small, motion.locals_at(times[rows]))
         one, other = world[:, nodes], world[:, leaders]
         turned = angle_between(*(from_axes(orthonormal_axes(each)) for each in (one, other)))
         off = length(one[..., 3, :3] - other[..., 3, :3]) + _ARM * size * turned
@@ -206,14 +214,16 @@ def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: 
     if not tracks:
         return []
     moving, size = replace(timeline, clip=Clip(timeline.clip.name, tracks)), skeleton_size(rig)
+    small, place = _part(rig, moving.clip, [*line, root])
+    motion = Motion(small, *small.clips)
 
     def some(times: Floats) -> Floats:
-        world = worlds(rig, locals_at(rig, moving.clip, times))
+        world = worlds(small, motion.locals_at(times))
         stands: dict[int, Floats] = {}
         found = []
         for node, parent, leader in followers:
-            above = stands.get(parent, world[:, root])
-            seat = _seen(world[:, leader], above)
+            above = stands.get(parent, world[:, place[root]])
+            seat = _seen(world[:, place[leader]], above)
             # Without the scale that its leader may have.
             stands[node] = multiply(compose(seat[:, :3], seat[:, 3:], np.ones(3)), above)
             found.append(seat)

@@ -25,8 +25,12 @@ from rigtri.model.rig import Rig
 # Points on a triangle are laid this share of a cell apart; one with a side of more than 2^_MOST parts is
 # filled cell by cell.
 _STEP, _MOST = 0.75, 6
-# Points laid at a time: what they need of memory stays below 100 MB.
-_AT_ONCE = 1_000_000
+# Points laid at a time: what they need of memory stays below 25 MB.
+_AT_ONCE = 250_000
+# Triangles filled before what they hide is looked for.
+_FILLED = 4096
+# Cells: more than the rounding of a point that is laid on a side of a triangle.
+_ROUNDED = 1e-6
 # Corners of a loop that are off the straight line by less, in cells, are left out.
 _SMOOTH = 0.7
 # How often the corners of a loop are moved towards their neighbours before.
@@ -95,31 +99,65 @@ def _placed(mesh: Mesh, scene: Scene, morph: Floats) -> Floats:
 def outline(found: Sequence[Patch], flat: Callable[[Floats], Floats], wide: int, high: int) -> list[Floats]:
     """The edge of what is covered, loops (k, 2), in cells of a grid; ``flat`` takes points there."""
     covered = np.zeros((high, wide), dtype=bool)
+    for corners in _blocks(found, flat):
+        _cover(covered, corners)
+    return [loop for loop in map(_smoothed, _loops(_closed(covered))) if len(loop) > 2]
+
+
+def _blocks(found: Sequence[Patch], flat: Callable[[Floats], Floats]) -> Iterator[Floats]:
+    """The triangles of all meshes, (t, 3, 2) in cells: small meshes together, large ones in parts."""
+    kept, count = list[Floats](), 0
     for points, faces in found:
         seen = flat(points)
-        if len(faces):
-            _cover(covered, seen[faces])
-    return [loop for loop in map(_smoothed, _loops(_closed(covered))) if len(loop) > 2]
+        for first in range(0, len(faces), _AT_ONCE):
+            kept.append(seen[faces[first : first + _AT_ONCE]])
+            count += len(kept[-1])
+            if count >= _AT_ONCE:
+                yield np.concatenate(kept)
+                kept, count = [], 0
+    if kept:
+        yield np.concatenate(kept)
 
 
 def _cover(covered: Booleans, corners: Floats) -> None:
     """Mark the cells that triangles, (t, 3, 2), lie on; those of a size are laid with points together."""
     low, high = corners.min(axis=1), corners.max(axis=1)
     inside = ((high >= 0) & (low < covered.shape[::-1])).all(axis=1)
-    corners, sides = corners[inside], (high - low)[inside].max(axis=1)
-    parts = np.maximum(np.ceil(sides / _STEP), 1)
-    large = parts > 2**_MOST
-    _fill(covered, corners[large], low[inside][large], high[inside][large])
+    corners, low, high = corners[inside], low[inside], high[inside]
+    parts = np.maximum(np.ceil((high - low).max(axis=1) / _STEP), 1)
+    for some in _parts(np.flatnonzero(parts > 2**_MOST), _FILLED):
+        some = some[_open(covered, low[some], high[some])]
+        _fill(covered, corners[some], low[some], high[some])
     for power in range(_MOST + 1):
         count = 2**power
-        some = corners[(parts <= count) & (parts > count // 2)]
         rows, columns = np.divmod(np.arange((count + 1) ** 2), count + 1)
         along, across = rows[rows + columns <= count] / count, columns[rows + columns <= count] / count
-        step = max(1, _AT_ONCE // len(along))
-        for first in range(0, len(some), step):
-            a, b, c = (some[first : first + step, np.newaxis, k] for k in range(3))
-            laid = a + (b - a) * along[:, np.newaxis] + (c - a) * across[:, np.newaxis]
-            _mark(covered, laid.reshape(-1, 2))
+        chosen = np.flatnonzero((parts <= count) & (parts > count // 2))
+        for some in _parts(chosen, max(1, _AT_ONCE // len(along))):
+            some = some[_open(covered, low[some], high[some])]
+            _mark(covered, *(_laid(corners[some, :, k], along, across) for k in range(2)))
+
+
+def _parts(chosen: Integers, most: int) -> Iterator[Integers]:
+    return (chosen[first : first + most] for first in range(0, len(chosen), most))
+
+
+def _laid(corners: Floats, along: Floats, across: Floats) -> Floats:
+    """One coordinate of points on triangles, of their (t, 3), at shares of two sides, (k,): (t k,)."""
+    a, b, c = (corners[:, k, np.newaxis] for k in range(3))
+    return np.asarray(a + (b - a) * along + (c - a) * across).reshape(-1)
+
+
+def _open(covered: Booleans, low: Floats, high: Floats) -> Booleans:
+    """Whether a cell in the box of a triangle is not covered yet, (t,): most triangles lie behind others."""
+    room = covered.shape[::-1]
+    left, top = np.floor(np.clip(low - _ROUNDED, 0, room)).astype(np.int64).T
+    right, bottom = np.ceil(np.clip(high + _ROUNDED, 0, room)).astype(np.int64).T
+    # How many cells above and left of each corner of the grid are covered.
+    below = np.zeros((room[1] + 1, room[0] + 1), dtype=np.int64)
+    np.cumsum(np.cumsum(covered, axis=0, dtype=np.int64), axis=1, out=below[1:, 1:])
+    count = below[bottom, right] - below[top, right] - below[bottom, left] + below[top, left]
+    return np.asarray(count < (right - left) * (bottom - top))
 
 
 def _fill(covered: Booleans, corners: Floats, low: Floats, high: Floats) -> None:
@@ -127,24 +165,23 @@ def _fill(covered: Booleans, corners: Floats, low: Floats, high: Floats) -> None
     room = covered.shape[::-1]
     first = np.floor(np.clip(low, 0, room)).astype(np.int64).tolist()
     behind = np.ceil(np.clip(high, 0, room)).astype(np.int64).tolist()
-    for triangle, (left, top), (right, bottom) in zip(corners, first, behind, strict=True):
+    for triangle, (left, top), (right, bottom) in zip(corners.tolist(), first, behind, strict=True):
         cells = covered[top:bottom, left:right]
-        if cells.all():  # as most are, where a mesh has many triangles of this size
-            continue
-        x = np.arange(left, right)[np.newaxis, :] + 0.5
-        y = np.arange(top, bottom)[:, np.newaxis] + 0.5
+        rows, columns = np.nonzero(~cells)  # few, where a mesh has many triangles of this size
+        x, y = columns + (left + 0.5), rows + (top + 0.5)
         sides = []
         for k in range(3):
             (ax, ay), (bx, by) = triangle[k], triangle[(k + 1) % 3]
             sides.append((bx - ax) * (y - ay) - (by - ay) * (x - ax))
         one, two, three = sides
-        cells |= ((one >= 0) & (two >= 0) & (three >= 0)) | ((one <= 0) & (two <= 0) & (three <= 0))
+        within = ((one >= 0) & (two >= 0) & (three >= 0)) | ((one <= 0) & (two <= 0) & (three <= 0))
+        cells[rows[within], columns[within]] = True
 
 
-def _mark(covered: Booleans, laid: Floats) -> None:
-    inside = ((laid >= 0) & (laid < covered.shape[::-1])).all(axis=1)
-    cells = laid[inside].astype(np.int64)
-    covered[cells[:, 1], cells[:, 0]] = True
+def _mark(covered: Booleans, x: Floats, y: Floats) -> None:
+    high, wide = covered.shape
+    inside = (x >= 0) & (x < wide) & (y >= 0) & (y < high)
+    covered[y[inside].astype(np.int64), x[inside].astype(np.int64)] = True
 
 
 def _closed(covered: Booleans) -> Booleans:
