@@ -139,6 +139,18 @@ def test_keys_for_a_rivet_that_is_no_xform_are_refused_by_name(tmp_path: Path) -
     assert (done.exit_code, "button> is a Scope, which USD gives no transform" in done.stderr) == (3, True)
 
 
+def test_an_op_of_a_shape_that_is_not_there_is_not_printed_by_openusd(
+    rigged: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    text = rigged.read_text("utf-8").replace(
+        'uniform token type = "linear"',
+        'uniform token type = "linear"\n uniform token[] xformOpOrder = ["xformOp:scale"]',
+    )
+    rigged.write_text(text, "utf-8")
+    assert cli("view", rigged, "-o", rigged.with_suffix(".html")).exit_code == 0
+    assert "xformable.cpp" not in "".join(capfd.readouterr())
+
+
 def _replace(layer: Any, named: Any, kind: Any, value: Any) -> int:
     """Give attributes by their names another type and value; how many there were."""
     found: list[Any] = []

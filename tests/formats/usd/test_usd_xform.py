@@ -470,3 +470,26 @@ def test_a_joint_whose_ops_give_no_finite_matrix_is_named(tmp_path: Path) -> Non
     assert (
         "The ops of </arm/shoulder> give no finite matrix, so nothing says where this joint is" in done.stderr
     )
+
+
+def test_prims_with_uneven_scales_get_axes_that_their_scales_lie_along(tmp_path: Path) -> None:
+    """Before, OpenUSD's way between near rotations was seen in the result alone, which was refused."""
+    text = (SAMPLES / "arm.usda").read_text("utf-8")
+    stands, ops = "double3 xformOp:translate = (20, 140, 0)", '"xformOp:translate", "xformOp:orient"'
+    assert stands in text
+    text = text.replace(stands, f"double3 xformOp:scale = (3, 1, 1)\n        {stands}", 1)
+    text = text.replace(ops, f'{ops}, "xformOp:scale"', 1)
+    path = save(tmp_path, text)
+    for preset in ("blender", "maya"):
+        cli(
+            "orient-joints",
+            path,
+            "-o",
+            out := tmp_path / f"{preset}.usda",
+            "--root",
+            "arm",
+            "--preset",
+            preset,
+            code=0,
+        )
+        path = out

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom
 
+from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.composition.value_types import integers, vectors
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.model.control_shapes import Lines, Shape
@@ -37,8 +38,11 @@ def read_lines(stage: Any, key: Hashable) -> Lines | None:
     if kind(key) != "prim":
         return None
     prim = curves_of(stage.GetPrimAtPath(parts(key)[1]))
-    if prim is None or UsdGeom.Xformable(prim).GetOrderedXformOps():
+    if prim is None:
         return None
+    with quiet(f"<{prim.GetPath()}>: USD cannot read where it stands"):
+        if UsdGeom.Xformable(prim).GetOrderedXformOps():
+            return None
     curves = UsdGeom.BasisCurves(prim)
     colors = vectors(curves.GetDisplayColorAttr().Get())
     points = vectors(curves.GetPointsAttr().Get())

@@ -21,7 +21,7 @@ from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.sampled_xforms import notice_shear, sampled_tracks
 from rigtri.maths.matrices import SKEW, decompose, inverse, skew
-from rigtri.maths.quaternions import IDENTITY, multiply, off_unit, rotate
+from rigtri.maths.quaternions import IDENTITY, multiply, off_unit, rotate, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
@@ -50,6 +50,8 @@ _ORDER = (PARENT_INVERSE, *OPS.values(), FRAME)
 _UNIFORM = 1e-6
 # A constant rotation farther off unit length is none to OpenUSD: it shears and scales what it turns.
 _UNIT = 1e-6
+# An axis is turned onto another where no part of it is off by more than a double rounds, a few times over.
+_ONTO = 1e-14
 
 
 def rooted(rig: Rig, stage: Any, root: str, interpolation: Interpolation, warnings: list[Notice]) -> Rig:
@@ -218,12 +220,12 @@ def read_transform(
             values = np.stack([value_numbers(value) for _, value in keys])
             if not np.isfinite(values).all():
                 return None
-            if path == "scale" and (inner != IDENTITY).any() and _uneven(values):
+            if path == "scale" and _uneven(values) and not _onto_axes(inner):
                 return None
             values = _folded(path, values * size, outer, inner)
             times = np.array([time for time, _ in keys])
             tracks.append(Track(node, path, interpolation, times, values))
-    if (inner != IDENTITY).any() and _uneven(rest["scale"]):
+    if _uneven(rest["scale"]) and not _onto_axes(inner):
         return None
     return rest, tracks
 
@@ -232,7 +234,16 @@ def _folded(path: Path, values: Floats, outer: Floats, inner: Floats) -> Floats:
     """Values, (..., c), with the constant rotations outside and inside folded in."""
     if path == "translation":
         return rotate(outer, values)
-    return multiply(multiply(outer, values), inner) if path == "rotation" else values
+    if path == "rotation":
+        return multiply(multiply(outer, values), inner)
+    # Along the axes that the inner rotation takes there; of uneven ones it takes each to one.
+    return (to_axes(inner) ** 2 * values[..., np.newaxis, :]).sum(axis=-1) if _uneven(values) else values
+
+
+def _onto_axes(rotation: Floats) -> bool:
+    """Whether a rotation takes each axis to an axis, either way."""
+    axes = np.abs(to_axes(rotation))
+    return bool(np.abs(axes - np.round(axes)).max() < _ONTO)
 
 
 def _uneven(scale: Floats) -> bool:
