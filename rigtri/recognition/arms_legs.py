@@ -16,7 +16,7 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.front_or_hind import is_further
 from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
-from rigtri.recognition.limb_pairs import Limbs, lacks_hand
+from rigtri.recognition.limb_pairs import Limbs, ends_in_hand, lacks_hand
 from rigtri.recognition.limb_triples import TIE, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement, in_order
 from rigtri.text import a
@@ -133,7 +133,7 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         kind, sure = "leg", _HALF if limbs.kind == "leg" else _LEAST
     elif body is not None and limbs in (body.legs, body.arms) and (not named or _is_clear(body)):
         kind, sure = _shaped(body, limbs), _shape_confidence(draft, body, limbs)
-    elif body is not None and is_further(draft.tree, body, limbs):
+    elif (body is not None and is_further(draft.tree, body, limbs)) or (not named and ends_in_hand(limbs)):
         kind = "arm"
     named_well = limbs.named >= _NAMED or (limbs.named >= 0.0 and limbs.lead > TIE)
     if limbs.kind in ("arm", "leg") and (kind or (named_well and len(limbs.at) == 3)):
@@ -159,7 +159,9 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
 
 
 def _shaped(body: Body, limbs: Limbs) -> LimbKind:
-    """What a pair of a body is by its shape."""
+    """What a pair of a body is by its shape; where it has one pair, hands make that arms."""
+    if not _has_both(body) and ends_in_hand(limbs):
+        return "arm"
     return "leg" if limbs is body.legs or body.form == "quadruped" else "arm"
 
 
@@ -197,7 +199,7 @@ def _words(body: Body | None, limbs: Limbs, kind: str, *, four: bool) -> Iterato
     if body is not None and limbs in (body.legs, body.arms):
         if kind == "leg":
             yield f"{'one of four that carry' if four and body.form == 'quadruped' else 'carries'} the body"
-        else:
+        elif _has_both(body):
             yield "is higher in the hierarchy than the legs"
     if limbs.fingers >= 2:
         yield f"ends in {limbs.fingers} {'toes' if kind == 'leg' else 'fingers'}"
@@ -269,14 +271,12 @@ def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
     because = () if by_names else tuple(f"{FACES}{w}" for w in why[:1])
     if draft.shape.legs and not by_names and sure < _SEEN:
         return list(pairs)  # nothing shows what is front, and so what is left
+    hands = [each.pair is not None and ends_in_hand(each.pair) for each in pairs]
+    least = [min(each.confidence, _LEAST) if hand else 0.0 for each, hand in zip(pairs, hands, strict=True)]
+    sures = [max(each.confidence * share, low) for each, low in zip(pairs, least, strict=True)]
     return [
-        replace(
-            each,
-            side=_side(draft, each),
-            confidence=each.confidence * share,
-            evidence=(*each.evidence, *because),
-        )
-        for each in pairs
+        replace(each, side=_side(draft, each), confidence=own, evidence=(*each.evidence, *because))
+        for each, own in zip(pairs, sures, strict=True)
     ]
 
 

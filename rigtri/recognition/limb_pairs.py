@@ -10,7 +10,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
-from rigtri.recognition.limb_ends import branches, has_thumb, loose_ends
+from rigtri.recognition.limb_ends import HAND, branches, has_thumb, loose_ends
 from rigtri.recognition.limb_triples import CLAVICLES, Triple, sharpest_of, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords, Place
 from rigtri.recognition.naming_schemes import NO_LIMB
@@ -56,6 +56,11 @@ def _like_clavicles(tree: Tree, limbs: Limbs) -> bool:
     (start, middle, end), twin = limbs.joints(0), limbs.joints(1)[0]
     short = tree.bone[middle] < _COLLAR * tree.bone[end]
     return short or (tree.at[start] - tree.at[twin]).length < CLAVICLES * limbs.size
+
+
+def ends_in_hand(limbs: Limbs) -> bool:
+    """Whether both limbs bend and end in fingers with a thumb: arms, whatever body they are of."""
+    return len(limbs.at) == 3 and limbs.thumb and limbs.fingers >= HAND and not limbs.kind
 
 
 def lacks_hand(tree: Tree, limbs: Limbs) -> bool:

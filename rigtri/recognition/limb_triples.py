@@ -144,9 +144,12 @@ def triple_of(
             found.append((quality + _NAMED * named, at, quality, named))
     if not found:
         return None
-    # Of axes in one place the start is the last one and the end the first.
-    order = sorted(found, key=lambda one: (round(one[0], 9), *one[1][:2], -one[1][2]), reverse=True)
-    (best, at, quality, named), *others = order
+    order = sorted(found, key=lambda one: one[0], reverse=True)
+    size = fsum(bones[order[0][1][0] + 1 : order[0][1][2] + 1])
+    # Of axes in one place the start is the last one and the end the first, unless names say otherwise.
+    same = [one for one in order if _are_in_one_place(bones, one[1], order[0][1], size)]
+    best, at, quality, named = max(same, key=lambda one: (round(one[3], 9), *one[1][:2], -one[1][2]))
+    others = [one for one in order if one[1] != at]
     if max(one[2] for one in found) - quality > _DISPUTED:
         named -= 1.0  # shape says otherwise: names alone make nothing sure
     size = fsum(bones[at[0] + 1 : at[2] + 1])
@@ -218,11 +221,13 @@ def first_bend(tree: Tree, path: Sequence[int], at: Sequence[int], lateral: Vect
 def _cosines(tree: Tree, path: Sequence[int]) -> list[float]:
     """The cosine of the bend at each joint of a path; 1 at both ends, and above a bone without length.
 
-    Of joints in one place, a group and what it holds, the bend is that of the last.
+    Of joints in one place, a group and what it holds, the bend is that of the last: bones so short point
+    wherever noise does.
     """
-    along = [(tree.at[b] - tree.at[a]).unit for a, b in pairwise(path)]
-    for k, bone in enumerate(along):
-        along[k] = bone if any(bone) or k == 0 else along[k - 1]
+    bones = [tree.at[b] - tree.at[a] for a, b in pairwise(path)]
+    least, along = SAME_PLACE * fsum(bone.length for bone in bones), list[Vector]()
+    for bone in bones:
+        along.append(bone.unit if bone.length > least else along[-1] if along else Vector())
     inner = [a.dot(b) if any(a) and any(b) else 1.0 for a, b in pairwise(along)]
     return [1.0, *inner, 1.0]
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from recognition_bodies.skeletons import FLAT, HORSE, MAN, TRUNK, Joint, line, rig_with
+from recognition_bodies.skeletons import FINGERS, FLAT, HORSE, MAN, TRUNK, Joint, line, rig_with
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition import recognise as module
@@ -17,6 +17,7 @@ from rigtri.recognition.arms_on_the_ground import arm_below_a_lying_trunk
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.guessed_hierarchy import lost_third, out_of_order
 from rigtri.recognition.joint_tree import Tree, segments_of
+from rigtri.recognition.limb_triples import _cosines, triple_of
 from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.names_of_several import named_twice
@@ -223,3 +224,23 @@ def test_a_tail_by_its_shape_is_no_surer_than_the_legs(legs: float, monkeypatch:
     (character,) = module.recognise(rig_with(HORSE, named=False)).characters
     (tail,) = [chain for chain in character.chains if chain.kind == "tail"]
     assert tail.confidence == pytest.approx(min(0.8, legs))
+
+
+@pytest.mark.parametrize("hands", [True, False])
+def test_a_pair_that_ends_in_hands_is_listed_as_arms_of_any_body(*, hands: bool) -> None:
+    """Before, a mermaid without names was no character: nothing shows which arm is the left one."""
+    fish = [each for each in MAN if each[0].partition(".")[0] not in ("thigh", "shin", "foot", "toe")]
+    layout = module.recognise(rig_with([*fish, *(FINGERS if hands else [])], named=False))
+    arms = [chain for body in layout.characters for chain in body.chains if chain.kind == "arm"]
+    assert [chain.is_sure for chain in arms] == [False, False] * hands
+
+
+def test_two_joints_that_noise_sets_apart_bend_as_one() -> None:
+    """Before, a knee of two joints was none, and the leg had no bend."""
+    leg = line("thigh.L shin.L helper.L foot.L", "hips", (0.1, 0.9, 0), (0.1, 0.5, 0.1), (0.102, 0.5, 0.099))
+    tree: Any = drafted([*TRUNK, *leg, ("foot.L", "helper.L", (0.1, 0.1, 0))]).tree
+    path = [tree.rig.names.index(name) for name in ("thigh.L", "shin.L", "helper.L", "foot.L")]
+    found = triple_of(tree, [path], [], {})
+    assert found is not None
+    assert found.at == (0, 2, 3)
+    assert _cosines(tree, path)[1] == 1.0
