@@ -124,17 +124,21 @@ class NodeNames(Hierarchy, ABC):
         """
         if not isinstance(name, str):
             raise TypeError(f"a node is found by its name, or as text by its number ('#3'), not by {name!r}")
-        found = self._by_name.get(name, []) if name else []
-        # A joint wins over a mesh node of the same name; nothing else is guessed.
-        joints = [node for node in found if self.is_joint[node]]
-        found = joints if len(joints) == 1 else found or self._by_address.get(name, [])
-        found = [node for node in found if node not in self.rules.others] or found
+        found = self._called(name)
         if not found:
             self._check_instances(name)
             raise NameNotFoundError(kind, name, self._hints)
         if len(found) > 1:
             raise AmbiguousNameError(kind, name, [self.labels[node] for node in found])
         return found[0]
+
+    def _called(self, name: str) -> list[int]:
+        """The nodes called ``name``, as `find` has it."""
+        found = self._by_name.get(name, []) if name else []
+        # A joint wins over a mesh node of the same name; nothing else is guessed.
+        joints = [node for node in found if self.is_joint[node]]
+        found = joints if len(joints) == 1 else found or self._by_address.get(name, [])
+        return [node for node in found if node not in self.rules.others] or found
 
     def _check_instances(self, name: str) -> None:
         """InstanceNameError for a name in an instance, where it names a node of the one that is read."""
@@ -152,12 +156,8 @@ class NodeNames(Hierarchy, ABC):
 
     def known(self, name: object) -> int | None:
         """The one node called so, as `find` has it; None where there is none, or several, or no name."""
-        if not isinstance(name, str):
-            return None
-        try:
-            return self.find(name)
-        except (NameNotFoundError, AmbiguousNameError):
-            return None
+        found = self._called(name) if isinstance(name, str) else []
+        return found[0] if len(found) == 1 else None
 
     def match(self, pattern: str, among: Iterable[int] | None = None) -> list[int]:
         """All nodes that a glob such as ``*_L`` matches by name, label or path.

@@ -118,6 +118,14 @@ def test_a_name_that_is_not_there_gets_the_nearest_one() -> None:
         hero().find("elbo")
 
 
+def test_a_look_up_that_may_find_nothing_searches_no_names_like_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    def compare(*_: object, **__: object) -> str:
+        raise AssertionError("compared with every name of the rig")
+
+    monkeypatch.setattr("rigtri.errors.did_you_mean", compare)
+    assert [hero().known(name) for name in ("elbo", "arm", "elbow", None, "")] == [None, 1, 2, None, None]
+
+
 def test_an_exact_name_wins_over_a_pattern() -> None:
     rig = hero()
     assert rig.match("b[1]*") == [5]

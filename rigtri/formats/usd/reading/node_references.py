@@ -138,7 +138,8 @@ class _Finder:
         """The address of the node of a name that shares the most steps with a node, else the name."""
         own = self._prim_path(node)
         shared = {there: _shared(own, self._prim_path(there)) for there in self.names.get(name, ())}
-        best = [there for there, steps in shared.items() if steps == max(shared.values())]
+        most = max(shared.values(), default=0)
+        best = [there for there, steps in shared.items() if steps == most]
         joints = [there for there in best if self.rig.is_joint[there]]
         best = joints if len(joints) == 1 else best
         return self.rig.address(best[0]) if len(best) == 1 else name
