@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -48,9 +48,25 @@ def add_joint(
     """
     rig, node = add(rig, name, parent, record)
     rig = stand(rig, node, position, axes)
-    kin = parent if like is None else like
-    skins = tuple(skin if _row(skin, kin) is None else _grown(rig, skin, node) for skin in rig.skins)
-    return replace(rig, skins=skins), node
+    return join_skins(rig, {node: parent if like is None else like}), node
+
+
+def join_skins(rig: Rig, kin: Mapping[int, int]) -> Rig:
+    """The rig with nodes as joints of every skin that holds their kin, without weight.
+
+    kin: by the new joint. They come behind the last joints, in the order of the nodes.
+    """
+    if not kin:
+        return rig
+    new: dict[int, list[int]] = {}
+    for node, like in kin.items():
+        new.setdefault(like, []).append(node)
+
+    def grown(skin: Skin) -> Skin:
+        nodes = sorted(node for joint in skin.joints.tolist() for node in new.get(joint, ()))
+        return _grown(rig, skin, nodes) if nodes else skin
+
+    return replace(rig, skins=tuple(map(grown, rig.skins)))
 
 
 def skin_sibling_parent(rig: Rig, joint: int) -> tuple[int, int]:
@@ -121,7 +137,9 @@ def bind_joint(rig: Rig, node: int, skins: Sequence[Skin]) -> Rig:
     def bound(skin: Skin) -> Skin:
         return _set_row(skin, rows[id(skin)], _bind(rig, skin, node)) if id(skin) in rows else skin
 
-    return replace(rig, skins=tuple(map(bound, rig.skins)))
+    every = tuple(map(bound, rig.skins))
+    same = all(a is b for a, b in zip(every, rig.skins, strict=True))
+    return rig if same else replace(rig, skins=every)
 
 
 def _still_in_clips(rig: Rig, before: Rig, node: int) -> Rig:
@@ -162,17 +180,18 @@ def _stands(rig: Rig, moved: Rig, node: int, position: Floats) -> bool:
     return bool(off[:3].max() <= _SAME_AXES * axes and off[3].max() <= _SAME_POSITION * size)
 
 
-def _grown(rig: Rig, skin: Skin, node: int) -> Skin:
+def _grown(rig: Rig, skin: Skin, nodes: Sequence[int]) -> Skin:
+    binds = np.stack([_bind(rig, skin, node) for node in nodes])
     return replace(
         skin,
-        joints=np.append(skin.joints, node),
-        inverse_bind=np.concatenate([skin.inverse_bind, _bind(rig, skin, node)[np.newaxis]]),
-        weigh=None if skin.weigh is None else _without_weight(skin.weigh),
+        joints=np.append(skin.joints, nodes),
+        inverse_bind=np.concatenate([skin.inverse_bind, binds]),
+        weigh=None if skin.weigh is None else _without_weight(skin.weigh, len(nodes)),
     )
 
 
-def _without_weight(weigh: Callable[[], Booleans]) -> Callable[[], Booleans]:
-    return lambda: np.append(weigh(), False)
+def _without_weight(weigh: Callable[[], Booleans], count: int) -> Callable[[], Booleans]:
+    return lambda: np.append(weigh(), np.zeros(count, dtype=bool))
 
 
 def _bind(rig: Rig, skin: Skin, node: int) -> Floats:

@@ -33,7 +33,7 @@ from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import WeightRedistribution
 from rigtri.model.skin_weights import shared
-from rigtri.operations.add_twist.key_baking import BOUND, _before_steps, _without
+from rigtri.operations.add_twist.key_baking import BOUND, _before_steps
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
@@ -351,6 +351,3 @@ def test_a_step_has_a_key_just_before_it_but_for_the_first() -> None:
     line = Track(1, "rotation", "LINEAR", times, values)
     before = float(np.nextafter(np.float32(1.0), np.float32(0.0)))
     assert _before_steps(times, [line, steps]).tolist() == [0.0, before, 1.0, 2.0]
-    clip = Clip("c", (steps, line))
-    assert _without(clip, [line]).tracks == (steps,)
-    assert _without(clip, []).tracks == (steps, line)

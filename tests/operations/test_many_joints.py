@@ -23,6 +23,7 @@ from rigtri.model.node_names import DEEPEST_PATH
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.merge_joints import MergeJointsOptions, merge_joints
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.take_clips import take_clips
@@ -221,6 +222,18 @@ def test_motion_of_four_times_as_many_characters_is_taken_in_four_times_as_long(
     few, many = row_of_characters(4), row_of_characters(16)
     once = calls(lambda: take_clips(few, from_=few))
     assert calls(lambda: take_clips(many, from_=many)) < 5 * once
+
+
+@pytest.mark.ci
+def test_twist_joints_of_four_times_as_many_characters_take_four_times_as_long() -> None:
+    """Before, the rig was replaced once for each: 100 characters took 8.4 times as many calls as 25."""
+    few, many = (
+        (row_of_characters(count), AddTwistOptions(joint=hips, to=knees, split_weights=True))
+        for count in (25, 100)
+        for hips, knees in [[tuple(f"{joint}{k}" for k in range(count)) for joint in ("hip", "knee")]]
+    )
+    once = calls(lambda: add_twist(few[0], options=few[1]))
+    assert calls(lambda: add_twist(many[0], options=many[1])) < 5 * once
 
 
 @pytest.mark.ci

@@ -21,7 +21,7 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.operations.add_twist.twist import twists_skin
+from rigtri.operations.add_twist.split_weights import twists_skin
 from rigtri.operations.rigtri_nodes import with_record
 from rigtri.pipeline.rigspec import auto
 from rigtri.pipeline.rigspec.control_check import CheckedControl, check_controls, refuse_idle_controls

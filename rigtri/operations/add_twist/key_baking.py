@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
+from operator import itemgetter
 
 import numpy as np
 
@@ -19,7 +21,7 @@ from rigtri.maths.quaternions import (
     slerp,
 )
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Track, key_values
+from rigtri.model.animation import Clip, Path, Track, key_values
 from rigtri.model.rig import Rig
 from rigtri.progress import counted
 
@@ -34,27 +36,87 @@ _SHARES = (0.25, 0.5, 0.75)
 _SAME = 1e-6
 
 
-def keyed(rig: Rig, twist: TwistJoint) -> tuple[Rig, dict[str, tuple[float, bool]]]:
-    """The rig with rotation keys for a twist joint in every clip that turns its driver.
+# What was found, by clip: the largest angle between a joint and what it should be between keys, in
+# radians, and whether keys could have been added to make it less.
+Found = dict[str, tuple[float, bool]]
 
-    Also what was found, by clip: the largest angle between the joint and what it should be between
-    keys, in radians, and whether keys could have been added to make it less.
+
+def keyed(rig: Rig, twists: Sequence[TwistJoint]) -> tuple[Rig, list[Found]]:
+    """The rig with rotation keys for twist joints in every clip that turns their drivers; and what was found.
+
+    One after the other: a driver may be below a twist joint.
     """
-    small, place = rig.subset(twist.path)
-    found: dict[str, tuple[float, bool]] = {}
-    clips = []
-    for number, (clip, part) in enumerate(counted([*zip(rig.clips, small.clips, strict=True)], "clips")):
-        driving = [track for track in part.tracks if track.path == "rotation"]
-        old = [t for t in clip.tracks if t.node == twist.node and t.path == "rotation"]
-        if not driving:
-            clips.append(clip if not old else _without(clip, old))
-            continue
-        local = _Follower(replace(twist, path=tuple(place[k] for k in twist.path)), small, part)
-        track, off = local.track(driving, fixed=clip.fixed_times)
-        found[clip.name or f"#{number}"] = off, not clip.fixed_times
-        clips.append(_with(clip, replace(track, node=twist.node), old[:1]))
-    same = all(a is b for a, b in zip(clips, rig.clips, strict=True))
-    return (rig if same else replace(rig, clips=tuple(clips))), found
+    tracks = _TracksOfNodes(rig, {node for twist in twists for node in (twist.node, *twist.path)})
+    still, every = replace(rig, clips=()), list[Found]()
+    for twist in counted(twists, "twist joints"):
+        small, place = still.subset(twist.path)
+        local = replace(twist, path=tuple(place[k] for k in twist.path))
+        found: Found = {}
+        for number in tracks.clips((twist.node, *twist.path)):
+            clip, old = rig.clips[number], tracks.of(number, (twist.node,), "rotation")
+            driving = tracks.of(number, twist.path, "rotation")
+            if not driving:
+                for track in old:
+                    tracks.set(number, track, None)
+                continue
+            part = tuple(replace(t, node=place[t.node]) for t in tracks.of(number, twist.path))
+            track, off = _Follower(local, small, replace(clip, tracks=part)).track(
+                driving, fixed=clip.fixed_times
+            )
+            found[clip.name or f"#{number}"] = off, not clip.fixed_times
+            track = replace(track, node=twist.node)
+            if not old:
+                tracks.set(number, None, track)
+            elif not _same(old[0], track):
+                tracks.set(number, old[0], replace(track, key=old[0].key))
+        every.append(found)
+    return tracks.rig(), every
+
+
+class _TracksOfNodes:
+    """The tracks of some nodes in all clips, found by the node, and what changes of them."""
+
+    def __init__(self, rig: Rig, nodes: Collection[int]) -> None:
+        self._rig = rig
+        # By node and clip, each with its place among the tracks of the clip.
+        self._found: dict[int, dict[int, list[tuple[int, Track]]]] = {node: {} for node in nodes}
+        self._changed: dict[int, dict[int, Track | None]] = {}
+        for number, clip in enumerate(rig.clips):
+            for place, track in enumerate(clip.tracks):
+                if track.node in self._found:
+                    self._found[track.node].setdefault(number, []).append((place, track))
+
+    def clips(self, nodes: Iterable[int]) -> list[int]:
+        """The numbers of the clips that have tracks of any of the nodes."""
+        return sorted({number for node in nodes for number in self._found[node]})
+
+    def of(self, number: int, nodes: Iterable[int], path: Path | None = None) -> list[Track]:
+        """The tracks of nodes in a clip as they are now, in its order; those of one path alone if given."""
+        placed = sorted(
+            (each for node in nodes for each in self._found[node].get(number, ())), key=itemgetter(0)
+        )
+        return [track for _, track in placed if path in (None, track.path)]
+
+    def set(self, number: int, old: Track | None, new: Track | None) -> None:
+        """Put a track in the place of an old one; without an old one at the end, None takes it out."""
+        node = (old or new).node  # type: ignore[union-attr]
+        mine, changed = self._found[node].setdefault(number, []), self._changed.setdefault(number, {})
+        here = [place for place, track in mine if track is old]
+        place = here[0] if here else len(self._rig.clips[number].tracks) + len(changed)
+        changed[place] = new
+        left = [each for each in mine if each[0] != place]
+        self._found[node][number] = left if new is None else [*left, (place, new)]
+
+    def rig(self) -> Rig:
+        """The rig with all changes."""
+        if not self._changed:
+            return self._rig
+        clips = list(self._rig.clips)
+        for number, changed in self._changed.items():
+            placed = {**dict(enumerate(clips[number].tracks)), **changed}
+            tracks = tuple(track for _, track in sorted(placed.items(), key=itemgetter(0)) if track)
+            clips[number] = replace(clips[number], tracks=tracks)
+        return replace(self._rig, clips=tuple(clips))
 
 
 class _Follower:
@@ -112,16 +174,6 @@ def _halved(times: Floats, bad: Booleans) -> Floats:
     return np.unique(np.concatenate([times, as_float32(middle)]))
 
 
-def _with(clip: Clip, track: Track, old: list[Track]) -> Clip:
-    """The clip with a track of ours, in the place of its old one; the clip itself where they are the same."""
-    if not old:
-        return replace(clip, tracks=(*clip.tracks, track))
-    if _same(old[0], track):
-        return clip
-    new = replace(track, key=old[0].key)
-    return replace(clip, tracks=tuple(new if t is old[0] else t for t in clip.tracks))
-
-
 def _same(old: Track, new: Track) -> bool:
     if old.interpolation != new.interpolation and len(old.times) > 1:
         return False
@@ -129,7 +181,3 @@ def _same(old: Track, new: Track) -> bool:
         return False
     turns = multiply(conjugate(key_values(old)), key_values(new))
     return bool(rotation_angle(turns).max(initial=0.0) < _SAME)
-
-
-def _without(clip: Clip, tracks: list[Track]) -> Clip:
-    return replace(clip, tracks=tuple(t for t in clip.tracks if not any(t is k for k in tracks)))

@@ -199,9 +199,7 @@ class _Baker:
         seen = with_shared_times(self.rig, without=[twist.node for twist in mine])
         for _ in range(_ROUNDS):
             del self.report.added[reported:]
-            rig = seen.rig
-            for twist in counted(mine, "twist joints"):
-                rig, _ = keyed(rig, twist)
+            rig, _ = keyed(seen.rig, mine)
             self.rig = seen.undone(rebake_followers(rig, clips, self.report), self.rig)
             last, seen = seen, with_shared_times(self.rig)
             if last.same_times(seen):

@@ -16,7 +16,7 @@ from rigtri.model.characters import characters
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.add_twist.twist import twists_skin
+from rigtri.operations.add_twist.split_weights import twists_skin
 from rigtri.operations.foot_roll import rolling_toes
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
 from rigtri.recognition.layout_output import direction_text
