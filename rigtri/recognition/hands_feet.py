@@ -296,8 +296,9 @@ def _in_order(
         for step, chain in zip(steps, others, strict=True)
     ]
     (start, _), (end, _) = largest(combinations(row, 2), lambda two: (two[0][0] - two[1][0]).length)
-    if thumb and (end - at[thumb[0]]).length < (start - at[thumb[0]]).length:
-        start, end = end, start
+    if thumb:  # where it begins, in the middle below two fingers, is hardly nearer to one of them
+        aside = (at[thumb[0]] + at[(*thumb, thumb[0])[1]]) * 0.5
+        start, end = (end, start) if (end - aside).length < (start - aside).length else (start, end)
     along = (end - start).unit
     others = [chain for _, chain in sorted(row, key=lambda each: (each[0] - start).dot(along))]
     return list(zip(FINGERS, [thumb, *others], strict=False)) if thumb else [("", chain) for chain in others]

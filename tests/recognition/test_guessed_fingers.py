@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from posed_bodies import FINGERS, Pose, posed_body
+from recognition_bodies.skeletons import ARM, LEG, TRUNK, Joint, both, line, rig_with
 from rigs import rig_of
 
 from rigtri.maths.scalar_vector import Vector
@@ -222,3 +223,22 @@ def test_chains_like_fingers_have_three_joints_and_go_one_way(
     tree = SimpleNamespace(below={0: [chain[0] for chain in chains]}, at=at)
     draft: Any = SimpleNamespace(tree=tree)
     assert _like_fingers(draft, 0, chains) is alike
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_of_two_fingers_that_is_the_index_to_which_the_thumb_points(seed: int) -> None:
+    """Thumbs begin below both: before, noise of 2 mm said which is nearer, and half of the hands opened."""
+    random = np.random.default_rng(seed)
+    thumb = [(0.725, 1.438, 0.022), (0.752, 1.422, 0.054), (0.772, 1.41, 0.078)]
+    hand = line("thumb1.L thumb2.L thumb3.L", "hand.L", *thumb)
+    for name, z in (("index", 0.028), ("middle", 0.008)):
+        hand += line(f"{name}1.L {name}2.L", "hand.L", (0.79, 1.45, z), (0.83, 1.45, z))
+    body = [*TRUNK, *both([*ARM, *hand, *LEG])]
+    joints: list[Joint] = []
+    for name, above, at in body:
+        x, y, z = (np.array(at) + 0.0012 * random.normal(size=3)).tolist()
+        joints.append((name, above, (x, y, z)))
+    (character,) = recognise(rig_with(joints, named=False)).characters
+    place = {chain.name: joints[chain.joints[0]][0] for chain in character.chains if chain.kind == "finger"}
+    found = place["left index finger"], place["right index finger"]
+    assert found == ("index1.L", "index1.R")
