@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -13,11 +12,11 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.biped_or_quadruped import may_be_front_legs
 from rigtri.recognition.body_shape import Body, lies, stands_too, within
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.facing import facing_of
+from rigtri.recognition.facing import UNSURE, facing_of, up_of_stretched
 from rigtri.recognition.front_or_hind import is_further
 from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
 from rigtri.recognition.limb_pairs import Limbs, ends_in_hand, lacks_hand
-from rigtri.recognition.limb_triples import TIE, triple_of
+from rigtri.recognition.limb_triples import TIE, bends_within, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement, in_order
 from rigtri.text import a
 
@@ -32,8 +31,6 @@ _WORDS, _NAMED = 0.85, 0.5
 _NUMBERED = 0.45
 # A bone shorter than this part of the other is none: a joint is left out, or two stand in one place.
 _STUNTED = 0.25
-# A joint within a bone bends no further than this, as a cosine (25°).
-_IN_LINE = 0.9
 # Below this, what says where a body faces contradicts itself or is little, so that sides are in doubt.
 _DOUBT = 0.25
 # From here on it denies names of sides; below, only those of joints that a negative scale has mirrored.
@@ -240,20 +237,22 @@ def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]
                 apart = [at[a] - at[b] for a, b in zip(one.joints, other.joints, strict=False)]
                 widest = max(way.length for way in apart)
                 across = across + next(way for way in apart if way.length >= _FIRST_APART * widest)
+    legs, arms = ([each.joints for each in named if each.kind == kind] for kind in ("leg", "arm"))
     up = Vector(*draft.tree.rig.rules.up)
-    if body is not None and (
+    if (stretched := up_of_stretched(draft.tree, legs, arms, across.unit)) is not None:
+        up = stretched
+    elif body is not None and (
         _is_clear(body)
         or abs(across.unit.dot(up)) > _LATERAL
-        or (_has_legs_of(body, named) and lies(draft.tree, body, up))
+        or (_has_legs_of(body, legs) and lies(draft.tree, body, up))
     ):
         up = body.up
     draft.stand(up, across.cross(up))
 
 
-def _has_legs_of(body: Body, named: Sequence[Found]) -> bool:
-    """Whether a body's legs are those that names tell of, if they tell of any."""
-    legs = [set(each.joints) for each in named if each.kind == "leg"]
-    return not legs or (body.legs is not None and any(set(body.legs.joints(k)) in legs for k in (0, 1)))
+def _has_legs_of(body: Body, named: Sequence[tuple[int, ...]]) -> bool:
+    """Whether a body's legs are among those that names tell of, if they tell of any."""
+    return not named or (body.legs is not None and any(body.legs.joints(k) in named for k in (0, 1)))
 
 
 def _are_twins(one: Found, other: Found) -> bool:
@@ -289,7 +288,7 @@ def _faces(draft: Draft, body: Body, by_names: bool) -> tuple[float, tuple[str, 
     if not by_names:
         draft.stand(body.up, ahead)
     elif sure > _DOUBT and draft.facing.dot(ahead) < -0.5:
-        if sure > _DENIES or draft.is_mirrored:
+        if (sure > _DENIES and not UNSURE.issuperset(why)) or draft.is_mirrored:
             words, draft.facing = "is on the right of where it faces", -draft.facing
         else:
             words = "may be on the right of where it faces"
@@ -327,7 +326,7 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
     if min(upper, lower) < _STUNTED * max(upper, lower):
         sure *= _CONTRADICTED
         words.append("but one of its bones has hardly any length")
-    if _bends_within(draft, each.joints):
+    if bends_within(draft.tree, each.joints):
         sure *= _CONTRADICTED
         words.append("but a joint within one of its bones bends")
     if same is None or same.pair is None:
@@ -338,7 +337,7 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
             return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair)
         at = path.index(each.joints[0]), path.index(each.joints[1]), path.index(each.joints[2])
         own = agreement(in_order([draft.words.get(joint, NO_WORDS) for joint in path]), at)
-        if own <= same.pair.named or _bends_within(draft, each.joints):
+        if own <= same.pair.named or bends_within(draft.tree, each.joints):
             return same  # words and shape together tell more than either
         words.append("but its shape bends at other joints")
         sure *= _CONTRADICTED
@@ -385,16 +384,3 @@ def _by_words(draft: Draft, each: Found) -> Found:
     if found is None or agreement(in_order(words), found.at) < _NAMED:
         return each
     return replace(each, joints=tuple(path[k] for k in found.at), before=tuple(path[: found.at[0]]))
-
-
-def _bends_within(draft: Draft, joints: Sequence[int]) -> bool:
-    """Whether one of the joints between start, middle and end bends, so that it is none within a bone."""
-    at = draft.tree.at
-    for start, end in itertools.pairwise(joints):
-        if draft.tree.is_below(end, start):
-            way = draft.tree.way(start, end)
-            for over, node, under in zip(way, way[1:], way[2:], strict=False):
-                one, other = at[node] - at[over], at[under] - at[node]
-                if any(one) and any(other) and one.unit.dot(other.unit) < _IN_LINE:
-                    return True
-    return False

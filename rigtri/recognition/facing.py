@@ -9,6 +9,7 @@ import numpy as np
 
 from rigtri.maths.angle_limits import radians_below
 from rigtri.maths.arrays import Booleans
+from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats
@@ -48,6 +49,9 @@ _KNEES, _THIGHS = "the knees bend there", "the thighs go there, as of one who si
 # What legs tell, and the trunk from there on.
 _LEANING = "the trunk leans there"
 BY_LEGS = (_FEET, _KNEES, _THIGHS, _LEANING)
+# What denies no names of sides: arms turn about themselves at the shoulder, and take their thumbs with them.
+_THUMBS, _SAID = "the thumbs are there", "the format says so"
+UNSURE = frozenset((_THUMBS, _SAID))
 # A thumb stands aside by this much (a sine) to count; hands that are raised beyond this may turn either way.
 _ASIDE, _RAISED = 0.3, 0.5
 # The thumb of three fingers goes so far another way (40°), and so many times as far as the others do.
@@ -61,6 +65,8 @@ _LEANS, _LIES = 0.35, 0.7
 _AHEAD = 0.5
 # Thighs that go so far ahead (a sine, 45°) are those of someone who sits: hips do not bend back so far.
 _SITS = 0.7
+# The trunk of a body with one leg in line with it, up to 45° (a cosine), is upright, or not, up to the same.
+_IN_LINE = 0.7
 # A face stands so far ahead of the trunk or skull, as a part of a limb, to count in full.
 _FACE = 0.15
 _ENDS = ("face", "skull", "tail")
@@ -98,7 +104,7 @@ def facing_of(
         trusted = backed and small * stated >= -_DENIED * abs(small)
         clear.append((weight + small if trusted else weight, words))
         slight.append((noise if trusted else noise + small, words))
-    slight.append((_CUSTOM * custom, "the format says so"))
+    slight.append((_CUSTOM * custom, _SAID))
     seen, most = fsum(weight for weight, _ in clear), fsum(abs(weight) for weight, _ in clear)
     total = seen + fsum(weight for weight, _ in slight)
     backed = fsum(abs(weight) for weight in seen_so_far if weight * total > 0) > _BACKED
@@ -106,6 +112,23 @@ def facing_of(
     sure = abs(seen) / max(most, _ENOUGH) if seen * total > 0 and (backed or alone) else 0.0
     why = tuple(dict.fromkeys(words for weight, words in (*clear, *slight) if weight * total > 0))
     return (ahead if total >= 0 else -ahead), sure, why
+
+
+def up_of_stretched(
+    tree: Tree, legs: Sequence[Sequence[int]], arms: Sequence[Sequence[int]], across: Vector
+) -> Vector | None:
+    """The up direction, unit, of a body with one leg that lies or stands on its hands; None for any other.
+
+    legs, arms: joints from start to end. across: from right to left, unit. The leg is in line with the trunk.
+    """
+    if len(legs) != 1 or len(arms) != 2:
+        return None
+    ((hip, *_, ankle),) = legs
+    shoulders = (tree.at[arms[0][0]] + tree.at[arms[1][0]]) * 0.5
+    ways = (shoulders - tree.at[hip], tree.at[hip] - tree.at[ankle])
+    trunk, leg = ((way - across * way.dot(across)).unit for way in ways)
+    stands = trunk.dot(Vector(*tree.rig.rules.up)) > _IN_LINE
+    return None if stands or trunk.dot(leg) < _IN_LINE else trunk
 
 
 def _moving(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
@@ -127,7 +150,7 @@ def _votes(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tupl
         yield 2.0 * feet_ahead(tree, body, ahead, poses), _FEET
         yield 2.0 * _thighs(tree, body, ahead), _THIGHS
     if body.arms and body.form == "biped":
-        yield _thumbs(tree, body.arms, body.up, ahead), "the thumbs are there"
+        yield _thumbs(tree, body.arms, body.up, ahead), _THUMBS
 
 
 def _named(tree: Tree, body: Body, ahead: Vector) -> float:
@@ -243,7 +266,10 @@ def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:
 
 
 def _thumbs(tree: Tree, arms: Limbs, up: Vector, ahead: Vector) -> float:
-    """How far thumbs stand ahead of the fingers: they do unless palms are turned out; −1 to 1."""
+    """How far thumbs stand ahead of the fingers: they do unless palms are turned out; −1 to 1.
+
+    As if elbows were straight: bent by more than a right angle they turn thumbs to the back.
+    """
     total = 0.0
     for path in arms.pair.paths:
         wrist = path[arms.at[-1]]
@@ -256,8 +282,17 @@ def _thumbs(tree: Tree, arms: Limbs, up: Vector, ahead: Vector) -> float:
             return 0.0
         aside = tree.at[fingers[which][1]] - tree.at[wrist]
         aside = (aside - along.unit * aside.dot(along.unit)).unit
-        total += 0.5 * aside.dot(ahead)
+        total += 0.5 * _with_straight_elbow(tree, [path[k] for k in arms.at], aside).dot(ahead)
     return total if abs(total) > _ASIDE else 0.0
+
+
+def _with_straight_elbow(tree: Tree, arm: Sequence[int], way: Vector) -> Vector:
+    """A direction of a hand, turned to where it is once the elbow is straight."""
+    if len(arm) < 3:
+        return way
+    shoulder, elbow, wrist = (tree.at[joint] for joint in arm)
+    turn = between(np.array([*(wrist - elbow).unit]), np.array([*(elbow - shoulder).unit]))
+    return Vector(*finite(rotate(turn, np.array([*way]))).tolist())
 
 
 def _stands_out(tree: Tree, fingers: Sequence[Sequence[int]], which: int) -> bool:

@@ -40,6 +40,8 @@ _TOGETHER, _LIMB = 0.1, 0.45
 _FOLD, _FOLDED = 0.1, 0.34
 # Bones in line bend by less than 15°, and a foot is set off from its shin by more than 25° (cosines).
 IN_LINE, SET_OFF = 0.966, 0.906
+# A joint within a bone bends no further than this, as a cosine (25°).
+_WITHIN_BONE = 0.9
 # What a joint that clips bend gains as the middle, and how sharp that has to be, as a cosine (15°).
 _MOVES, _SHARP = 0.1, 0.966
 # What it costs to end elsewhere than where the fingers of a hand begin.
@@ -288,3 +290,16 @@ def within_upper(tree: Tree, path: Sequence[int], at: Sequence[int]) -> int:
         if min((tree.at[k] - start).length, (tree.at[k] - middle).length, tree.bone[k]) > least
     ]
     return inner[0] if len(inner) == 1 else -1
+
+
+def bends_within(tree: Tree, joints: Sequence[int]) -> bool:
+    """Whether one of the joints between start, middle and end bends, so that it is none within a bone."""
+    at = tree.at
+    for start, end in pairwise(joints):
+        if tree.is_below(end, start):
+            way = tree.way(start, end)
+            for over, node, under in zip(way, way[1:], way[2:], strict=False):
+                one, other = at[node] - at[over], at[under] - at[node]
+                if any(one) and any(other) and one.unit.dot(other.unit) < _WITHIN_BONE:
+                    return True
+    return False

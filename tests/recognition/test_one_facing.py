@@ -12,9 +12,11 @@ from broken_vrm import avatar_0, avatar_1
 from places import asset_files, one_in, sample_files, slow
 from posed_bodies import Pose, posed_body
 from program import cli
-from recognition_bodies.skeletons import MAN, Joint, both, line, rig_with
+from recognition_bodies.skeletons import LEG, MAN, TRUNK, Joint, both, line, rig_with
 
 from rigtri.formats import ReadOptions, read
+from rigtri.maths.quaternions import from_axis_angle, multiply, rotate
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
@@ -188,3 +190,41 @@ def test_a_flat_body_that_crouches_stands_on_the_legs_that_names_tell_of() -> No
     (man,) = recognise(rig_with(joints)).characters
     assert man.up == (0, 1, 0)
     assert man.facing == pytest.approx((0, 0, 1), abs=0.05)
+
+
+def with_one_leg(shoulder: Floats, elbow: float, turn: Floats) -> list[Joint]:
+    """A body without a right leg, its arms with hands and thumbs. elbow: its bend, degrees; turn: of all."""
+    bent = from_axis_angle([0, -1, 0], np.radians(elbow))
+
+    def place(point: Floats, *, lower: bool) -> tuple[float, float, float]:
+        at_elbow = np.array([0.28, 0, 0])
+        point = rotate(bent, point - at_elbow) + at_elbow if lower else point
+        x, y, z = rotate(shoulder, point).tolist()
+        return 0.16 + x, 1.45 + y, z
+
+    joints = line("clavicle.L upper_arm.L", "chest", (0.04, 1.45, 0), (0.16, 1.45, 0))
+    joints.append(("forearm.L", "upper_arm.L", place(np.array([0.28, 0, 0]), lower=False)))
+    joints.append(("hand.L", "forearm.L", place(np.array([0.53, 0, 0]), lower=True)))
+    thumb = [np.array([0.555, -0.012, 0.022]), np.array([0.58, -0.028, 0.054]), np.array([0.6, -0.04, 0.078])]
+    fingers = {
+        name: [np.array([0.62 + step, 0, z]) for step in (0, 0.04, 0.066)]
+        for name, z in (("index", 0.028), ("middle", 0.008), ("ring", -0.012), ("pinky", -0.03))
+    }
+    for name, points in {"thumb": thumb, **fingers}.items():
+        words = " ".join(f"{name}{k}.L" for k in (1, 2, 3))
+        joints += line(words, "hand.L", *(place(point, lower=True) for point in points))
+    whole = [*TRUNK, *both(joints), *LEG]
+    return [(name, above, tuple(rotate(turn, np.array(at)).tolist())) for name, above, at in whole]
+
+
+@pytest.mark.parametrize(("elbow", "ahead"), [(110.0, 50.0), (110.0, 30.0), (5.0, 0.0)])
+@pytest.mark.parametrize("over", [0.0, 90.0, 180.0], ids=["standing", "lying", "on its hands"])
+def test_bent_elbows_do_not_turn_a_body_with_one_leg_round(elbow: float, ahead: float, over: float) -> None:
+    """Before, it faced back, for its thumbs do, or was up where the file is; surely so (0.98)."""
+    down = from_axis_angle([0, 0, -1], np.radians(60.0))
+    shoulder = multiply(from_axis_angle([0, -1, 0], np.radians(ahead)), down)
+    turn = from_axis_angle([0, 0, 1], np.radians(over))
+    (character,) = recognise(rig_with(with_one_leg(shoulder, elbow, turn))).characters
+    assert character.facing[2] > 0.9
+    np.testing.assert_allclose(character.up, rotate(turn, [0, 1, 0]), atol=0.1)
+    assert not character.is_mirrored
