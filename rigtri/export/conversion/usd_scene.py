@@ -223,16 +223,15 @@ class _Reader:
     def _clips(self) -> list[Clip]:
         """What the stage plays, as one clip, and each animation that it does not play as one of its own."""
         rig = self.scene.rig
-        sampled = {clip.key[1] for clip in rig.clips if clip.key[0] == "samples"}  # type: ignore[index]
+        # Of an animation that lacks an array of joints UsdSkel plays the blend shapes.
+        shown = rig.shown_clips
+        sampled = {clip.key[1] for clip in shown if clip.key[0] == "samples"}  # type: ignore[index]
         playing = [
             clip
-            for clip in rig.clips
-            if not clip.idle
-            and (
-                clip.key[0] in ("samples", "xforms")  # type: ignore[index]
-                # An animation without samples shows its defaults at all times.
-                or (clip.key[0] == "default" and clip.key[1] not in sampled)  # type: ignore[index]
-            )
+            for clip in shown
+            if clip.key[0] in ("samples", "xforms")  # type: ignore[index]
+            # An animation without samples shows its defaults at all times.
+            or (clip.key[0] == "default" and clip.key[1] not in sampled)  # type: ignore[index]
         ]
         tracks = [track for clip in playing for track in self._followed(clip)]
         found: dict[str, list[Track]] = {}
@@ -244,11 +243,11 @@ class _Reader:
             found[name] = tracks
         for path, skeleton in self._loose():
             prim = self.stage.GetPrimAtPath(path)
-            shown = prim.GetDisplayName() or prim.GetName()
+            called = prim.GetDisplayName() or prim.GetName()
             moved = tracks_of(self.source, path, skeleton)
-            name, number = shown, 1
+            name, number = called, 1
             while {(t.node, t.path) for t in found.get(name, ())} & {(t.node, t.path) for t in moved}:
-                name, number = f"{shown}_{number}", number + 1
+                name, number = f"{called}_{number}", number + 1
             found.setdefault(name, []).extend(moved)
         clips = []
         for name, some in found.items():

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from broken_usd import SHAPED
 from calls import calls
 from convertible import write_everything
 from gltf_files import glb_bytes, glb_json
 from gltf_files import glb_parts as read_glb
 from places import SAMPLES, asset_files, sample_files, slow
 from program import cli
-from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdSkel
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 from second_opinions import khronos_errors
 from usd_files import MESH, animation, at, deviation, read, save, scene, skeleton
 
@@ -338,6 +339,34 @@ def test_an_animation_of_blend_shapes_alone_that_nothing_plays_is_a_clip(tmp_pat
     assert [clip["name"] for clip in glb_json(tmp_path / "out.glb")["animations"]] == ["Anim", "Blink"]
     (lost,) = [one.text for one in report.warnings if "of no skeleton" in one.text]
     assert "</Root/Other>" in lost
+
+
+@pytest.mark.parametrize(
+    "lacking",
+    [
+        {"scales": ""},
+        {"scales": "half3[] scales = [(1, 1, 1)]"},
+        {"translations": "float3[] translations.timeSamples = { 1: None, 9: None }"},
+    ],
+    ids=["no scales", "one scale for three joints", "blocked translations"],
+)
+def test_blend_shapes_play_where_joints_lack_an_array(lacking: dict[str, str], tmp_path: Path) -> None:
+    """As UsdSkel plays them: it gives the joints alone no pose."""
+    moved = animation(
+        blend='uniform token[] blendShapes = ["smile"]',
+        weights="float[] blendShapeWeights.timeSamples = { 1: [0], 9: [0.5] }",
+        **lacking,
+    )
+    source = save(tmp_path, scene(skeleton(), moved, SHAPED))
+    stage = Usd.Stage.Open(str(source))
+    assert UsdSkel.BakeSkinning(stage.Traverse(), Gf.Interval.GetFullInterval())
+    points = UsdGeom.PointBased(stage.GetPrimAtPath("/Root/Skin")).GetPointsAttr()
+    assert not np.allclose(points.Get(9.0), points.Get(1.0))
+    rigtri.convert(source, tmp_path / "out.glb")
+    (clip,) = rigtri.read(tmp_path / "out.glb").clips
+    (weights,) = clip.tracks
+    assert weights.path == "weights"
+    assert np.allclose(weights.values.ravel(), (0.0, 0.5))
 
 
 def test_blocked_samples_are_seen_by_verify(tmp_path: Path) -> None:

@@ -119,7 +119,7 @@ def _read(prim: Any, warnings: list[Notice]) -> Animation | None:
     for name, value in present.items():
         if value.default is None and not len(value.times):
             warnings.append(_ignored(path, f"no value of {name} has as many items as it has joints"))
-            return None
+            return _without_joints(prim)
     # Samples that are all blocked hide the default, too.
     hidden = {name for name, item in present.items() if item.blocked and not len(item.times)}
     missing = [name for name in PROPERTIES if name not in present or name in hidden]
