@@ -201,7 +201,7 @@ def _shapes_of_parents(rig: Rig) -> frozenset[int]:
     ]
     shapes = [k for k in shapes if rig.attachment[rig.parents[k]] < 0]
     places = rig.world[:, 3, :3]
-    span = float(np.abs(places - places.mean(axis=0)).max()) if len(rig) else 0.0
+    span = float(np.ptp(places, axis=0).max()) / 2.0 if len(rig) else 0.0
     near = [k for k in shapes if float(length(places[k] - places[rig.parents[k]])) <= _SAME_POSITION * span]
     return frozenset(near) | (_unplaced_joints(rig) & frozenset(shapes))
 

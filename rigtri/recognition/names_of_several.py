@@ -37,7 +37,7 @@ def _counted_twice(draft: Draft, each: Found) -> str:
     mine = {(name.key, name.side): k for k, name in own.items()}
     for node in (k for k in draft.tree.nodes if k not in each.joints and not roles_in_name(names[k])):
         name = parse_name(names[node])
-        if joint := mine.get((name.key, name.side), 0):
+        if (joint := mine.get((name.key, name.side))) is not None:
             return f"'{draft.tree.rig.title(node)}' is counted as '{draft.tree.rig.title(joint)}' is"
     return ""
 

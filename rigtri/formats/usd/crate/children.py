@@ -119,7 +119,8 @@ def _listed(
     lists = (mine >> np.uint64(48) == _VECTOR) & (places >= 0)
     begins = (mine[lists] & np.uint64((1 << 48) - 1)).astype(np.int64)
     counts = _numbers(content, begins, 8)
-    offsets = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    before = np.repeat(np.cumsum(counts) - counts, counts)
+    offsets = np.arange(len(before)) - before
     found = _numbers(content, np.repeat(begins + 8, counts) + 4 * offsets, 4)
     if len(found) and int(found.max()) >= len(fields.tokens):
         raise ValueError(f"a prim lists name {int(found.max())} of {len(fields.tokens)}")

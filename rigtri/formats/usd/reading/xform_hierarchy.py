@@ -23,6 +23,7 @@ from rigtri.formats.usd.reading.sampled_xforms import notice_shear, sampled_trac
 from rigtri.maths.matrices import SKEW, decompose, inverse, skew
 from rigtri.maths.quaternions import IDENTITY, multiply, off_unit, rotate, to_axes
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot
 from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -237,7 +238,7 @@ def _folded(path: Path, values: Floats, outer: Floats, inner: Floats) -> Floats:
     if path == "rotation":
         return multiply(multiply(outer, values), inner)
     # Along the axes that the inner rotation takes there; of uneven ones it takes each to one.
-    return (to_axes(inner) ** 2 * values[..., np.newaxis, :]).sum(axis=-1) if _uneven(values) else values
+    return dot(to_axes(inner) ** 2, values[..., np.newaxis, :]) if _uneven(values) else values
 
 
 def _onto_axes(rotation: Floats) -> bool:
