@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from crowds import contents
 from places import slow
 from program import cli
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
@@ -78,6 +79,22 @@ def test_strip_leaves_the_rig_of_an_asset_and_names_its_layer(tmp_path: Path) ->
     printed = cli("strip", again, "-o", bare, "--overwrite", code=0).output
     assert "The rig of rig.usda stays" in printed
     assert bare.read_text() == shot.read_text()
+
+
+def test_a_rig_inside_an_instance_refers_to_nothing_outside(tmp_path: Path) -> None:
+    """Composition drops such targets; the prop did not follow, with exit code 0."""
+    names = ("hero", "rig", "held", "free", "out")
+    hero, rig, held, free, out = (tmp_path / f"{name}.usda" for name in names)
+    hero.write_text(scene(skeleton(), animation(), MESH))
+    cli("constrain", hero, "-o", rig, "--child", "Skin", "--driver", "a", code=0)
+    held.write_text(INSTANCED.replace("hero", "rig") + 'def Xform "Sword"\n{\n}\n')
+    before = contents(tmp_path)
+    printed = cli("constrain", held, "-o", out, "--child", "Sword", "--driver", "a", code=3).output
+    assert "would be in </" in printed
+    assert "refer to </Sword>, which is outside" in printed
+    assert contents(tmp_path) == before
+    free.write_text(held.read_text().replace("instanceable = true", "instanceable = false"))
+    cli("constrain", free, "-o", out, "--child", "Sword", "--driver", "a", code=0)
 
 
 def referenced(name: str, file: str = "hero.usda", more: str = "", body: str = "") -> str:

@@ -11,7 +11,9 @@ from typing import Any
 
 from pxr import Sdf, Vt
 
+from rigtri.errors import FileError
 from rigtri.formats.usd.opinions.edits import Edit
+from rigtri.formats.usd.opinions.instance_edits import instance_of
 from rigtri.formats.usd.reading.metadata_attributes import INDICES, PREFIX, TARGET, Metadata, attribute_name
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.source import Source
@@ -28,6 +30,7 @@ def reference_edits(
     """Edits of the relationships of prims that are new, that refer to others, or whose targets are renamed.
 
     made: the paths of new prims. skeletons: those of the skeletons of new joints. now: a path after renaming.
+    FileError where a prim inside an instance would refer to one outside.
     """
     before, found = source.rig, []
     for node, metadata in rig.metadata.items():
@@ -39,8 +42,22 @@ def reference_edits(
         moved = {name: [now(target) for target in targets] for name, targets in relations.items()}
         same = old is not None and dict(metadata) == dict(before.metadata.get(node, {}))
         if (moved or old is not None) and (not same or moved != relations):
+            _refuse_outside(source, path, relations)
             found.append(_relate(now(path), moved))
     return found
+
+
+def _refuse_outside(source: Source, path: Any, relations: Relations) -> None:
+    """FileError where a prim inside an instance would refer to one outside, which composition drops."""
+    if (instance := instance_of(source.stage, path)) is None:
+        return
+    for target in (target for targets in relations.values() for target in targets):
+        if not target.isEmpty and not target.HasPrefix(instance.GetPath()):
+            raise FileError(
+                f"'{Sdf.Path(path).name}' would be in <{instance.GetPath()}>, an instance, and refer to "
+                f"<{target}>, which is outside: what instances share can refer to nothing else. Make "
+                f"<{instance.GetPath()}> no instance (instanceable = false), then run this again"
+            )
 
 
 def portable(rig: Rig, metadata: Metadata, skeleton: str = "") -> dict[str, Any]:
