@@ -344,9 +344,9 @@ class _Limb:
     def _warn_followers(self, solvers: tuple[Solver, Solver], moved: Sequence[int], times: Floats) -> None:
         """A warning for what follows controls of the limb, and moves with them where its joints stay."""
         rig = solvers[1].rig
-        for node in moved:
-            loose = not rig.is_joint[node] and node not in rig.own
-            if loose and not (far := self._deviation(solvers, [node], times)) <= NEAR:
+        loose = [node for node in moved if not rig.is_joint[node] and node not in rig.own]
+        for node, far in self._deviations(solvers, loose, times).items():
+            if not far <= NEAR:
                 led = sorted({f"'{rig.title(k)}'" for rule in self._rules[node] for k in rule.sources})
                 text = (
                     f"'{rig.title(node)}' follows {and_more(led, 3)} and moves by {far:.2g} of the size: "
@@ -356,17 +356,25 @@ class _Limb:
 
     def _deviation(self, solvers: tuple[Solver, Solver], joints: Sequence[int], times: Floats) -> float:
         """How far joints are from where they were, at most, as a share of the size."""
+        return max(self._deviations(solvers, joints, times).values(), default=0.0)
+
+    def _deviations(
+        self, solvers: tuple[Solver, Solver], joints: Sequence[int], times: Floats
+    ) -> dict[int, float]:
+        """How far each node is from where it was, as a share of the size."""
+        if not joints:
+            return {}
         before, after = (self._posed(solver, times, joints) for solver in solvers)
-        far = 0.0
-        rig = solvers[1].rig
+        rig, found = solvers[1].rig, dict[int, float]()
+        size = skeleton_size(rig)
         for joint in joints:
             off = length((after.world(joint) - before.world(joint))[:, :, :3])
             apart = off[:, 3]
             if not rig.is_joint[list(rig.children[joint])].any():
                 # No joint below shows how it turns: what it moves is about as long as the bone above it.
                 apart = apart + off[:, :3].max(axis=1) * float(length(rig.translation[joint]))
-            far = max(far, float(np.nan_to_num(apart).max()))
-        return far / skeleton_size(rig)
+            found[joint] = max(0.0, float(np.nan_to_num(apart).max())) / size
+        return found
 
 
 def _channel_values(channels: Mapping[int, Parts]) -> dict[tuple[int, Path], Floats]:

@@ -270,13 +270,14 @@ def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
     because = () if by_names else tuple(f"{FACES}{w}" for w in why[:1])
     if draft.shape.legs and not by_names and sure < _SEEN:
         return list(pairs)  # nothing shows what is front, and so what is left
-    hands = [each.pair is not None and ends_in_hand(each.pair) for each in pairs]
-    least = [min(each.confidence, _LEAST) if hand else 0.0 for each, hand in zip(pairs, hands, strict=True)]
-    sures = [max(each.confidence * share, low) for each, low in zip(pairs, least, strict=True)]
-    return [
-        replace(each, side=_side(draft, each), confidence=own, evidence=(*each.evidence, *because))
-        for each, own in zip(pairs, sures, strict=True)
-    ]
+    found = []
+    for each in pairs:
+        shared = each.confidence * share
+        if each.pair is not None and ends_in_hand(each.pair):  # an arm, whichever side it is on
+            shared = max(shared, min(each.confidence, _LEAST))
+        evidence = (*each.evidence, *because)
+        found.append(replace(each, side=_side(draft, each), confidence=shared, evidence=evidence))
+    return found
 
 
 def _faces(draft: Draft, body: Body, by_names: bool) -> tuple[float, tuple[str, ...]]:

@@ -135,7 +135,7 @@ def triple_of(
         if quality == 0.0 or any(_are_axes(words, at) for words in words_of):
             continue  # a joint between bends, a bone has no length, or is between axes of one joint
         quality -= _LED if at[0] < first else 0.0
-        led = fsum(bones[first + 1 : at[0] + 1]) > SAME_PLACE * fsum(bones[at[0] + 1 : at[2] + 1])  # no group
+        led = fsum(bones[first + 1 : at[0] + 1]) > SAME_PLACE * _size(bones, at)  # by no group
         quality -= _LED if kind == "leg" and led and now[at[0]] > STRAIGHT else 0.0
         quality -= _HANDLESS if fingers >= HAND and at[2] < len(path) - 1 and kind != "leg" else 0.0
         named = fsum([agreement(levels, at) for levels in levels_of]) / max(1, len(levels_of))
@@ -147,24 +147,27 @@ def triple_of(
     if not found:
         return None
     order = sorted(found, key=lambda one: one[0], reverse=True)
-    size = fsum(bones[order[0][1][0] + 1 : order[0][1][2] + 1])
     # Of axes in one place the start is the last one and the end the first, unless names say otherwise.
-    same = [one for one in order if _are_in_one_place(bones, one[1], order[0][1], size)]
+    same = [one for one in order if _are_in_one_place(bones, order[0][1], one[1])]
     best, at, quality, named = max(same, key=lambda one: (round(one[3], 9), *one[1][:2], -one[1][2]))
     others = [one for one in order if one[1] != at]
     if max(one[2] for one in found) - quality > _DISPUTED:
         named -= 1.0  # shape says otherwise: names alone make nothing sure
-    size = fsum(bones[at[0] + 1 : at[2] + 1])
-    second = next((one[0] for one in others if not _are_in_one_place(bones, at, one[1], size)), 0.0)
+    second = next((one[0] for one in others if not _are_in_one_place(bones, at, one[1])), 0.0)
     rival = max((one[2] for one in others if one[1][1] != at[1]), default=0.0)
     noisy = quality - rival < _DOUBTED and min(straight[1 : at[2] + 1]) < _NOISY
-    return Triple(at, quality, best - second, size, named, noisy)
+    return Triple(at, quality, best - second, _size(bones, at), named, noisy)
 
 
-def _are_in_one_place(bones: list[float], at: Sequence[int], other: Sequence[int], size: float) -> bool:
+def _size(bones: list[float], at: Sequence[int]) -> float:
+    """The length of a limb along its bones, from its start to its end."""
+    return fsum(bones[at[0] + 1 : at[2] + 1])
+
+
+def _are_in_one_place(bones: list[float], at: Sequence[int], other: Sequence[int]) -> bool:
     """Whether three joints stand where three others of a path do: other axes of the same joints."""
     apart = (fsum(bones[min(a, b) + 1 : max(a, b) + 1]) for a, b in zip(at, other, strict=True))
-    return max(apart) <= SAME_PLACE * size
+    return max(apart) <= SAME_PLACE * _size(bones, at)
 
 
 def _are_axes(words: Sequence[LimbWords], at: Sequence[int]) -> bool:

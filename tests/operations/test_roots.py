@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -559,15 +560,21 @@ def test_ik_bones_follow_a_hand_that_a_clip_hides_by_a_scale_of_0() -> None:
     assert np.abs(places(made, "ik_hand_l") - places(made, "hand_L")).max() < 3e-4
 
 
-def test_ik_bones_are_made_of_what_they_follow_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Before, all nodes were posed at all keys and between them: 8,000 more took 10 s."""
-    rig, posed = rigtri.read(SAMPLES / "biped.glb"), []
+def counts_of_posed(monkeypatch: pytest.MonkeyPatch, of: Callable[[Rig, Floats], int]) -> list[int]:
+    """What is posed for IK bones from now on, one number for each block of frames."""
+    found: list[int] = []
 
     def counted(rig: Rig, local: Floats) -> Floats:
-        posed.append(len(rig))
+        found.append(of(rig, local))
         return worlds(rig, local)
 
     monkeypatch.setattr("rigtri.operations.ik_bones.worlds", counted)
+    return found
+
+
+def test_ik_bones_are_made_of_what_they_follow_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before, all nodes were posed at all keys and between them: 8,000 more took 10 s."""
+    rig, posed = rigtri.read(SAMPLES / "biped.glb"), counts_of_posed(monkeypatch, lambda rig, _: len(rig))
     rigtri.add_root(rig, profile="unreal")
     alone = list(posed)
     posed.clear()
@@ -582,13 +589,7 @@ def test_ik_bones_are_made_of_what_they_follow_alone(monkeypatch: pytest.MonkeyP
 @pytest.mark.ci
 def test_ik_bones_of_many_keys_are_made_of_some_frames_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Before, 60,000 keys took 1.7 GB."""
-    rig, most = rigtri.read(SAMPLES / "biped.glb"), []
-
-    def counted(rig: Rig, local: Floats) -> Floats:
-        most.append(len(local))
-        return worlds(rig, local)
-
-    monkeypatch.setattr("rigtri.operations.ik_bones.worlds", counted)
+    rig, most = rigtri.read(SAMPLES / "biped.glb"), counts_of_posed(monkeypatch, lambda _, local: len(local))
     whole = rigtri.add_root(rig, profile="unreal")
     assert max(most) > 16
     most.clear()

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from rigtri.maths.arrays import Integers
 from rigtri.model.dataclass import dataclass
 
-Integers = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
 Words = np.ndarray[tuple[int, ...], np.dtype[np.uint64]]
 
+# What ends a set of fields.
+NO_FIELD = 0xFFFFFFFF
 _VECTOR = 41
 # The field that lists, the kinds of spec that it lists, and the sign of their names in the tree of paths.
 _LISTS = (("primChildren", "prim", (6,), 1), ("properties", "property", (1, 8), -1))
@@ -110,7 +112,7 @@ def _listed(
     content: memoryview, fields: Fields, specs: Specs, places: Integers, token: int
 ) -> tuple[Integers, Integers]:
     """All that specs list by a field: the places of the specs and the tokens of what they list."""
-    at = np.flatnonzero(specs.sets != 0xFFFFFFFF)
+    at = np.flatnonzero(specs.sets != NO_FIELD)
     at = at[fields.names[specs.sets[at]] == token]
     starts, of_spec = np.unique(specs.fields, return_inverse=True)
     values = np.zeros(len(starts), dtype=np.uint64)

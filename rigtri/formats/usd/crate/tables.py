@@ -18,6 +18,8 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.crate import children, lz4
+from rigtri.formats.usd.crate.children import NO_FIELD, Words
+from rigtri.maths.arrays import Integers
 
 MAGIC = b"PXR-USDC"
 _BOOTSTRAP = struct.Struct("<8s8Bq")
@@ -26,12 +28,9 @@ _SECTION = struct.Struct("<16sqq")
 _OLDEST = (0, 4, 0)
 # From this version on the number of items of an array takes eight bytes.
 _WIDE = (0, 7, 0)
-_NO_FIELD = 0xFFFFFFFF
 _KINDS_OF_SPEC = 12
 # A packed integer takes two bits of what LZ4 shrinks at most 255 times.
 _MOST_INTEGERS = 4 * lz4.MOST
-
-Words = np.ndarray[tuple[int, ...], np.dtype[np.uint64]]
 
 _ARRAY, _INLINED, _COMPRESSED = 1 << 63, 1 << 62, 1 << 61
 _STRING, _TOKEN, _ASSET, _TIMES, _TIME_SAMPLES = 10, 11, 12, 48, 46
@@ -52,7 +51,6 @@ _LISTS = {32: 4, 33: 4, 34: 4, 35: 8, 36: 4, 37: 8, 38: 4, 39: 8, 54: 8, 55: 8}
 _OF_METADATA = np.isin(np.arange(256), [*_LISTS, *range(40, 51), 52, 58])
 
 T = TypeVar("T")
-Integers = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
 
 
 def check(content: memoryview, name: str) -> None:
@@ -155,8 +153,8 @@ class _Crate:
     def _field_sets(self, at: int, end: int, fields: int) -> Integers:
         count, at = self._count(at, end)
         sets, _ = self._integers(at, end, count)
-        _below(sets[sets != _NO_FIELD], fields, "field")
-        if count and sets[-1] != _NO_FIELD:
+        _below(sets[sets != NO_FIELD], fields, "field")
+        if count and sets[-1] != NO_FIELD:
             raise ValueError("its last set does not end")
         return sets
 
@@ -181,7 +179,7 @@ class _Crate:
             raise ValueError("two specs have one path")
         sets = np.zeros(0, dtype=np.int64) if sets is None else sets
         _below(fields, len(sets), "set of fields")
-        if (sets[fields[fields > 0] - 1] != _NO_FIELD).any():
+        if (sets[fields[fields > 0] - 1] != NO_FIELD).any():
             raise ValueError("a set of fields starts within another")
         if not ((kinds > 0) & (kinds < _KINDS_OF_SPEC)).all():
             raise ValueError("a spec is of no known kind")
