@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 
 from rigtri.maths.ranking import SAME_SCORE, ranked
 from rigtri.maths.scalar_vector import Vector
@@ -244,15 +245,18 @@ def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]
     elif body is not None and (
         _is_clear(body)
         or abs(across.unit.dot(up)) > _LATERAL
-        or (_has_legs_of(body, legs) and lies(draft.tree, body, up))
+        or (_has_legs_of(body, legs, arms) and lies(draft.tree, body, up))
     ):
         up = body.up
     draft.stand(up, across.cross(up))
 
 
-def _has_legs_of(body: Body, named: Sequence[tuple[int, ...]]) -> bool:
-    """Whether a body's legs are among those that names tell of, if they tell of any."""
-    return not named or (body.legs is not None and any(body.legs.joints(k) in named for k in (0, 1)))
+def _has_legs_of(body: Body, legs: Sequence[tuple[int, ...]], arms: Sequence[tuple[int, ...]]) -> bool:
+    """Whether a body's legs share joints with the legs that names tell of, if any, and none with arms."""
+    if not legs or body.legs is None:
+        return not legs
+    mine = {*body.legs.joints(0), *body.legs.joints(1)}
+    return not mine.isdisjoint(chain(*legs)) and mine.isdisjoint(chain(*arms))
 
 
 def _are_twins(one: Found, other: Found) -> bool:
