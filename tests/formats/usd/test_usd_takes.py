@@ -104,6 +104,47 @@ def test_keys_that_a_variant_cannot_hold_are_refused(shot: Path, tmp_path: Path)
     assert "outside of the variants" in error
 
 
+PROP = (
+    'def Xform "Prop"\n{\ndouble3 xformOp:translate = (1, 2, 3)\n'
+    'uniform token[] xformOpOrder = ["xformOp:translate"]\n}'
+)
+PROPS = variants("props", sword=PROP, axe=PROP, none="")
+
+
+def test_a_prop_of_one_variant_follows_in_that_one_alone(tmp_path: Path) -> None:
+    text = with_set(scene(skeleton(), animation(), MESH, PROPS), "props", "sword")
+    tied, out, over, shot = (tmp_path / f"{name}.usda" for name in ("tied", "out", "over", "shot"))
+    source = save(tmp_path, text)
+    tie = ["--type", "parent", "--child", "Prop", "--driver", "a"]
+    cli("constrain", source, *tie, "-o", tied, code=0)
+    printed = cli("bake", tied, "--to", "joints", "-o", out, code=0).output
+    assert "Keys of </Root/Prop> are written in the variant </Root{props=sword}Prop> alone" in printed
+    cli("bake", tied, "--to", "joints", "--edit-target", "new", "-o", over, code=0)
+    for path in (out, over):
+        for prop in ("sword", "axe"):
+            stage = select(path, props=prop)
+            moved = UsdGeom.Xformable(stage.GetPrimAtPath("/Root/Prop"))
+            assert moved.TransformMightBeTimeVarying() == (prop == "sword")
+        assert not select(path, props="none").GetPrimAtPath("/Root/Prop")
+    # The variant of an asset would get its keys in the shot, where every variant shows them.
+    shot.write_text('#usda 1.0\ndef "Root" (references = @./in.usda@)\n{\n}\n')
+    error = cli("constrain", shot, *tie, "-o", tmp_path / "no.usda", code=3).stderr
+    assert "is written inside the variant /Root{props=sword}Prop" in error
+
+
+def test_keys_of_a_prop_are_refused_where_all_variants_share_what_it_moves_by(tmp_path: Path) -> None:
+    shared = 'over "Prop"\n{\ndouble3 xformOp:translate = (1, 2, 3)\n}'
+    turned = 'def Xform "Prop"\n{\nuniform token[] xformOpOrder = ["xformOp:translate"]\n}'
+    text = with_set(
+        scene(skeleton(), animation(), MESH, shared, variants("props", sword=turned)), "props", "sword"
+    )
+    tied = tmp_path / "tied.usda"
+    cli("constrain", save(tmp_path, text), "--child", "Prop", "--driver", "a", "-o", tied, code=0)
+    error = cli("bake", tied, "--to", "joints", "-o", tmp_path / "out.usda", code=3).stderr
+    assert "</Root/Prop.xformOp:translate>" in error
+    assert "outside of the variants" in error
+
+
 @pytest.mark.parametrize("bound", [False, True], ids=["values", "binding"])
 def test_controls_get_no_keys_where_a_variant_decides_the_motion(bound: bool, tmp_path: Path) -> None:
     if bound:

@@ -12,14 +12,18 @@ from typing import Any
 from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.opinions.edits import Edit
 from rigtri.formats.usd.opinions.instance_edits import instance_of
+from rigtri.formats.usd.opinions.variant_paths import why_unkeyable
 from rigtri.formats.usd.reading.metadata_attributes import INDICES, PREFIX, TARGET, Metadata, attribute_name
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.metadata import Place, with_references
 from rigtri.model.rig import Rig
 
+# What a constraint moves.
+CHILD = attribute_name(("child",))[0]
 # Targets by relationship; an empty path for what is nowhere.
 Relations = Mapping[str, list[Any]]
 
@@ -30,7 +34,8 @@ def reference_edits(
     """Edits of the relationships of prims that are new, that refer to others, or whose targets are renamed.
 
     made: the paths of new prims. skeletons: those of the skeletons of new joints. now: a path after renaming.
-    FileError where a prim inside an instance would refer to one outside.
+    FileError where a prim inside an instance would refer to one outside, and for a new constraint of a prim
+    that cannot get keys.
     """
     before, found = source.rig, []
     for node, metadata in rig.metadata.items():
@@ -43,6 +48,9 @@ def reference_edits(
         same = old is not None and dict(metadata) == dict(before.metadata.get(node, {}))
         if (moved or old is not None) and (not same or moved != relations):
             _refuse_outside(source, path, relations)
+            if not same and metadata.get("type") == "constraint":
+                children = (source.stage.GetPrimAtPath(child) for child in relations[CHILD] if child)
+                refuse("; ".join(filter(None, (why_unkeyable(child) for child in children if child))))
             found.append(_relate(now(path), moved))
     return found
 

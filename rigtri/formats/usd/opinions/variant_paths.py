@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from pxr import Sdf
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.stage import DEFAULT, tokens_of, why_locked
 from rigtri.formats.usd.composition.variants import SkeletonVariants, VariantState, why_unselected
 from rigtri.formats.usd.opinions.instance_edits import instance_of
+from rigtri.formats.usd.reading.xform_hierarchy import OPS
 
 
 def place_in_variants(attribute: Any, state: VariantState, variants: SkeletonVariants) -> Any:
@@ -21,8 +23,7 @@ def place_in_variants(attribute: Any, state: VariantState, variants: SkeletonVar
     prim, shown = attribute.GetPrimPath(), variants.stage.GetAttributeAtPath(attribute)
     for spec in shown.GetPropertyStack(DEFAULT)[:1] if shown else ():
         own, place = spec.layer in variants.source.GetLayerStack(), spec.path.GetPrimPath()
-        within = place.StripAllVariantSelections() == prim and place.ContainsPrimVariantSelection()
-        if own and within and instance_of(variants.source, prim) is None:
+        if own and _is_within(place, prim) and instance_of(variants.source, prim) is None:
             return place
     return inside_variants(prim, variants.depends.get(attribute, set()), state, variants)
 
@@ -49,3 +50,44 @@ def inside_variants(prim: Any, sets: set[Any], state: VariantState, variants: Sk
                         "variant a file of its own."
                     )
     return path
+
+
+def own_place(prim: Any) -> Any:
+    """The path of a prim within the variants of the stage's own layers that alone hold it, or its ops.
+
+    Its own path where no such variant does.
+    """
+    path, own = prim.GetPath(), prim.GetStage().GetLayerStack()
+    if instance_of(prim.GetStage(), path) is not None:
+        return path
+    for name in _op_names(prim):
+        attribute = prim.GetAttribute(name)
+        for spec in attribute.GetPropertyStack(DEFAULT)[:1] if attribute else ():
+            if spec.layer in own and _is_within(spec.path.GetPrimPath(), path):
+                return spec.path.GetPrimPath()
+    places = [spec.path for spec in prim.GetPrimStack() if spec.layer in own]
+    return next((place for place in places if _is_within(place, path)), path) if path not in places else path
+
+
+def why_unkeyable(prim: Any) -> str:
+    """Why a prim cannot get keys: a variant of another file holds its ops; "" where it can."""
+    return why_locked(prim, _op_names(prim)) if own_place(prim) == prim.GetPath() else ""
+
+
+def _op_names(prim: Any) -> tuple[str, ...]:
+    """The attributes by which a prim moves, or would."""
+    ops = (name for name in tokens_of(prim, "xformOpOrder") if name.startswith("xformOp:"))
+    return ("xformOpOrder", *ops, *OPS.values())
+
+
+def _is_within(place: Any, path: Any) -> bool:
+    return bool(place.ContainsPrimVariantSelection() and place.StripAllVariantSelections() == path)
+
+
+def shared_opinions(stage: Any, path: Any) -> Iterator[Any]:
+    """The opinions of the files of the stage itself on an attribute that no variant holds."""
+    layers = [layer for layer in stage.GetLayerStack(includeSessionLayers=False) if layer.realPath]
+    attribute = stage.GetAttributeAtPath(path)
+    for spec in attribute.GetPropertyStack(DEFAULT) if attribute else ():
+        if spec.layer in layers and spec.path == path:
+            yield spec

@@ -10,14 +10,13 @@ Source: OpenUSD glossary, LIVRPS (local opinions are stronger than those within 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from pxr import Sdf
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.variant_choices import VariantSet
 from rigtri.formats.usd.composition.variants import (
     VALUES,
@@ -27,7 +26,7 @@ from rigtri.formats.usd.composition.variants import (
     why_decided,
 )
 from rigtri.formats.usd.opinions.edits import Edit, Setting
-from rigtri.formats.usd.opinions.variant_paths import inside_variants
+from rigtri.formats.usd.opinions.variant_paths import inside_variants, own_place, shared_opinions
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import PROPERTIES
 from rigtri.formats.usd.reading.node_keys import kind
@@ -61,6 +60,7 @@ def confine_keys(edit: UsdEdit) -> None:
             animation = Sdf.Path(variants.animation)
             arrays = [animation.AppendProperty(name) for name in ("joints", *PROPERTIES)]
             variants.refuse_dependent(arrays, "Keys cannot be changed")
+    _confine_props(edit)
 
 
 def _confine(
@@ -126,19 +126,38 @@ def _inside(value: Edit, animation: Any, sets: set[VariantSet], variants: Skelet
             f"<{animation}> would be new in every variant. Bind an animation to <{variants.skeleton}> first "
             "(skel:animationSource), or give each variant a file of its own."
         )
-    for spec in _outside(variants.source, value.path):
-        raise FileError(
-            f"<{value.path}> of {spec.layer.identifier} lies outside of the variants, and hides keys in one. "
-            "Give each variant a file of its own, or put a shot above the file and the variants there."
-        )
+    _refuse_shared(variants.source, value)
     every = sets | variants.depends.get(value.path, set())
     return replace(value.at(inside_variants(animation, every, variants.states[0], variants)), prim=animation)
 
 
-def _outside(stage: Any, path: Any) -> Iterator[Any]:
-    """The opinions of the files of the stage itself on an attribute that no variant holds."""
-    layers = [layer for layer in stage.GetLayerStack(includeSessionLayers=False) if layer.realPath]
-    attribute = stage.GetAttributeAtPath(path)
-    for spec in attribute.GetPropertyStack(DEFAULT) if attribute else ():
-        if spec.layer in layers and spec.path == path:
-            yield spec
+def _refuse_shared(stage: Any, value: Setting) -> None:
+    """FileError where an opinion that all variants share would hide that of one."""
+    for spec in shared_opinions(stage, value.path):
+        raise FileError(
+            f"<{value.path}> of {spec.layer.identifier} lies outside of the variants, and hides keys in one. "
+            "Give each variant a file of its own, or put a shot above the file and the variants there."
+        )
+
+
+def _confine_props(edit: UsdEdit) -> None:
+    """Route the keys of prims that are not rigtri's into the variants that alone have these."""
+    stage = edit.source.stage
+    keyed = {Sdf.Path(edit.rig.labels[track.node]) for track in edit.changes.prim_tracks}
+    prims = {path: stage.GetPrimAtPath(path) for path in keyed}
+    places = {path: own_place(prim) for path, prim in prims.items()}
+    places = {path: place for path, place in places.items() if place != path}
+
+    def moved(value: Edit) -> Edit:
+        if value.prim not in places or not isinstance(value, Setting):
+            return value
+        _refuse_shared(stage, value)
+        return replace(value.at(places[value.prim]), prim=value.prim)
+
+    edit.opinions = [moved(value) for value in edit.opinions] if places else edit.opinions
+    for path in sorted(places):
+        text = (
+            f"Keys of <{path}> are written in the variant <{places[path]}> alone, which has it. To bake "
+            "another variant, select it and run again"
+        )
+        edit.notices.append(Notice("variant-keys", text))

@@ -14,9 +14,10 @@ from typing import Any
 from pxr import Sdf, UsdGeom
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stage import refuse, tokens_of, why_locked
+from rigtri.formats.usd.composition.stage import refuse, tokens_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens, set_value
 from rigtri.formats.usd.opinions.skeleton_edits import as_one, as_samples
+from rigtri.formats.usd.opinions.variant_paths import why_unkeyable
 from rigtri.formats.usd.opinions.xform_edits import (
     OP_TYPES,
     op_samples,
@@ -50,7 +51,7 @@ def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) 
     order = list(tokens_of(prim, "xformOpOrder"))
     resets = [_RESET] if order[:1] == [_RESET] else []
     ops = order[len(resets) :]
-    refuse(why_locked(prim, ("xformOpOrder", *ops, *OPS.values())))
+    refuse(why_unkeyable(prim))
     moved = bool((source.rig.local[node] != rig.local[node]).any())
     if ops == [name for name in OPS.values() if name in ops]:
         return _into_stack(prim, rig.local[node] if moved else None, tracks, resets, ops)
