@@ -60,6 +60,8 @@ _DISPUTED = 0.25
 _MOST = 11
 # Noise that explains bends of more than 10° (a cosine), where another middle is as limb-like but for so much.
 _NOISY, _DOUBTED = 0.985, 0.4
+# Clips bend a joint clearly by more than this (a cosine, 45°), and further than what noise may take for it.
+_SHOWN = 0.7
 # Where a chain could bend at two places almost as well, it is not clear which.
 TIE = 0.05
 
@@ -154,9 +156,11 @@ def triple_of(
     if max(one[2] for one in found) - quality > _DISPUTED:
         named -= 1.0  # shape says otherwise: names alone make nothing sure
     second = next((one[0] for one in others if not _are_in_one_place(bones, at, one[1])), 0.0)
-    rival = max((one[2] for one in others if one[1][1] != at[1]), default=0.0)
-    noisy = quality - rival < _DOUBTED and min(straight[1 : at[2] + 1]) < _NOISY
-    return Triple(at, quality, best - second, _size(bones, at), named, noisy)
+    rivals = [one for one in others if one[1][1] != at[1]]
+    noisy = quality - max((one[2] for one in rivals), default=0.0) < _DOUBTED
+    noisy = noisy and min(straight[1 : at[2] + 1]) < _NOISY
+    shown = moves and ever[at[1]] < min([_SHOWN, *(ever[one[1][1]] for one in rivals)])
+    return Triple(at, quality, best - second, _size(bones, at), named, noisy and not shown)
 
 
 def _size(bones: list[float], at: Sequence[int]) -> float:

@@ -9,10 +9,24 @@ import numpy as np
 import pytest
 from recognition_bodies.skeletons import ARM, HORSE, LEG, TRUNK, Joint, both, line, renamed, rig_with
 
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.animation import Clip, Track
 from rigtri.recognition.layout import Character
 from rigtri.recognition.recognise import recognise
 
 PERSON = [*TRUNK, *both([*ARM, *LEG])]
+# An arm in a line, of which the upper bone is half as long as the lower one; its fingers are one chain.
+LONG_ARM = line(
+    "clavicle.L upper.L fore.L hand.L finger.L tip.L",
+    "chest",
+    (0.1, 1.45, 0),
+    (0.13, 1.45, 0),
+    (0.33, 1.45, 0.01),
+    (0.74, 1.45, 0.04),
+    (0.86, 1.45, 0.1),
+    (0.91, 1.45, 0.12),
+)
+BELOW_ELBOW = {"fore.L", "hand.L", "finger.L", "tip.L"}
 
 
 def moved(joints: Sequence[Joint], far: float, seed: int) -> list[Joint]:
@@ -237,3 +251,22 @@ def test_who_sits_in_a_file_with_another_up_is_no_sure_animal(arms: str) -> None
     assert not any(
         chain.kind == "leg" and chain.is_sure and rig.names[chain.bend[0]][0] == "x" for chain in chains
     )
+
+
+@pytest.mark.parametrize(("degrees", "is_sure"), [(0, False), (30, False), (100, True)])
+def test_clips_that_bend_an_elbow_far_show_that_no_noise_has_chosen_it(degrees: float, is_sure: bool) -> None:
+    """Before, straight arms whose twins have other lengths were not sure, whatever their clips did."""
+    arms = both(LONG_ARM)
+    longer = [(name, above, (x + 0.03 * (name in BELOW_ELBOW), y, z)) for name, above, (x, y, z) in arms]
+    joints = [*TRUNK, *longer, *both(LEG)]
+    rig, row = rig_with(joints, named=False), [name for name, _, _ in joints]
+    turn = from_axis_angle(np.array([0.0, 1.0, 0.0]), np.radians(degrees))
+    still = np.array([0.0, 0.0, 0.0, 1.0])
+    keys = np.stack([still, turn, still, turn])
+    tracks = (
+        Track(row.index(name), "rotation", "LINEAR", np.arange(4.0), keys) for name in ("fore.L", "fore.R")
+    )
+    (found,) = recognise(replace(rig, clips=(Clip("wave", tuple(tracks)),))).characters
+    arm = {chain.side: chain for chain in found.limbs if chain.kind == "arm"}
+    assert {side: row[chain.bend[1]] for side, chain in arm.items()} == {"left": "fore.L", "right": "fore.R"}
+    assert [chain.is_sure for chain in arm.values()] == [is_sure] * 2
