@@ -9,17 +9,18 @@ Source: UsdGeomXformable (GetLocalTransformation); UsdAttribute (interpolation).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from pxr import Gf, UsdGeom
+from pxr import UsdGeom
 
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sorted_unique
 from rigtri.export.conversion.usd_clips import EVEN, unevenness
 from rigtri.formats.usd.composition.stage import quiet
+from rigtri.formats.usd.reading.sampled_xforms import matrices_at, turning_ops
 from rigtri.formats.usd.reading.xform_hierarchy import read_transform, value_numbers
 from rigtri.maths.matrices import SKEW, compose, decompose, skew
 from rigtri.maths.quaternions import angle_between, make_continuous, norm, normalise, slerp, unit
@@ -145,36 +146,14 @@ def unit_rotations(tracks: Sequence[Track]) -> tuple[tuple[Track, ...], float]:
 
 def _locals(prim: Any, times: Floats) -> Floats:
     """The matrices of a prim, (f, 4, 4), at time codes."""
-    xformable = UsdGeom.Xformable(prim)
-    place: Callable[[float], Any] = xformable.GetLocalTransformation
-
-    def along_arcs(time: float) -> Any:
-        found = Gf.Matrix4d(1.0)
-        for op in xformable.GetOrderedXformOps():
-            found = _along_arcs(op, time) * found
-        return found
-
-    if _turning(prim):
-        place = along_arcs
     with quiet(f"<{prim.GetPath()}>: USD cannot read how it moves"):
-        return np.array([place(time) for time in times.tolist()], dtype=np.float64)
+        return matrices_at(UsdGeom.Xformable(prim), times.tolist())
 
 
 def _turning(prim: Any) -> list[Any]:
     """The orient ops of a prim that have several samples."""
     with quiet(f"<{prim.GetPath()}>: USD cannot read how it moves"):
-        ops = UsdGeom.Xformable(prim).GetOrderedXformOps()
-    kind = UsdGeom.XformOp.TypeOrient
-    return [op for op in ops if op.GetOpType() == kind and op.GetNumTimeSamples() > 1]
-
-
-def _along_arcs(op: Any, time: float) -> Any:
-    """The matrix of an op at a time code; quaternions between two samples lie on their arc."""
-    turn = op.Get(time) if op.GetOpType() == UsdGeom.XformOp.TypeOrient else None
-    if turn is None:
-        return op.GetOpTransform(time)
-    matrix = Gf.Matrix4d().SetRotate(Gf.Quatd(turn).GetNormalized())
-    return matrix.GetInverse() if op.IsInverseOp() else matrix
+        return turning_ops(UsdGeom.Xformable(prim))
 
 
 def _unevenness(op: Any) -> float:

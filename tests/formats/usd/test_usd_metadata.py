@@ -105,6 +105,28 @@ def test_a_locator_is_moved_renamed_and_annotated_in_place(tmp_path: Path) -> No
     assert "b_pole" not in third.names
 
 
+@pytest.mark.parametrize(
+    "order", [("!reset", "translate"), ("scale", "!reset", "translate"), ("translate", "!reset")]
+)
+def test_a_locator_that_follows_nothing_is_moved_alone(order: tuple[str, ...], tmp_path: Path) -> None:
+    """Ops before !resetXformStack! do nothing. Before, a new place lost the reset, and was below /Root's."""
+    document = read(save(tmp_path, scene(PLACE, skeleton(), animation(), MESH)))
+    out = write(document, located(document.rig), tmp_path / "out.usda")
+    stage = Usd.Stage.Open(str(out))
+    words = ["!resetXformStack!" if op == "!reset" else f"xformOp:{op}" for op in order]
+    stage.GetPrimAtPath("/Root/rigtri/b_pole").GetAttribute("xformOpOrder").Set(words)
+    stage.Save()
+    again = read(out)
+    pole = again.rig.find("b_pole")
+    assert again.rig.parents[pole] == -1
+    translation = again.rig.translation.copy()
+    translation[pole] = (7, 8, 9)
+    third = write(again, replace(again.rig, translation=translation), tmp_path / "third.usda")
+    stage = Usd.Stage.Open(str(third))
+    prim = stage.GetPrimAtPath("/Root/rigtri/b_pole")
+    assert_allclose(np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(0))[3, :3], (7, 8, 9))
+
+
 def test_relationships_follow_when_what_is_above_their_target_is_renamed(tmp_path: Path) -> None:
     document = read(save(tmp_path, scene(skeleton(), animation(), MESH)))
     rig = located(document.rig)

@@ -21,7 +21,7 @@ from rigtri.formats.usd.reading.sampled_xforms import sampled_tracks
 from rigtri.frames.reframe import reframe
 from rigtri.maths.matrices import compose, decompose, nearest_rotation
 from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, from_axis_angle, multiply, unit
-from rigtri.model.animation import PATHS
+from rigtri.model.animation import PATHS, Track
 from rigtri.verification.compare.compare import self_check
 
 LEG = """#usda 1.0
@@ -410,6 +410,25 @@ def test_a_prim_that_matrices_shear_between_its_samples_is_reported(
         assert f"by up to {off:.2g} of its axes (at 3)" in notices[0].text
 
 
+def test_turns_beside_other_ops_go_along_arcs_between_samples() -> None:
+    """Before, small angles were what OpenUSD makes of a cosine in float32, 3.5e-4 rad off where a key was."""
+    stage = Usd.Stage.CreateInMemory()
+    prim = UsdGeom.Xform.Define(stage, "/elbow")
+    move = prim.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble)
+    move.Set(Gf.Vec3d(3, 0, 1))
+    turn = prim.AddOrientOp()
+    turn.Set(Gf.Quatf(1, 0, 0, 0), 0.0)
+    turn.Set(Gf.Quatf(0.9659258, 0, 0.25881904, 0), 12.0)
+    prim.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble, isInverseOp=True)
+    tracks = sampled_tracks(prim.GetPrim(), 0, "LINEAR")
+    assert tracks
+    rotation = tracks[1]
+    times = np.linspace(0.0, 12.0, 2000)
+    arc = from_axis_angle([0.0, 1, 0], np.radians(30.0) * times / 12.0)
+    assert angle_between(sample(rotation, times), arc).max() < 1e-6
+    assert len(rotation.times) == 2
+
+
 @pytest.mark.parametrize(("scaled", "paths"), [(False, ["translation", "rotation"]), (True, list(PATHS))])
 def test_prims_have_tracks_of_scale_where_an_op_scales(scaled: bool, paths: list[str]) -> None:
     """What rounding leaves of a scale of 1 is no motion: bake could not write it, and refused."""
@@ -493,3 +512,24 @@ def test_prims_with_uneven_scales_get_axes_that_their_scales_lie_along(tmp_path:
             code=0,
         )
         path = out
+
+
+@pytest.mark.parametrize(
+    "order", [("!reset", "translate"), ("scale", "!reset", "translate"), ("translate", "!reset")]
+)
+def test_a_prim_that_follows_nothing_takes_keys_and_still_follows_nothing(
+    order: tuple[str, ...], tmp_path: Path
+) -> None:
+    """Ops before !resetXformStack! do nothing. Before, those were replaced with it where it was not first."""
+    path, loose = save(tmp_path, SMOOTH), "/Rig/thigh/parts/shin/loose"
+    stage = Usd.Stage.Open(str(path))
+    words = ["!resetXformStack!" if op == "!reset" else f"xformOp:{op}" for op in order]
+    stage.GetPrimAtPath(loose).GetAttribute("xformOpOrder").Set(words)
+    stage.Save()
+    document = read(path, root=loose)
+    node = document.rig.find(loose)
+    keys = Track(node, "translation", "LINEAR", np.array([1.0, 9.0]), np.array([[7.0, 8, 9], [1, 2, 3]]))
+    (clip,) = document.rig.clips
+    rig = replace(document.rig, clips=(replace(clip, tracks=(*clip.tracks, keys)),))
+    out = write(document, rig, tmp_path / "out.usda")
+    assert_allclose([places(out)[loose, time][3, :3] for time in (1.0, 9.0)], keys.values)

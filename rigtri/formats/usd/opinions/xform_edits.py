@@ -27,6 +27,8 @@ OP_TYPES: Mapping[Path, Any] = {
 }
 # The rotation of a control that nobody has turned: what animators key.
 EULER = "xformOp:rotateXYZ"
+# The word in an order of ops with which a prim does not follow what is above it.
+RESET = "!resetXformStack!"
 _VECTORS = {"double3": Gf.Vec3d, "float3": Gf.Vec3f, "half3": Gf.Vec3h}
 _QUATERNIONS = {"quatd": (Gf.Quatd, Gf.Vec3d), "quatf": (Gf.Quatf, Gf.Vec3f), "quath": (Gf.Quath, Gf.Vec3h)}
 _FLOAT_TYPES = ("float3", "quatf")
@@ -57,6 +59,11 @@ def stated_types(prim: Any, edited: Any | None) -> dict[str, Any]:
         if stated and str(stated[0]) in _FLOAT_TYPES:
             found[name] = stated[0]
     return found
+
+
+def after_reset(order: Sequence[str]) -> int:
+    """Where the ops of an order begin that USD applies: none counts before a reset."""
+    return max((k for k, name in enumerate(order, 1) if name == RESET), default=0)
 
 
 def transform_ops(local: Floats) -> list[str]:
@@ -91,10 +98,12 @@ def set_transform(
     tracks: Sequence[Track] = (),
     *,
     to_key: bool = False,
+    resets: bool = False,
     types: Mapping[str, Any] = MappingProxyType({}),
 ) -> list[Setting]:
     """Edits that put a prim at a local matrix by translate, orient and scale ops, and move it by tracks.
 
+    resets: the prim does not follow what is above it.
     to_key: there are all three, for an animator to key; the rotation is Euler angles where it is still zero.
     types: those of ops by name, where they are others than `OP_TYPES`.
     """
@@ -104,12 +113,12 @@ def set_transform(
     order = {path: name for path, name in OPS.items() if to_key or name in stands}
     if OPS["scale"] not in stands:  # what a product has left of 1
         rows["scale"] = np.ones(3)
+    still: list[Setting] = []
     if to_key and order["rotation"] not in stands:
         order["rotation"], double3 = EULER, OP_TYPES["scale"]
-        still = set_value(path, EULER, double3, op_value(double3, np.zeros(3)), alone=True)
-        names = set_tokens(path, "xformOpOrder", list(order.values()))
-        return [*_ops(path, rows, moved, {p: o for p, o in order.items() if o != EULER}, types), still, names]
-    return [*_ops(path, rows, moved, order, types), set_tokens(path, "xformOpOrder", list(order.values()))]
+        still = [set_value(path, EULER, double3, op_value(double3, np.zeros(3)), alone=True)]
+    names = set_tokens(path, "xformOpOrder", [*([RESET] if resets else []), *order.values()])
+    return [*_ops(path, rows, moved, {p: o for p, o in order.items() if o != EULER}, types), *still, names]
 
 
 def _ops(

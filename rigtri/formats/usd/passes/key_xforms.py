@@ -20,6 +20,8 @@ from rigtri.formats.usd.opinions.skeleton_edits import as_one, as_samples
 from rigtri.formats.usd.opinions.variant_paths import why_unkeyable
 from rigtri.formats.usd.opinions.xform_edits import (
     OP_TYPES,
+    RESET,
+    after_reset,
     op_samples,
     op_value,
     set_transform,
@@ -35,8 +37,6 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
 from rigtri.model.rig import Rig
 
-_RESET = "!resetXformStack!"
-
 
 def key_xforms(edit: UsdEdit) -> None:
     """Write the new keys of prims that are not rigtri's. FileError where the ops of one take none."""
@@ -49,8 +49,8 @@ def key_xforms(edit: UsdEdit) -> None:
 def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) -> list[Edit]:
     prim, path = source.stage.GetPrimAtPath(rig.labels[node]), Sdf.Path(rig.labels[node])
     order = list(tokens_of(prim, "xformOpOrder"))
-    resets = [_RESET] if order[:1] == [_RESET] else []
-    ops = order[len(resets) :]
+    start = after_reset(order)
+    resets, ops = [RESET] if start else [], order[start:]
     refuse(why_unkeyable(prim))
     moved = bool((source.rig.local[node] != rig.local[node]).any())
     if ops == [name for name in OPS.values() if name in ops]:
@@ -69,12 +69,7 @@ def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) 
             f"<{path}> stands by {shown}, which cannot take keys. Give it the ops xformOp:translate, "
             "xformOp:orient and xformOp:scale, in this order."
         )
-    names = transform_ops(rig.local[node])
-    names = [*resets, *(name for p, name in OPS.items() if p in tracks or name in names)]
-    return [
-        *set_transform(path, rig.local[node], list(tracks.values())),
-        set_tokens(path, "xformOpOrder", names),
-    ]
+    return [*set_transform(path, rig.local[node], list(tracks.values()), resets=bool(resets))]
 
 
 def _missing_defaults(

@@ -24,10 +24,10 @@ from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_token
 from rigtri.formats.usd.opinions.instancer_edits import move_instancers
 from rigtri.formats.usd.opinions.xform_edits import (
     SAME_ROTATION,
+    after_reset,
     op_value,
     set_transform,
     stated_types,
-    transform_ops,
 )
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, sets_transform
 from rigtri.formats.usd.reading.node_keys import kind
@@ -172,23 +172,23 @@ def _prim_edits(edit: UsdEdit, node: int, delta: _Frame, above: _Frame) -> list[
             Notice("not-baked", f"<{prim.GetPath()}> is animated or sheared; its ops stay, two are added.")
         )
     order = list(tokens_of(prim, "xformOpOrder"))
+    applied = order[after_reset(order) :]
     edits: list[Edit] = []
     for name, size, last in ((FRAME_SIZE, delta.size, True), (PARENT_INVERSE_SIZE, 1.0 / above.size, False)):
         if size == 1.0:
             continue
-        was = float(prim.GetAttribute(name).Get(DEFAULT)[0]) if name in order else 1.0
+        was = float(prim.GetAttribute(name).Get(DEFAULT)[0]) if name in applied else 1.0
         order = [op for op in order if op != name]
-        order.insert(len(order) if last else int(bool(order) and order[0] == "!resetXformStack!"), name)
+        order.insert(len(order) if last else after_reset(order), name)
         edits.append(set_value(prim.GetPath(), name, _DOUBLE3, op_value(_DOUBLE3, np.full(3, was * size))))
     inverse_above = conjugate(above.rotation)
     for name, change, last in ((FRAME, delta.rotation, True), (PARENT_INVERSE, inverse_above, False)):
-        old = value_numbers(prim.GetAttribute(name).Get(DEFAULT)) if name in order else IDENTITY
+        old = value_numbers(prim.GetAttribute(name).Get(DEFAULT)) if name in applied else IDENTITY
         # Row matrices: what stands nearer to the points comes first, in Hamilton's product last.
         new = product(old, change) if last else product(change, old)
         order = [op for op in order if op != name]
         if np.abs(np.abs(new[3]) - 1.0) > SAME_ROTATION or np.abs(new[:3]).max() > SAME_ROTATION:
-            place = len(order) if last else int(bool(order) and order[0] == "!resetXformStack!")
-            order.insert(place, name)
+            order.insert(len(order) if last else after_reset(order), name)
             edits.append(set_value(prim.GetPath(), name, _QUATD, op_value(_QUATD, new)))
         elif not np.array_equal(old, IDENTITY):
             edits.append(remove_properties(prim.GetPath(), name))
@@ -198,7 +198,5 @@ def _prim_edits(edit: UsdEdit, node: int, delta: _Frame, above: _Frame) -> list[
 def _baked(edit: UsdEdit, prim: Any, local: Floats) -> list[Edit]:
     """The local matrix as translate, orient, scale; the ops it had stay as unused attributes."""
     resets = UsdGeom.Xformable(prim).GetResetXformStack()
-    order = (["!resetXformStack!"] if resets else []) + transform_ops(local)
     edited = edit.source.stage.GetRootLayer() if edit.options.edit_target == "root" else None
-    stands = set_transform(prim.GetPath(), local, types=stated_types(prim, edited))
-    return [*stands, set_tokens(prim.GetPath(), "xformOpOrder", order)]
+    return [*set_transform(prim.GetPath(), local, resets=resets, types=stated_types(prim, edited))]

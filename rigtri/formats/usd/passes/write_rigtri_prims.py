@@ -125,7 +125,10 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
         if node in keyed or (before.local[node] != rig.local[node]).any():
             prim = source.stage.GetPrimAtPath(path)
             refuse(_why_still(prim) or why_locked(prim, ("xformOpOrder",)))
-            stands = set_transform(path, rig.local[node], _tracks(rig, node), to_key=_is_control(rig, node))
+            resets = UsdGeom.Xformable(prim).GetResetXformStack()
+            stands = set_transform(
+                path, rig.local[node], _tracks(rig, node), to_key=_is_control(rig, node), resets=resets
+            )
             used = {edit.name for edit in stands}
             idle = [name for name in (*OPS.values(), EULER) if name not in used]
             found += [*stands, *(remove_properties(path, name) for name in idle if prim.HasAttribute(name))]

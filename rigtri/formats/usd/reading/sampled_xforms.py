@@ -5,13 +5,13 @@ They have keys as near to each other as it takes to go USD's way between the sam
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from pxr import UsdGeom
+from pxr import Gf, UsdGeom
 
 from rigtri.evaluation.sampling import sample
 from rigtri.formats.usd.composition.time_samples import ops_times
@@ -45,7 +45,7 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
 
     def parts_at(times: list[float]) -> tuple[tuple[Floats, ...], Booleans] | None:
         """What the matrices are made of, and which are sheared."""
-        local = np.array([xformable.GetLocalTransformation(t) for t in times], dtype=np.float64)
+        local = matrices_at(xformable, times)
         if not np.isfinite(local).all():
             return None
         place, turn, size = decompose(local)
@@ -78,6 +78,38 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
     return tracks if can_scale(xformable) else tracks[:2]
 
 
+def matrices_at(xformable: Any, times: Iterable[float]) -> Floats:
+    """The matrices of a prim, (f, 4, 4), at time codes. What its orient ops turn goes along arcs.
+
+    UsdGeomXformable bends slow arcs, and takes small angles from a cosine (docs/usd.md).
+    """
+    if not turning_ops(xformable):
+        return np.array([xformable.GetLocalTransformation(time) for time in times], dtype=np.float64)
+    found = []
+    for time in times:
+        matrix = Gf.Matrix4d(1.0)
+        for op in xformable.GetOrderedXformOps():
+            matrix = _along_arcs(op, time) * matrix
+        found.append(matrix)
+    return np.array(found, dtype=np.float64)
+
+
+def turning_ops(xformable: Any) -> list[Any]:
+    """The orient ops of a prim that have several samples."""
+    kind = UsdGeom.XformOp.TypeOrient
+    ops = xformable.GetOrderedXformOps()
+    return [op for op in ops if op.GetOpType() == kind and op.GetNumTimeSamples() > 1]
+
+
+def _along_arcs(op: Any, time: float) -> Any:
+    """The matrix of an op at a time code; quaternions between two samples lie on their arc."""
+    turn = op.Get(time) if op.GetOpType() == UsdGeom.XformOp.TypeOrient else None
+    if turn is None:
+        return op.GetOpTransform(time)
+    matrix = Gf.Matrix4d().SetRotate(Gf.Quatd(turn).GetNormalized())
+    return matrix.GetInverse() if op.IsInverseOp() else matrix
+
+
 def notice_shear(
     prim: Any, tracks: list[Track], interpolation: Interpolation, warnings: list[Notice]
 ) -> None:
@@ -89,7 +121,7 @@ def notice_shear(
     times = np.concatenate([*frames, np.zeros(0)])
     if interpolation == "STEP" or not len(times):
         return
-    local = np.array([xformable.GetLocalTransformation(time) for time in times.tolist()], dtype=np.float64)
+    local = matrices_at(xformable, times.tolist())
     size = sample(tracks[2], times) if len(tracks) > 2 else np.ones((len(times), 3))
     rigid = compose(sample(tracks[0], times), sample(tracks[1], times), size)
     off, axes = (np.abs(each[:, :3, :3]).max(axis=(1, 2)) for each in (rigid - local, local))
