@@ -371,6 +371,26 @@ def test_euler_angles_that_begin_anew_within_a_frame_go_the_short_way(apart: flo
     assert np.degrees(angle_between(way[1:], way[:-1]).sum()) == pytest.approx(turned, abs=0.5)
 
 
+@pytest.mark.parametrize(("apart", "turned"), [(1.0, 4.0), (4.0, 20.0)])
+@pytest.mark.parametrize("order", ["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"])
+def test_euler_angles_that_flip_within_a_frame_go_the_short_way(
+    order: str, apart: float, turned: float
+) -> None:
+    """180° - b with half a turn more of a and c is the rotation that a, b and c are."""
+    stage = Usd.Stage.CreateInMemory()
+    prim = UsdGeom.Xform.Define(stage, "/hand_ctl")
+    op = getattr(prim, f"AddRotate{order}Op")()
+    for time, angles in ((0.0, (92.0, 60.0, -90.0)), (apart, (93.0 - 180.0, 180.0 - 61.0, -91.0 + 180.0))):
+        op.Set(tuple(angles[order.index(axis)] for axis in "XYZ"), time)
+    (turn,) = (t for t in sampled_tracks(prim.GetPrim(), 0, "LINEAR") or () if t.path == "rotation")
+    for time in (0.0, apart):
+        shown = decompose(np.array(prim.GetLocalTransformation(time)))[1]
+        assert angle_between(sample(turn, [time])[0], shown) < 1e-12
+    way = sample(turn, np.linspace(0.0, apart, 200))
+    gone = np.degrees(angle_between(way[1:], way[:-1]).sum())
+    assert gone < turned if apart == 1.0 else gone > turned
+
+
 def test_tracks_of_euler_angles_keep_so_near_between_samples_that_a_line_of_prims_is_seen_exactly() -> None:
     """Where other prims have samples, what is baked of these has keys; straight limbs amplify what is off."""
     stage = Usd.Stage.CreateInMemory()

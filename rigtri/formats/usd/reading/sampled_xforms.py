@@ -149,16 +149,38 @@ def can_scale(xformable: Any) -> bool:
 
 
 def _wraps(xformable: Any, times: list[float]) -> Floats:
-    """The samples after which an Euler angle goes more than half a turn within a frame, as times (k,)."""
+    """The samples after which Euler angles jump within a frame though what they turn does not, as times (k,).
+
+    One goes more than half a turn, or all of them more than twice as far as to other angles of the same
+    rotation. Programs that export angles of each frame by itself write such jumps.
+    """
     frame = _frame(xformable.GetPrim().GetStage())
     ops = [op for op in xformable.GetOrderedXformOps() if op.GetOpName().startswith("xformOp:rotate")]
     starts: Floats = np.array(times[:-1])
     found = np.zeros(len(starts), dtype=bool)
-    for values in ([op.Get(time) for time in times] for op in ops):
+    for op in ops:
+        values = [op.Get(time) for time in times]
         if all(value is not None for value in values):
             angles = np.array([np.ravel(value) for value in values], dtype=np.float64)
-            found |= (np.abs(np.diff(angles, axis=0)) > 180.0).any(axis=1)
+            way = np.diff(angles, axis=0)
+            found |= (np.abs(way) > 180.0).any(axis=1) | _flips(way, angles[1:], op.GetOpName())
     return np.asarray(starts[found & (np.diff(times) <= frame * (1.0 + 1e-6))])
+
+
+def _flips(way: Floats, ends: Floats, name: str) -> Booleans:
+    """Whether other angles of the same rotation are less than half as far, (k,).
+
+    way: (k, 3), from the sample before to ``ends``, in degrees; of one angle (k, 1), which has none. The
+    others have the middle angle from the other side: 180° - b with half a turn more of a and c.
+    """
+    if way.shape[1] != 3:
+        return np.zeros(len(way), dtype=bool)
+    middle = "XYZ".index(name.split(":")[1].removeprefix("rotate")[1])
+    other = way + 180.0
+    other[:, middle] = way[:, middle] + 180.0 - 2.0 * ends[:, middle]
+    other -= 360.0 * np.round(other / 360.0)
+    short, long = (np.abs(each[:, 0]) + np.abs(each[:, 1]) + np.abs(each[:, 2]) for each in (other, way))
+    return np.asarray(short < long / 2.0)
 
 
 def _tracks(node: int, way: Interpolation, times: list[float], values: tuple[Floats, ...]) -> list[Track]:
