@@ -63,6 +63,8 @@ AS_HANDS_HANG = "palm of a hand hanging at the side"
 # arm is raised ahead by more than this (a cosine) it is a guess: it may be turned about itself there.
 AS_ARMS_SWING, AS_ARMS_SWING_AHEAD = "arm, for hands hanging at the sides", "arm, for hands raised ahead"
 RAISED_AHEAD = cosine_below(45)
+# … and one with a bent elbow, which is no guess.
+AS_ELBOWS_BEND = "arm, turned as its elbow bends"
 # … and on a body with a tail, whose hands may be front paws, which close as feet do.
 AS_PAWS_SWING = "arm, for hands or paws hanging at the sides"
 # The rule of one straight finger beside a bent thumb, which may be bent at its base as well, or there alone.
@@ -174,16 +176,16 @@ def _posed_hand(
     if not fingers and len(wrist) < 2:
         return None
     lower = at[wrist[0]] - at[arm[-2:][0]]
-    natural = None
+    natural, swings = None, AS_ARMS_SWING
     if body is not None and is_left is not None:
         natural = facing_along(lower, *body[:2]) * (-1.0 if is_left else 1.0)
         if len(arm) == 3 and float(bend_angle(*at[list(arm)])) > ELBOW_BENT:
             inside = cross(at[arm[1]] - at[arm[0]], lower) * (1.0 if is_left else -1.0)
-            natural = normalise(cross(lower, inside))
+            natural, swings = normalise(cross(lower, inside)), AS_ELBOWS_BEND
     lines = [k.joints for k in four] or [wrist[1:]] * (len(wrist) > 1)
     joints = (*wrist, *(joint for finger in fingers for joint in finger.joints))
     guessed = all(k.evidence[0] == BY_PLACE for k in four)
-    swings = AS_PAWS_SWING if has_tail and lines else AS_ARMS_SWING
+    swings = AS_PAWS_SWING if has_tail and lines else swings
     if body is not None and lines:
         facing, _, chest = body
         ahead = max(float(dot(normalise(lower), way)) for way in (facing, chest))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Any
 
@@ -27,12 +27,14 @@ from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
 from rigtri.recognition.hand_hinges import (
+    AS_ARMS_SWING,
     AS_ARMS_SWING_AHEAD,
     AS_HANDS_HANG,
     AS_PAWS_SWING,
     BESIDE_BENT_THUMB,
     NOT_ITS_BEND,
 )
+from rigtri.recognition.hand_skin import agrees_with_skin
 from rigtri.report import Report
 from rigtri.text import and_more, straightness
 
@@ -99,6 +101,8 @@ def warn_noise(noise: Frozen, report: Report) -> None:
 
 # What is said of a hand with one straight finger, by the rule that its hinge is from.
 _UNSURE_HANDS = {
+    AS_ARMS_SWING: "one straight finger, or a thumb alone, does not show to which side the hand closes, "
+    "nor does its skin; it is taken for that of a hand hanging at the side, or raised from there",
     AS_ARMS_SWING_AHEAD: "one straight finger at the end of an arm that is raised ahead does not "
     "show to which side it closes; it is taken for that of a hand with the thumb up",
     AS_PAWS_SWING: "one straight finger of a body with a tail may be the front paw of an animal; "
@@ -134,7 +138,10 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
             names=guessed,
         )
     for rule, text in _UNSURE_HANDS.items():
-        names = [rig.title(joint) for joint in outcome.targets.joints if ups.source[joint] == rule]
+        unsure = [joint for joint in outcome.targets.joints if ups.source[joint] == rule]
+        if rule == AS_ARMS_SWING:
+            unsure = _not_shown_by_skin(outcome.targets, unsure)
+        names = [rig.title(joint) for joint in unsure]
         if names:
             say = "If it closes elsewhere, say --chain START END --up-from vector:x,y,z."
             report.warn("unsure-hand", f"{and_more(names, 3)}: {text}. {say}", geometry=True, names=names)
@@ -148,6 +155,19 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
                 joint=name,
                 geometry=True,
             )
+
+
+def _not_shown_by_skin(targets: Targets, joints: Sequence[int]) -> list[int]:
+    """Of joints of hands those of the hands whose skin does not agree with what the body says of them."""
+    rig, found = targets.tree.rig, list[int]()
+    for body in targets.bodies or ():
+        own = sorted(joint for joint, hinge in body.hinges.items() if hinge.rule == AS_ARMS_SWING)
+        for wrist in (k for k in own if not any(k != j and rig.is_below(k, j) for j in own)):
+            hand = [wrist, *(k for k in own if k != wrist and rig.is_below(k, wrist))]
+            unsure = [k for k in joints if k in hand]
+            if unsure and not agrees_with_skin(rig, hand, targets.ref.world, body.hinges[wrist].direction):
+                found += unsure
+    return found
 
 
 def _warn_thumbs(outcome: Outcome, report: Report) -> None:

@@ -27,7 +27,7 @@ from rigtri.maths.vectors import cross, length, normalise
 from rigtri.operations.option_kinds import vector
 from rigtri.operations.orient_joints.bend_planes import BendPlanes, UpDirections
 from rigtri.operations.orient_joints.joints_to_orient import Targets
-from rigtri.recognition.hand_hinges import AS_ARMS_SWING, AS_ARMS_SWING_AHEAD, AS_PAWS_SWING
+from rigtri.recognition.hand_hinges import AS_ARMS_SWING, AS_ARMS_SWING_AHEAD, AS_ELBOWS_BEND, AS_PAWS_SWING
 from rigtri.report import Report
 
 # The steps whose direction is an axis as it is, and no hinge that left-handed axes reverse.
@@ -40,6 +40,7 @@ _TEXT = {
     "its present axis": "the joint's current axis",
     AS_ARMS_SWING: "the arm, as if it hung at the side",
     AS_ARMS_SWING_AHEAD: "the arm, as if it had hung at the side and was raised ahead",
+    AS_ELBOWS_BEND: "the arm, as its elbow bends",
     AS_PAWS_SWING: "the arm, as if its hand or paw hung at the side",
 }
 
