@@ -17,7 +17,7 @@ from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, timelines
-from rigtri.evaluation.zero_pose import ControlsAtZero
+from rigtri.evaluation.zero_pose import SAME_POSITION, ControlsAtZero
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.limits import TOLERANCE
 from rigtri.maths.quaternions import rotates
@@ -52,6 +52,35 @@ def refuse_other_rest(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
     loses = "a straight or folded IK limb amplifies what its bones are longer or shorter in another rest pose"
     command = "Bake --to joints and strip, change the rest pose"
     _refuse_other_motion(rig, after, noisy, scales, TOLERANCE, f"{loses}. {command}")
+    _refuse_other_zero(rig, after, moved)
+
+
+def _refuse_other_zero(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
+    """GeometryError where an IK limb moves otherwise as joints without controls above its bones rest otherwise.
+
+    Joints with controls stand where their offsets are while controls are zero; any other stands as it rests,
+    so that where a limb below it starts is counted from that rest.
+    """
+    was, now = ControlsAtZero(rig), ControlsAtZero(after)
+    free = set(moved) - set(was.fk)
+    for limb in was.limbs if free else ():
+        root, mid, end = limb.chain
+        counted = free & {*rig.path_to_root(root)[1:2], *rig.path_to_root(mid)[1:], *rig.path_to_root(end)[1:]}
+        apart = np.abs(was.local[list(limb.chain)] - now.local[list(limb.chain)]).max()
+        if not counted or apart <= SAME_POSITION * skeleton_size(rig):
+            continue
+        for one, other in zip(timelines(rig), timelines(after), strict=True):
+            if limb.control not in controls_at_work(rig, one):
+                continue
+            far, joint, time = _deviation((rig, one), (after, other), limb.chain)
+            if far > TOLERANCE:
+                names = and_more([f"'{rig.title(k)}'" for k in sorted(counted)], 6)
+                raise GeometryError(
+                    f"In clip '{one.name}' IK would move '{rig.title(joint)}' differently, by {far:.2g} of the "
+                    f"size at {time:g}: its limb counts from how {names} without a control rests. "
+                    "Add a control there (rigtri add-controls --joints NAME), or bake --to joints and strip, "
+                    "change the rest pose, and build the controls again"
+                )
 
 
 def seen_below(rig: Rig, nodes: Collection[int]) -> list[int]:

@@ -419,3 +419,21 @@ def test_a_rest_pose_in_which_scale_noise_lets_ik_move_a_limb_otherwise_is_refus
             refuse_other_rest(rig, moved, [rig.find("upper_arm_L")])
     else:  # what noise cannot have made is others' to find
         refuse_other_rest(rig, moved, [rig.find("upper_arm_L")])
+
+
+@pytest.mark.parametrize("controlled", [False, True])
+def test_a_rest_pose_of_a_joint_without_a_control_that_ik_counts_from_is_refused(controlled: bool) -> None:
+    """Before, a limb on the end joint of a real chain was 0.8 of the size off, without a word."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    rig = rigtri.add_controls(rig, ik=[("upper_arm_L", "forearm_L", "hand_L")])
+    if controlled:
+        rig = rigtri.add_controls(rig, joints=["clavicle_L"])
+    control, clavicle = rig.find("hand_L_ik_ctl"), rig.find("clavicle_L")
+    goal = Track(control, "translation", "STEP", np.zeros(1), rig.translation[[control]] - [0.1, 0.2, 0.0])
+    up = product(rig.rotation[[clavicle]], np.array([[0.0, 0.0, np.sin(0.2), np.cos(0.2)]]))
+    rig = replace(rig, clips=(Clip("shrug", (goal, Track(clavicle, "rotation", "STEP", np.zeros(1), up))),))
+    if controlled:
+        assert (rigtri.set_rest(rig, pose="shrug@0").rotation[clavicle] != rig.rotation[clavicle]).any()
+        return
+    with pytest.raises(GeometryError, match=r"In clip 'shrug' IK would .* 'clavicle_L' without a"):
+        rigtri.set_rest(rig, pose="shrug@0")
