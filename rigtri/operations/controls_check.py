@@ -56,7 +56,7 @@ def refuse_other_rest(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
 
 
 def _refuse_other_zero(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
-    """GeometryError where an IK limb moves otherwise as joints without controls above its bones rest otherwise.
+    """GeometryError where an IK limb moves otherwise as joints without controls above it rest otherwise.
 
     Joints with controls stand where their offsets are while controls are zero; any other stands as it rests,
     so that where a limb below it starts is counted from that rest.
@@ -64,8 +64,7 @@ def _refuse_other_zero(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
     was, now = ControlsAtZero(rig), ControlsAtZero(after)
     free = set(moved) - set(was.fk)
     for limb in was.limbs if free else ():
-        root, mid, end = limb.chain
-        counted = free & {*rig.path_to_root(root)[1:2], *rig.path_to_root(mid)[1:], *rig.path_to_root(end)[1:]}
+        counted = free & {k for joint in limb.chain for k in rig.path_to_root(joint)}
         apart = np.abs(was.local[list(limb.chain)] - now.local[list(limb.chain)]).max()
         if not counted or apart <= SAME_POSITION * skeleton_size(rig):
             continue
@@ -76,10 +75,10 @@ def _refuse_other_zero(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
             if far > TOLERANCE:
                 names = and_more([f"'{rig.title(k)}'" for k in sorted(counted)], 6)
                 raise GeometryError(
-                    f"In clip '{one.name}' IK would move '{rig.title(joint)}' differently, by {far:.2g} of the "
-                    f"size at {time:g}: its limb counts from how {names} without a control rests. "
-                    "Add a control there (rigtri add-controls --joints NAME), or bake --to joints and strip, "
-                    "change the rest pose, and build the controls again"
+                    f"In clip '{one.name}' IK would move '{rig.title(joint)}' differently, by {far:.2g} of "
+                    f"the size at {time:g}: its limb counts from how {names} without a control rests. "
+                    "Add a control there (rigtri add-controls --joints NAME), or bake --to joints and "
+                    "strip, change the rest pose, and build the controls again"
                 )
 
 
@@ -129,18 +128,27 @@ def _deviation(
     one: tuple[Rig, Timeline], other: tuple[Rig, Timeline], joints: Sequence[int]
 ) -> tuple[float, int, float]:
     """How far joints that controls move are apart in two rigs, as a share of the size; which, and when."""
+    worst = (0.0, -1, 0.0)
+    for joint, (share, time) in deviations(one, other, joints).items():
+        if share > worst[0] * (1.0 + SAME_SHARE):
+            worst = (share, joint, time)
+    return worst
+
+
+def deviations(
+    one: tuple[Rig, Timeline], other: tuple[Rig, Timeline], nodes: Sequence[int]
+) -> dict[int, tuple[float, float]]:
+    """How far each node is apart in two rigs as controls move them, as a share of the size, and when."""
     times = key_times(one[1].clip)
     posed = [
         Solver(rig, controls_at_work(rig, line)).run(sample_parts(rig, line.clip, times))
         for rig, line in (one, other)
     ]
-    worst = (0.0, -1, 0.0)
-    for joint in joints:
-        # Of a joint that stands still there is one row.
-        off = posed[0].world(joint)[:, 3, :3] - posed[1].world(joint)[:, 3, :3]
+    found = dict[int, tuple[float, float]]()
+    for node in nodes:
+        # Of a node that stands still there is one row.
+        off = posed[0].world(node)[:, 3, :3] - posed[1].world(node)[:, 3, :3]
         far = np.broadcast_to(np.nan_to_num(length(off)), times.shape)
         at = first_largest(far)
-        share = float(far[at]) / skeleton_size(one[0])
-        if share > worst[0] * (1.0 + SAME_SHARE):
-            worst = (share, joint, float(times[at]))
-    return worst
+        found[node] = (float(far[at]) / skeleton_size(one[0]), float(times[at]))
+    return found

@@ -13,9 +13,11 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.timelines import timelines
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
+from rigtri.limits import TOLERANCE
 from rigtri.maths.matrices import from_frame, inverse, nearest_rotation
 from rigtri.maths.matrices import multiply as product
 from rigtri.maths.quaternions import IDENTITY, angle_between, between, conjugate, from_axes, multiply, rotate
@@ -25,6 +27,7 @@ from rigtri.model.constraints import constraint_record, constraints_of
 from rigtri.model.metadata import ConstraintRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import offsets_apart, resting_offsets
+from rigtri.operations.controls_check import deviations
 from rigtri.operations.rigtri_nodes import stand, with_record
 from rigtri.operations.skin_joints import move_joint
 from rigtri.report import Report
@@ -53,7 +56,10 @@ def move_chain(
     rig = before
     for joint, place, rows in zip(joints, places, axes, strict=True):
         rig = move_joint(rig, joint, place, rows)
-    return _offsets_again(_controls_along(before, rig), before, rebuilt, report)
+    there = _controls_along(before, rig)
+    rig, changed = _offsets_again(there, before, rebuilt)
+    _tell_followers(before, rig, changed, rebuilt, report)
+    return rig
 
 
 def _in_axes(rig: Rig, joints: Sequence[int], places: Floats, axes: Floats, rebuilt: Collection[int]) -> Rig:
@@ -118,9 +124,9 @@ def _controls_along(before: Rig, rig: Rig) -> Rig:
     return rig
 
 
-def _offsets_again(rig: Rig, before: Rig, rebuilt: Collection[int], report: Report) -> Rig:
-    """The rig with those offsets measured anew that left their children at rest, and no longer do."""
-    moved, changed = rig, list[str]()
+def _offsets_again(rig: Rig, before: Rig, rebuilt: Collection[int]) -> tuple[Rig, list[int]]:
+    """The rig with those offsets measured anew that left their children at rest, and no longer do; these."""
+    moved, changed = rig, list[int]()
     records, there = moved.records(ConstraintRecord), constraints_of(moved)
     for node, rule in constraints_of(before).items():
         if node in rebuilt or node not in there:
@@ -141,12 +147,51 @@ def _offsets_again(rig: Rig, before: Rig, rebuilt: Collection[int], report: Repo
         carried = replace(records[node], offsets=made.offsets, rest=made.rest, joint_orient=made.joint_orient)
         rig = with_record(rig, node, carried)
         if late.any():
-            changed.append(moved.title(rule.child))
-    if changed:
-        verb = "keeps its rest place" if len(changed) == 1 else "keep their rest places"
-        text = f"{and_more(changed, 6)} {verb}: offsets to joints that were put elsewhere are measured anew."
-        report.warn("offsets-measured-anew", text)
-    return rig
+            changed.append(rule.child)
+    return rig, changed
+
+
+def _tell_followers(
+    before: Rig, rig: Rig, changed: Sequence[int], rebuilt: Collection[int], report: Report
+) -> None:
+    """Warn of what follows joints that were put elsewhere, and say how far it moves otherwise in clips."""
+    rules = constraints_of(before)
+    held = {rule.child for node, rule in rules.items() if node not in rebuilt}
+    apart = np.abs(before.world - rig.world).max(axis=(1, 2)) > _SAME * _size(rig)
+    drivers = {driver for node, rule in rules.items() if node not in rebuilt for driver in rule.drivers}
+    off = _apart_in_clips(before, rig, sorted(held)) if changed or apart[sorted(drivers)].any() else {}
+    groups = (
+        (
+            "offsets-measured-anew",
+            list(dict.fromkeys(changed)),
+            ("keeps its rest place", "keep their rest places"),
+            "offsets to joints that were put elsewhere are measured anew.",
+        ),
+        (
+            "followers-go-along",
+            [child for child in off if child not in changed],
+            ("goes along", "go along"),
+            "what it is constrained to was put elsewhere, and its offset stays.",
+        ),
+    )
+    for code, nodes, verbs, why in groups:
+        if nodes:
+            names = and_more([rig.title(node) for node in nodes], 6)
+            text = f"{names} {verbs[len(nodes) > 1]}: {why}"
+            if said := [(*off[node], rig.title(node)) for node in nodes if node in off]:
+                far, clip, time, most = max(said)
+                text += f" It changes clips: '{most}' by {far:.2g} of the size in {clip}@{time:g}."
+            report.warn(code, text)
+
+
+def _apart_in_clips(before: Rig, rig: Rig, nodes: Sequence[int]) -> dict[int, tuple[float, str, float]]:
+    """How far nodes are apart in the clips of two rigs, as a share of the size, in which clip, and when."""
+    found = dict[int, tuple[float, str, float]]()
+    for was, now in zip(timelines(before), timelines(rig), strict=True):
+        for node, (far, time) in deviations((before, was), (rig, now), nodes).items():
+            if far > max(TOLERANCE, found.get(node, (0.0,))[0]):
+                found[node] = (far, was.name, time)
+    return found
 
 
 def _size(rig: Rig) -> float:

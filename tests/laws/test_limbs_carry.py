@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -111,6 +112,20 @@ def test_what_follows_a_limb_by_an_offset_stays_where_its_joints_are_put_elsewhe
     out, report = limb_again(rig, LOWER)
     assert_allclose(standing(out, "prop")[0], standing(rig, "prop")[0], atol=1e-6)
     assert "offsets-measured-anew" in codes(report)
+    (text,) = [notice.text for notice in report.warnings if notice.code == "offsets-measured-anew"]
+    off = max(np.abs(standing(out, "prop") - standing(rig, "prop"))[1:, 3, :3].max(axis=1))
+    assert ("It changes clips: 'prop' by " in text) == bool(off > 1e-5)
+
+
+def test_what_does_not_rest_by_its_offset_goes_along_and_the_warning_says_how_far() -> None:
+    """Before, a locator of a real robot was 0.4 of the size off, without a word."""
+    rig = rigtri.constrain(arms(), child="prop", type="point", driver=("arm_3_L",))
+    translation = rig.translation.copy()
+    translation[rig.find("prop")] += 0.1
+    out, report = limb_again(replace(rig, translation=translation), LOWER)
+    (text,) = [notice.text for notice in report.warnings if notice.code == "followers-go-along"]
+    assert re.search(r"prop goes along: .* It changes clips: 'prop' by [\d.]+ of the size in wave@", text)
+    assert np.abs(standing(out, "prop") - standing(rig, "prop"))[1:].max() > 0.01
 
 
 def test_a_child_without_an_offset_stays_on_its_joint() -> None:
