@@ -187,8 +187,8 @@ class MeshReader:
             joints, weights = self._influences(primitive, [block])
             if len(joints) < BLOCK and len(self._influenced) < MOST_KEPT:  # these are all that it has
                 self._influenced[id(primitive.raw)] = joints, weights
-            live = joints.ravel()[np.flatnonzero(weights > 0)]
-            moves[live[(live >= 0) & (live < len(moves))]] = True
+            joints, weights = _within(primitive, joints, weights, len(moves))
+            moves[joints.ravel()[np.flatnonzero(weights > 0)]] = True
             if moves.all():
                 return
 

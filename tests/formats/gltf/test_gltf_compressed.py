@@ -441,7 +441,8 @@ def test_joints_that_no_index_can_be_leave_the_mesh_out(number: float, tmp_path:
     attributes = builder.gltf["meshes"][0]["primitives"][0]["attributes"]
     attributes["JOINTS_0"] = builder.accessor([[number, 1, 0, 0]] * 3)
     document = GltfDocument.read(builder.glb(tmp_path / "a.glb"))
-    assert document.rig.skins[0].weighted.tolist() == [False, True, False]
+    # A joint that nobody can tell may move it: prune-joints took such out, and was refused (6).
+    assert document.rig.skins[0].weighted.all()
     assert list(document.meshes()) == []
     assert "uses joint -1" in document.warnings[0].text
 
