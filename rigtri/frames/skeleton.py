@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import field, replace
 from functools import cached_property
 
@@ -71,14 +71,14 @@ def skeleton(
         joints = sorted(joints)
     elif root is not None:
         added = rig.own.difference(rig.nodes_of(TwistRecord.type))
-        nodes = rig.below(rig.find(root, "node"))
-        joints = [node for node in nodes if rig.attachment[node] < 0 and node not in added]
+        joints = _bare_or_rigid(rig, rig.below(rig.find(root, "node")))
+        joints = [node for node in joints if node not in added]
     else:
         joints = np.flatnonzero(rig.is_joint).tolist()
         if not joints and "hips" in rig.humanoid:
             joints = rig.below(rig.humanoid["hips"])
         elif not joints and plain:
-            joints = [node for node in range(len(rig)) if rig.attachment[node] < 0]
+            joints = _bare_or_rigid(rig, range(len(rig)))
     joints = [joint for joint in joints if joint not in rig.holders and joint not in rig.rules.data_nodes]
     if not joints and root is not None:
         raise FileError(
@@ -102,6 +102,28 @@ def skeleton(
         if nearest[joint] >= 0:
             below[nearest[joint]].append(joint)
     return Skeleton(rig, tuple(joints), above, {j: tuple(k) for j, k in below.items()}, _carries(rig, joints))
+
+
+def _bare_or_rigid(rig: Rig, nodes: Iterable[int]) -> list[int]:
+    """The nodes that show nothing, and rigid parts: those that show a mesh and move by themselves.
+
+    What has no children, no keys, and a parent that shows nothing, is only what that parent looks like.
+    """
+    shows, nodes = rig.attachment >= 0, list(nodes)
+    if not shows[nodes].any():
+        return nodes
+    columns = (column for clip in rig.clips for column in clip.columns if column.path != "weights")
+    moved = {node for column in columns for node in column.nodes.tolist()}
+
+    def is_joint(node: int) -> bool:
+        above = int(rig.parents[node])
+        if not shows[node]:
+            return True
+        if node not in rig.rules.rigid:
+            return False
+        return bool(rig.children[node]) or node in moved or above < 0 or bool(shows[above])
+
+    return [node for node in nodes if is_joint(node)]
 
 
 def _carries(rig: Rig, joints: list[int]) -> Booleans:

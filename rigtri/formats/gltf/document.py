@@ -313,6 +313,7 @@ class GltfDocument:
                 named=frozenset(tree.place[k] for k in named_nodes(gltf.object()) if k < len(tree.place)),
                 facing=bindings.facing,
                 unread_extensions=self._unread_extensions(),
+                rigid=frozenset(k for k, n in enumerate(ordered) if "mesh" in n and "skin" not in n),
             ),
             # Not of the document: a rig that held it would keep the file open in a ring.
             content=Content(partial(_lines, gltf, self.accessors), self._drawn.outlines, self._drawn.meshes),
