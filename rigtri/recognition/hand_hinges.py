@@ -47,8 +47,9 @@ ASIDE = cosine_below(60)
 THUMB_APART = cosine_below(20)
 # From the root of the one finger of a hand to the other side of the palm, as a part of its length.
 HALF_AS_WIDE = 0.5
-# … and at rest by this to the side of the palm (cosine and sine of 20°).
-INTO_PALM = 0.9396926207859084, 0.3420201433256687
+# … and at rest by this to the side of the palm (cosine and sine of 29°), amid the 0° to 58° of real
+# hands.
+INTO_PALM = 0.8746197071393957, 0.48480962024633706
 # So far beyond a right angle (a cosine) is what points the other way: a square hand is no matter of rounding.
 BEYOND_SQUARE = 1e-4
 # How much the palm of a hanging hand, which is at the thigh, is turned back (a sine): squarely turned hands
