@@ -20,6 +20,7 @@ from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_socket import AddSocketOptions as AddSocketOptions
 from rigtri.operations.rigtri_nodes import given_name, refuse_taken
+from rigtri.recognition.limbs import forward, upright
 from rigtri.report import Report
 
 # A place that differs by less, as a share of its distance, is the one that is there.
@@ -76,9 +77,10 @@ def _rotation(rig: Rig, joint: int, options: AddSocketOptions) -> Floats:
     if options.aim is None:
         return IDENTITY
     x = normalise(np.array(options.aim))
-    up = np.array(rig.rules.up if options.up is None else options.up, dtype=np.float64)
+    up = upright(rig) if options.up is None else np.array(options.up)
     if options.up is None and length(cross(x, up)) < _SAME:
-        up = np.roll(up, 1)  # from y to z, from z to x
+        lies = length(cross(up, np.array(rig.rules.up))) > _SAME
+        up = forward(rig) if lies else np.roll(up, 1)  # from y to z, from z to x
     if length(cross(x, up)) < _SAME:
         raise UsageError("--aim and --up are parallel: give another --up")
     y = normalise(perpendicular(up, x))

@@ -486,6 +486,23 @@ def test_a_socket_that_aims_along_up_takes_the_next_axis_for_its_up() -> None:
     assert np.allclose(made.world[made.find("gun"), :2, :3], [(0, 1, 0), (0, 0, 1)], atol=1e-6)
 
 
+@pytest.mark.parametrize("aim", [(1.0, 0.0, 0.0), (0.6, 0.8, 0.0), (0.0, 1.0, 0.0)], ids=str)
+def test_a_socket_has_the_up_of_a_body_that_stands_along_z(
+    aim: tuple[float, float, float], tmp_path: Path
+) -> None:
+    """Before, the up axis of the file, which runs along such a body's view."""
+    lying = tmp_path / "lying.glb"
+    lying.write_bytes(standing_along_z(SAMPLES / "biped.glb"))
+    turned = (aim[0], -aim[2], aim[1])
+    found = []
+    for file, way in ((SAMPLES / "biped.glb", aim), (lying, turned)):
+        made = rigtri.add_socket(rigtri.read(file), name="gun", on="hand_L", aim=way)
+        found.append(made.world[made.find("gun"), :3, :3])
+    upright, turned_axes = found
+    expected = np.stack([upright[:, 0], -upright[:, 2], upright[:, 1]], axis=1)
+    assert np.allclose(turned_axes, expected, atol=1e-6)
+
+
 @pytest.mark.parametrize("lift", [-3.0, -0.9, 2.0])
 def test_a_root_of_a_body_that_stands_elsewhere_is_as_low_as_its_feet(lift: float) -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")

@@ -19,5 +19,5 @@ class AddSocketOptions(OneCharacter):
     )
     up: Direction | None = option(
         None,
-        help="Direction of its y axis, as far as x allows. [the file's up; the next axis if x is along it]",
+        help="Direction of its y axis, as far as x allows. [the body's up; the next axis if x is along it]",
     )
