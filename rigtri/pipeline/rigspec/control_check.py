@@ -182,7 +182,10 @@ class _Run:
                 each[number + 1] = moved[0]
             parts[trial.control] = Parts(*own)
         self.posed = solver.run(parts)
-        self.moved = {node: self._moved(node) for node in self.watched}
+        # What each row moves, of the nodes that are watched, (f, n).
+        self.moved = np.zeros((rows, len(self.watched)), dtype=bool)
+        for place, node in enumerate(self.watched):
+            self.moved[:, place] = self._moved(node)  # one row where nothing moves it
         self._angles: dict[int, Floats] = {}
 
     def _moved(self, node: int) -> Booleans:
@@ -194,7 +197,7 @@ class _Run:
 
     def checked(self, row: int, trial: _Trial) -> CheckedControl:
         rig = self.rig
-        found = [node for node in self.watched if self.moved[node][min(row, len(self.moved[node]) - 1)]]
+        found = [self.watched[place] for place in np.flatnonzero(self.moved[row]).tolist()]
         fault = self._unfollowed(row, trial) or self._unmoved(trial, found) or self._others(trial, found)
         return CheckedControl(rig.title(trial.control), trial.kind, rig.title(trial.joint), len(found), fault)
 
@@ -239,6 +242,8 @@ class _Run:
             return ""
         top = trial.joint if trial.limb is None else trial.limb.chain[0]
         mine = set(rig.below(top)) | set(rig.below(trial.joint))
+        if mine.issuperset(moved):
+            return ""
         for step in self.solver.steps:
             if not mine.isdisjoint((*step.needs, *step.reads)) and len(step.sets) == 1:
                 mine.update(rig.below(step.sets[0]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from functools import cached_property
 from itertools import chain
 from typing import Any
 
@@ -82,24 +83,39 @@ def _renamed(before: Rig, rig: Rig) -> dict[Any, str]:
     }
 
 
-def _tracks(rig: Rig, node: int) -> list[Track]:
-    """All that moves a prim of rigtri, as samples hold it; a scale that stays 1 is none."""
-    tracks = (t for clip in rig.clips for t in clip.tracks if t.node == node and t.path != "weights")
-    found = as_one(tracks, f"'{rig.title(node)}'")
-    return [t for t in found.values() if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_ROTATION]
+class _Motion:
+    """What moves prims of rigtri; the tracks of all nodes are looked through once, when first asked for."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+
+    def of(self, node: int) -> list[Track]:
+        """All that moves a prim, as samples hold it; a scale that stays 1 is none."""
+        found = as_one(self._tracks.get(node, ()), f"'{self._rig.title(node)}'")
+        return [
+            t for t in found.values() if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_ROTATION
+        ]
+
+    @cached_property
+    def _tracks(self) -> dict[int, list[Track]]:
+        found: dict[int, list[Track]] = {}
+        for track in (track for clip in self._rig.clips for track in clip.tracks):
+            if track.path != "weights":
+                found.setdefault(track.node, []).append(track)
+        return found
 
 
 def _is_control(rig: Rig, node: int) -> bool:
     return rig.type_of(node) == "control"
 
 
-def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
+def _values(rig: Rig, node: int, control: Any, motion: _Motion) -> list[Edit]:
     """The attribute of a control that a pose reader drives: the x translation of its value node."""
     metadata = rig.metadata.get(node, {})
     name = TWIN + identifier(str(metadata["attribute"]))
     samples = {
         float(time): float(row[0])
-        for track in _tracks(rig, node)
+        for track in motion.of(node)
         if track.path == "translation"
         for time, row in zip(track.times, track.values, strict=True)
     }
@@ -109,7 +125,7 @@ def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
 
 
 def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
-    before, found = source.rig, []
+    before, found, motion = source.rig, [], _Motion(rig)
     for node, key in enumerate(before.keys):
         if kind(key) != "prim" or node in rig.pending.removed:
             continue
@@ -127,14 +143,14 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
             refuse(_why_still(prim) or why_locked(prim, ("xformOpOrder",)))
             resets = UsdGeom.Xformable(prim).GetResetXformStack()
             stands = set_transform(
-                path, rig.local[node], _tracks(rig, node), to_key=_is_control(rig, node), resets=resets
+                path, rig.local[node], motion.of(node), to_key=_is_control(rig, node), resets=resets
             )
             used = {edit.name for edit in stands}
             idle = [name for name in (*OPS.values(), EULER) if name not in used]
             found += [*stands, *(remove_properties(path, name) for name in idle if prim.HasAttribute(name))]
             record = rig.record(node)
             if isinstance(record, PoseWeightRecord) and record.attribute:
-                found += _values(rig, node, rig.labels[rig.find(record.control, "node")])
+                found += _values(rig, node, rig.labels[rig.find(record.control, "node")], motion)
     return found
 
 
@@ -164,7 +180,7 @@ class _Additions:
 
     def __init__(self, source: Source, rig: Rig) -> None:
         self.source, self.rig = source, rig
-        self.world = rig.world
+        self.world, self.motion = rig.world, _Motion(rig)
         self.paths: dict[int, Any] = {}
         self.skeletons: dict[int, Any] = {}  # the paths of those of new joints
         self.scopes: dict[int, Any] = {}  # the path that a new group has come to
@@ -221,12 +237,12 @@ class _Additions:
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         metadata = self.rig.metadata.get(node, {})
         to_key = _is_control(self.rig, node)
-        stands = set_transform(path, local, _tracks(self.rig, node), to_key=to_key)
+        stands = set_transform(path, local, self.motion.of(node), to_key=to_key)
         found = [define(path, "Xform"), *stands]
         found += set_attributes(path, attributes_of(portable(self.rig, metadata)))
         if "attribute" in metadata:
             control = self.rig.find(str(metadata["control"]), "node")
-            found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
+            found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control], self.motion)
         if node in self.rig.pending.shapes:
             found += _define_curves(path.AppendChild(curves_name(path.name)), self.rig.pending.shapes[node])
         return [*found, apply_schema(path, api_name(metadata["type"]))] if "type" in metadata else found
