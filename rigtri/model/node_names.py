@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from functools import cached_property
 
 from rigtri.errors import AmbiguousNameError, InstanceNameError, NameNotFoundError
 from rigtri.maths.arrays import Booleans
+from rigtri.model.addresses import DEEPEST_PATH, Addresses, addresses_of
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.hierarchy import Hierarchy
-
-# A node with more nodes above it has its label for a path: the paths of a chain of n nodes
-# would need n² characters.
-DEEPEST_PATH = 256
 
 
 class NodeNames(Hierarchy, ABC):
@@ -42,18 +39,12 @@ class NodeNames(Hierarchy, ABC):
         is no step on the way to what is below it, so that paths stay what they were before the
         joint was split.
         """
-        return self._path(node, self.holders)
-
-    def _path(self, node: int, without: Collection[int] = ()) -> str:
+        if known := vars(self).get("_addresses"):
+            return str(known.paths[node])
         if self.depth[node] > DEEPEST_PATH:
             return self.labels[node]
-        parts = [self.names[node] or self.labels[node]]
-        above = int(self.parents[node])
-        while above >= 0:
-            if above not in without:
-                parts.append(self.names[above] or self.labels[above])
-            above = int(self.parents[above])
-        return "/" + "/".join(reversed(parts))
+        above = [each for each in self.path_to_root(node)[1:] if each not in self.holders]
+        return "/" + "/".join(self.names[each] or self.labels[each] for each in reversed([node, *above]))
 
     def address(self, node: int) -> str:
         """What finds a node again, in this file and in others like it: name, path or label.
@@ -63,8 +54,8 @@ class NodeNames(Hierarchy, ABC):
         name = self.names[node]
         if name and len(self._by_name[name]) == 1:
             return name
-        path = self.path(node)
-        return path if len(self._by_address[path]) == 1 else self.labels[node]
+        path = self._addresses.paths[node]
+        return path if len(self._by_address(path)) == 1 else self.labels[node]
 
     def title(self, node: int) -> str:
         """What to call a node in a message: its name, with its label where several share it."""
@@ -81,40 +72,29 @@ class NodeNames(Hierarchy, ABC):
         return found
 
     @cached_property
-    def _by_address(self) -> dict[str, list[int]]:
-        found: dict[str, list[int]] = {}
-        for node, label in enumerate(self.labels):
-            whole = {self._path(node): None} if self.holders else {}
-            shared = {self.title(node): None} if self.names[node] != self.title(node) else {}
-            ways = {label: None, self.path(node): None, self._qualified[node]: None}
-            for way in {**ways, **whole, **shared}:
-                found.setdefault(way, []).append(node)
-        for bone, node in self.humanoid.items():
-            found.setdefault(f"vrm:{bone}", []).append(node)
-        return found
+    def _addresses(self) -> Addresses:
+        """What the nodes are called beside their names, but for VRM bones."""
+        wanted = Addresses(self.names, self.labels, self.parents, self.is_joint, self.holders)
+        return addresses_of(wanted, self._by_name)
 
-    @cached_property
+    def _by_address(self, way: str) -> list[int]:
+        found = self._addresses.get(way)
+        bone = self.humanoid.get(way.removeprefix("vrm:")) if way.startswith("vrm:") else None
+        return found if bone is None else [*found, bone]
+
+    @property
     def _qualified(self) -> list[str]:
         """The labels, with what holds a joint in front where labels are paths: ``/Hero/Skel:hips/spine``.
 
         So are joints labelled that several skeletons of a file share: a script may name all of them alike.
         """
-        held: list[str] = []
-        found: list[str] = []
-        for node, label in enumerate(self.labels):
-            parent = int(self.parents[node])
-            above = held[parent] if parent >= 0 else ""
-            is_path, joint = label.startswith("/"), bool(self.is_joint[node])
-            held.append(above if joint or not is_path else label)
-            # The token of a joint may begin as the path of a prim does.
-            whole = not above or label.startswith(f"{above}:") or (is_path and not joint)
-            found.append(label if whole else f"{above}:{label}")
-        return found
+        return self._addresses.qualified
 
     @property
     def _hints(self) -> list[str]:
         """What nodes may be called, without the labels of those that no file has yet."""
-        return [*self._by_name, *(way for way in self._by_address if not way.startswith("+"))]
+        ways = {**dict.fromkeys(self._addresses.ways), **{f"vrm:{bone}": None for bone in self.humanoid}}
+        return [*self._by_name, *(way for way in ways if not way.startswith("+"))]
 
     def find(self, name: str, kind: str = "joint") -> int:
         """The one node called ``name``: its name, its label (``#3``), its path, its `title`, or ``vrm:head``.
@@ -137,7 +117,7 @@ class NodeNames(Hierarchy, ABC):
         found = self._by_name.get(name, []) if name else []
         # A joint wins over a mesh node of the same name; nothing else is guessed.
         joints = [node for node in found if self.is_joint[node]]
-        found = joints if len(joints) == 1 else found or self._by_address.get(name, [])
+        found = joints if len(joints) == 1 else found or self._by_address(name)
         return [node for node in found if node not in self.rules.others] or found
 
     def _check_instances(self, name: str) -> None:
@@ -152,7 +132,7 @@ class NodeNames(Hierarchy, ABC):
 
     def has(self, name: str) -> bool:
         """Whether any node is called so, by name, label, path or VRM bone."""
-        return bool(name and (self._by_name.get(name) or self._by_address.get(name)))
+        return bool(name and (self._by_name.get(name) or self._by_address(name)))
 
     def known(self, name: object) -> int | None:
         """The one node called so, as `find` has it; None where there is none, or several, or no name."""
@@ -165,7 +145,7 @@ class NodeNames(Hierarchy, ABC):
         An exact name wins over a pattern, so names with ``*`` or ``[`` in them can
         be given as they are. Raises NameNotFoundError when nothing matches.
         """
-        exact = self._by_name.get(pattern) or self._by_address.get(pattern)
+        exact = self._by_name.get(pattern) or self._by_address(pattern)
         nodes = range(len(self)) if among is None else among
         if exact:
             return sorted(exact)

@@ -18,8 +18,8 @@ from rigs import chain, random_rig, rig_of
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats import read
 from rigtri.maths.matrices import inverse
+from rigtri.model.addresses import DEEPEST_PATH
 from rigtri.model.animation import Clip, Track
-from rigtri.model.node_names import DEEPEST_PATH
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
