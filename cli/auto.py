@@ -39,6 +39,7 @@ from .shared_options import (
     source_argument,
     target_option,
 )
+from .terminal_text import plain
 
 if TYPE_CHECKING:
     from rigtri.files.staged_output import StagedOutput
@@ -171,7 +172,7 @@ class _Job:
         moves = "its joint and the mesh" if found.rig.meshes else "its joint (the file has no mesh)"
         lines.append(f"{tried}: each moves {moves}, and nothing else")
         if self.values["spec_out"] is not None and not self.values["dry_run"]:
-            lines.append(f"Wrote {self.values['spec_out']}")
+            lines.append(f"Wrote {plain(self.values['spec_out'], one_line=True)}")
         return "\n".join(lines)
 
     def more(self) -> dict[str, Any]:

@@ -15,6 +15,7 @@ Examples:
 from __future__ import annotations
 
 from contextlib import ExitStack
+from itertools import chain
 from typing import Any
 
 import click
@@ -70,7 +71,7 @@ def command(ctx: click.Context, /, source: str, output: str, **values: Any) -> N
     with ExitStack() as stack:
         reading = read_options({**values, "empty": True})
         documents = [read(stack.enter_context(opened(name)), reading) for name in sources]
-        output_file.check_needed(output, documents)
+        output_file.check_needed(output, chain.from_iterable(each.needed() for each in documents))
         rigs = [document.rig for document in documents]
         titles = [title(name) for name in sources]
         marked = [f"{when}: {title}" for when, title in zip(("after", "before"), titles, strict=False)]

@@ -136,7 +136,7 @@ def _of_file(words: tuple[str, ...], values: dict[str, Any], report: Report) -> 
         raise UsageError("name the limb of the file: --limb JOINT, or its joints ROOT MIDDLE END")
     with opened(words[0]) as path:
         document = read(path, read_options({**values, "empty": True}))
-        output_file.check_needed(values["output"], [document])
+        output_file.check_needed(values["output"], document.needed())
         rig = document.rig
         joints = tuple(map(rig.find, named)) if named else limb_with(rig, values["limb"])
         return explain_limb(rig, joints, values["at"] or "rest", report)

@@ -53,6 +53,7 @@ def command(source: str, output: str, **values: Any) -> None:
         raise UsageError(f"{output} is not a valid script name: use the suffix .py")
     output_file.check_output(output, [source], values)
     made = setup_for(source, read_options(values), report)
+    output_file.check_needed(output, report.sources)
     output_file.write_output(made.script, output)
     counts = {name: len(made.plan[name]) for name in ("nodes", "constraints", "limbs")}
     if values["as_json"]:

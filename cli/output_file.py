@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -15,9 +15,6 @@ from rigtri.report import Report
 from .given_options import check_streams
 from .printing import print_warnings
 from .terminal_text import plain
-
-if TYPE_CHECKING:
-    from rigtri.formats import Document
 
 
 def check_output(output: str, sources: Sequence[str], values: dict[str, Any]) -> None:
@@ -50,13 +47,12 @@ def check_picture(output: str, sources: Sequence[str], values: dict[str, Any]) -
         check_installed()
 
 
-def check_needed(output: str | None, documents: Iterable[Document]) -> None:
+def check_needed(output: str | None, needed: Iterable[tuple[Path, str]]) -> None:
     """UsageError where OUT is a file that what was read refers to, such as an image of the same name."""
     from rigtri.files.staged_output import check_not_an_input
 
     if output not in (None, "-"):
-        for document in documents:
-            check_not_an_input(Path(output), list(document.needed()))
+        check_not_an_input(Path(output), list(needed))
 
 
 def write_output(content: bytes | str, output: str) -> None:

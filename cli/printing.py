@@ -65,7 +65,7 @@ def print_joints(report: Report) -> None:
 
 def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
     output = values["output"]
-    where = "standard output" if output == "-" else output
+    where = "standard output" if output == "-" else plain(str(output), one_line=True)
     from rigtri.text import and_more
 
     for layer, prims in outcome.hides.items():

@@ -95,6 +95,7 @@ def command(source: str, output: str, **values: Any) -> None:
             options=read_options(values),
             report=report,
         )
+    output_file.check_needed(output, report.sources)
     content = text.encode("utf-8", "backslashreplace")
     output_file.write_output(content, output)
     if values["as_json"]:

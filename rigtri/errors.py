@@ -14,6 +14,8 @@ from typing import Protocol
 
 # How a shell lets a program have more files open at once; in batches, each process needs some.
 MORE_FILES = "Allow more: ulimit -n 256"
+# A file is written under a longer name beside its place: `.NAME.rigtri-HASH.part-PROCESS.bin` at the longest.
+SHORTER_NAME = "Give it at most 220 bytes: while it is written, its name is longer"
 
 
 class RigtriError(Exception):
@@ -43,7 +45,8 @@ def faults_by_text(faults: Iterable[Fault]) -> dict[str, list[Fault]]:
 def system_reason(error: Exception) -> str:
     """What the system said is wrong with a file, and what to do where it is a limit that users set."""
     reason = getattr(error, "strerror", None) or str(error)
-    return f"{reason}. {MORE_FILES}" if getattr(error, "errno", None) == errno.EMFILE else reason
+    todo = {errno.EMFILE: MORE_FILES, errno.ENAMETOOLONG: SHORTER_NAME}.get(getattr(error, "errno", 0), "")
+    return f"{reason}. {todo}" if todo else reason
 
 
 class UsageError(RigtriError):

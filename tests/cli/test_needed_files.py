@@ -116,3 +116,32 @@ def test_an_image_of_the_input_is_not_replaced(
     assert "hero.png is images.0.uri of hero.gltf; it would be lost" in result.stderr
     assert Path("hero.png").read_bytes() == b"the skin"
     assert {path.name for path in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize("name", ["view.html", "export-blender.py", "spec-init.yaml"])
+def test_a_buffer_of_the_input_is_not_replaced(
+    name: str, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, these three took the place of a buffer, and IN could not be read any more."""
+    monkeypatch.chdir(tmp_path)
+    cli("add-controls", samples / "biped.gltf", "-o", "hero.gltf", "--joints", "thigh_L", code=0)
+    document = json.loads(Path("hero.gltf").read_text("utf-8"))
+    document["images"] = [{"uri": name}]
+    Path("hero.gltf").write_text(json.dumps(document), "utf-8")
+    Path(name).write_bytes(b"the skin")
+
+    result = cli(Path(name).stem, "hero.gltf", "-o", name, "--overwrite", code=2)
+
+    assert f"{name} is images.0.uri of hero.gltf; it would be lost" in result.stderr
+    assert Path(name).read_bytes() == b"the skin"
+
+
+def test_a_name_that_is_too_long_or_has_two_lines_is_told_in_one(
+    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = cli("freeze", samples / "arm.gltf", "-o", "x" * 246 + ".gltf", code=3)
+    assert "Give it at most 220 bytes" in result.stderr
+    assert "\nWrote a\\nb.gltf" in cli("freeze", samples / "arm.gltf", "-o", "a\nb.gltf", code=0).stderr
+    cli("freeze", samples / "arm.gltf", "-o", "x" * 215 + ".gltf", "--overwrite", code=0)
+    assert all(len(path.name) < 242 for path in tmp_path.iterdir())

@@ -68,6 +68,7 @@ def setup_for(path: Path | str, options: ReadOptions, report: Report) -> Setup:
     """The same script, with the plan that it holds."""
     with opened(path) as file:
         document = read(file, options)
+        report.sources += document.needed()
         gltf = file.suffix.lower() in GLTF_SUFFIXES
         meters = 1.0 if gltf else float(document.scene_facts().whole["metersPerUnit"])
         name = "" if str(path) == "-" else Path(path).name

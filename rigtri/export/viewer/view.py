@@ -110,6 +110,7 @@ def shown_page(
             rig, embedded = document.rig, document.embedded()
             start = start or _start(rig, begin, report)
             called = title(name)
+            report.sources += document.needed()
             for notice in document.warnings:
                 report.warn(notice.code, f"{called}: {notice.text}")
             if not rig.is_joint.any():
