@@ -22,7 +22,11 @@ def summary(report: Report) -> str:
     others = len(report.removed) - nodes
     if not report.removed:
         return "nothing in this file was added by rigtri"
-    return f"removed: {nodes} nodes, and the metadata of {others} others"
+    elsewhere = report.warned("rig-elsewhere")
+    what = (
+        "what this file changes of the rig that stays, such as keys, at" if elsewhere else "the metadata of"
+    )
+    return f"removed: {nodes} nodes, and {what} {others} others"
 
 
 command = edit_command("strip", StripOptions, summary, __doc__)

@@ -78,6 +78,27 @@ def test_strip_leaves_the_rig_of_an_asset_and_names_its_layer(tmp_path: Path) ->
     cli("constrain", shot, "-o", again, "--child", "Skin", "--driver", "a/b", code=0)
     printed = cli("strip", again, "-o", bare, "--overwrite", code=0).output
     assert "The rig of rig.usda stays" in printed
+    assert (
+        "removed: 0 nodes, and what this file changes of the rig that stays, such as keys, at 1 others"
+        in printed
+    )
+    assert bare.read_text() == shot.read_text()
+
+
+def test_the_rig_of_a_shot_comes_out_where_an_asset_has_classes(tmp_path: Path) -> None:
+    """What is composed from others is looked at before what goes; that was not found, and named this file."""
+    hero = scene(skeleton(), animation(), MESH).replace(
+        'SkelRoot "Root"', 'SkelRoot "Root" (inherits = </_class_Root>)'
+    )
+    save(tmp_path, hero + 'class "_class_Root"\n{\n}\n', "hero.usda")
+    shot = save(
+        tmp_path,
+        "#usda 1.0\n" + "".join(referenced(name, body="custom int held = 1") for name in "AB"),
+        "shot.usda",
+    )
+    rig, bare = tmp_path / "rig.usda", tmp_path / "bare.usda"
+    cli("add-controls", shot, "-o", rig, "--whole-character", code=0)
+    cli("strip", rig, "-o", bare, code=0)
     assert bare.read_text() == shot.read_text()
 
 

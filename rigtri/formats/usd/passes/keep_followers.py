@@ -36,9 +36,10 @@ def keep_followers(edit: UsdEdit) -> None:
     for value in edited.values():
         names.setdefault(value.prim, []).append(value.name)
     above = {prefix for path in names for prefix in path.GetPrefixes()}
-    if not any(_refers_to(prim, above) for prim in edit.source.stage.Traverse()):
+    if not edited or not any(_refers_to(prim, above) for prim in edit.source.stage.Traverse()):
         return
-    after, shown = edit.preview(edit.values), set()
+    # Values alone follow, and what goes is not in the layer of a preview.
+    after, shown = edit.preview(list(edited.values())), set()
     for prim in Usd.PrimRange.Stage(after, Usd.TraverseInstanceProxies()):
         if prim.IsInstanceProxy():  # what the first of several instances holds, all do
             if prim.GetPrimInPrototype() in shown:
