@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from places import every_other
+from gltf_files import standing_along_z
+from places import SAMPLES, every_other
 from rigs import chain
 from taken_clips import notices, places, rig_of
 
+from rigtri import read
 from rigtri.errors import GeometryError
 from rigtri.maths.matrices import compose, decompose, inverse
 from rigtri.maths.matrices import multiply as multiply_matrices
 from rigtri.maths.quaternions import from_axis_angle, multiply, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
-from rigtri.model.animation import Clip, Path, Track
+from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Path as TrackPath
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
@@ -56,7 +60,7 @@ def body(rig: Rig, lengths: Mapping[str, float], *, whole: float = 1.0) -> Rig:
     return replace(made, skins=tuple(skins))
 
 
-def held(rig: Rig, path: Path = "translation") -> Rig:
+def held(rig: Rig, path: TrackPath = "translation") -> Rig:
     """The rig with keys of what no clip moves of its joints, as a DCC writes them."""
     clips = []
     for clip in rig.clips:
@@ -99,6 +103,26 @@ def test_bones_point_as_in_edited_and_keep_their_lengths(name: str, file: str) -
     for joint, bone in bones(home).items():
         assert float(angle(bone, theirs[joint]).max()) < np.radians(0.01), joint
         np.testing.assert_allclose(length(bone), length(was[joint]), rtol=1e-6)
+
+
+@pytest.mark.parametrize("edit", ["longer legs", "turned aside"])
+def test_bodies_that_stand_along_z_get_the_motion_of_those_along_y(edit: str, tmp_path: Path) -> None:
+    """Before, its legs were sought along the file's up, 4 mm off, and one turned by 60° was said to lie."""
+    lying = tmp_path / "lying.glb"
+    lying.write_bytes(standing_along_z(SAMPLES / "biped.glb"))
+    found = []
+    for file, up in ((SAMPLES / "biped.glb", [0.0, 1.0, 0.0]), (lying, [0.0, 0.0, 1.0])):
+        rig = read(file)
+        edited = body(rig, BODIES["longer legs"])
+        if edit == "turned aside":
+            aside, rotation = from_axis_angle(up, np.radians(60)), rig.rotation.copy()
+            top = int(np.flatnonzero(rig.parents < 0)[0])
+            rotation[top] = multiply(aside, rotation[top])
+            edited = replace(rig, rotation=rotation, skins=())
+        found.append(places(take_clips(rig, from_=edited), "walk", TIMES))
+    for name, at in found[0].items():
+        expected = np.stack([at[:, 0], -at[:, 2], at[:, 1]], axis=1)
+        np.testing.assert_allclose(found[1][name], expected, atol=1e-6)
 
 
 @pytest.mark.ci

@@ -30,6 +30,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.ik_bones import IK_BONES
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, bind_poses, placed
+from rigtri.recognition.limbs import upright
 from rigtri.report import Report
 from rigtri.text import list_names
 
@@ -165,7 +166,7 @@ class Proportions:
         """The joints from the lowest in RIG's bind pose up to the highest above it; and those from there."""
         if not self.bones:
             return [], []
-        up, places = np.array(self.both.rig.rules.up), self._reference[:, 3, :3]
+        up, places = upright(self.both.rig), self._reference[:, 3, :3]
         heights = np.where(np.isfinite(places).all(axis=1), dot(places, up), np.inf)
         path = [ranked(self.bones, lambda n: -float(heights[n]), SAME_PLACE * self.both.size)[0]]
         while path[-1] in self.bones:

@@ -22,6 +22,7 @@ from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import world_turns
 from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.generated_names import span
+from rigtri.recognition.limbs import upright
 from rigtri.report import Report
 from rigtri.text import list_names
 
@@ -114,7 +115,7 @@ def _leans(both: Counterparts, theirs: Floats, ours: Floats) -> bool:
     if not len(fits):
         return False
     turn = nearest_rotation(from_frame(fits.cumsum(axis=0)[-1], np.zeros(3)))
-    up = np.array(both.rig.rules.up, dtype=np.float64)[np.newaxis]
+    up = upright(both.rig)[np.newaxis]
     return bool(np.degrees(angle(up, transform_directions(up, from_frame(turn, np.zeros(3)))))[0] > _LIES)
 
 
