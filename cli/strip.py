@@ -26,7 +26,8 @@ def summary(report: Report) -> str:
     what = (
         "what this file changes of the rig that stays, such as keys, at" if elsewhere else "the metadata of"
     )
-    return f"removed: {nodes} nodes, and {what} {others} others"
+    kept = f", and {what} {others} others" if others else ""
+    return f"removed: {nodes} nodes{kept}"
 
 
 command = edit_command("strip", StripOptions, summary, __doc__)
