@@ -227,3 +227,23 @@ def test_what_others_have_put_below_a_control_is_named_where_a_bake_would_move_i
         "'sword' is a child of 'forearm_L_ctl', with which it would move otherwise in clip 'walk'" in printed
     )
     assert "parent it to 'forearm_L'" in printed
+
+
+@pytest.mark.parametrize(("far", "told"), [(0.05, False), (2.0, True)])
+def test_what_follows_an_ik_end_that_its_limb_did_not_reach_is_told_of(far: float, told: bool) -> None:
+    """Before, a locator of a real file was 0.014 of the size off at the next bake, without a word."""
+    rig = read(SAMPLES / "biped.glb").rig
+    rig = add_controls(rig, options=AddControlsOptions(whole_character=True), report=Report())
+    rig = constrain(
+        rig,
+        options=ConstrainOptions(child="body", driver=("hand_L_ik_ctl",), type="point"),
+        report=Report(),
+    )
+    goal = rig.find("hand_L_ik_ctl")
+    value = rig.translation[[goal]] - [0.1 * far, far, 0.0]
+    rig = replace(rig, clips=(Clip("reach", (Track(goal, "translation", "STEP", np.zeros(1), value),)),))
+    report = Report()
+    bake(bake(rig, options=BakeOptions(), report=Report()), options=BakeOptions(to="controls"), report=report)
+    found = [notice.text for notice in report.warnings if notice.code == "followers-go-along"]
+    assert bool(found) == told
+    assert all(text.startswith("'body' will move otherwise in clip 'reach'") for text in found)

@@ -353,7 +353,7 @@ class _Baker:
             bound = max(self.options.between, UNBAKED)
             # What only follows, such as a rivet, has keys where no joint or control has any.
             compared = key_times(without_followers(self.rig, timeline, ()).clip)
-            refuse_replaced(before, self.rig, timeline, compared, self.size, bound)
+            refuse_replaced(before, self.rig, timeline, compared, self.size, bound, self.report)
         controls = sorted({node for block in found for node in block.found.controls})
         fidelity_record, notices = fidelity(
             self.rig, found, times, clip=timeline.name, size=self.size, tolerance=self.options.tolerance

@@ -30,6 +30,7 @@ from rigtri.operations.controls_check import seen_below
 from rigtri.operations.options.bake import BETWEEN
 from rigtri.recognition.one_character import about
 from rigtri.report import Report
+from rigtri.text import and_more
 
 # A joint whose position, as a share of the size, or whose axes differ by more at its own keys from what
 # controls do has motion that is not baked. A bake to controls holds keys ten times as well.
@@ -151,12 +152,13 @@ class _Keys:
 
 
 def refuse_replaced(
-    before: Rig, after: Rig, timeline: Timeline, times: Floats, size: float, bound: float
+    before: Rig, after: Rig, timeline: Timeline, times: Floats, size: float, bound: float, report: Report
 ) -> None:
     """GeometryError where keys of controls move joints, or what is below controls, otherwise.
 
     times: where both are compared, (f,). bound: by how much, as a share of the size. What constraints make of
-    joints is in both.
+    joints is in both; what else follows controls by them is warned of, as where an IK end that its limb did
+    not reach is put on its joint.
     """
     (now,) = (each for each in timelines(after) if each.members == timeline.members)
     _refuse_carried(before, after, (timeline, now), times, size)
@@ -168,6 +170,16 @@ def refuse_replaced(
     was = Solver(before, driven)
     old = was.run(sample_parts(before, timeline.clip, times))
     _refuse(_difference(was, old, posed, f"in clip '{timeline.name}'", size, bound))
+    children = {rule.child for rule in constraints_of(before).values()} - before.own
+    off = {node: _deviation(old, posed, node, size) for node in sorted(children) if not before.is_joint[node]}
+    if off and off[worst := largest(off, lambda node: off[node])] > bound:
+        names = and_more([f"'{before.title(node)}'" for node, far in off.items() if far > bound], 6)
+        text = (
+            f"{names} will move otherwise in clip '{timeline.name}' when constraints are baked, by up to "
+            f"{off[worst]:.2g} of the size: controls that they follow are put where their joints are. To "
+            "keep that motion, constrain to joints, or bake --to joints and strip"
+        )
+        report.warn("followers-go-along", text, joint=before.title(worst))
 
 
 def _refuse_carried(
