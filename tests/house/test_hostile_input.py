@@ -443,7 +443,7 @@ def test_joints_that_are_no_tokens_are_refused_or_ignored_by_name(tmp_path: Path
     document = read(save(tmp_path, scene(skeleton(), odd, MESH), "b.usda"))
     assert not document.rig.clips
     (notice,) = document.warnings
-    assert "ignores animation </Root/Anim>: joints is int[] and should be token[]" in notice.text
+    assert "moves no joints by animation </Root/Anim>: joints is int[] and should be token[]" in notice.text
 
 
 def test_influences_that_do_not_fit_are_not_printed_by_pxr(

@@ -84,7 +84,7 @@ def interpolation_of(stage: Any) -> Interpolation:
 
 
 def read_animation(prim: Any, warnings: list[Notice]) -> Animation | None:
-    """The animation of a SkelAnimation prim; None, with a notice, where UsdSkel ignores it.
+    """The animation of a SkelAnimation prim; None, with a notice, where nothing of it plays.
 
     FileError where only some of its samples are usable, or hold what is no number.
     """
@@ -127,8 +127,8 @@ def _read(prim: Any, warnings: list[Notice]) -> Animation | None:
         warnings.append(
             Notice(
                 "animation-ignored",
-                f"UsdSkel ignores animation <{path}>: it has no {' and no '.join(missing)}. "
-                "What it has is re-oriented all the same.",
+                f"UsdSkel moves no joints by animation <{path}>: it has no {' and no '.join(missing)}. "
+                "Edits re-orient what it has all the same.",
             )
         )
     if not prim.IsActive():
@@ -167,7 +167,9 @@ def _off_unit(path: str, tokens: Sequence[str], properties: Mapping[str, Propert
 
 
 def _ignored(path: str, why: str) -> Notice:
-    return Notice("animation-ignored", f"UsdSkel ignores animation <{path}>: {why}. It is left as it is.")
+    return Notice(
+        "animation-ignored", f"UsdSkel moves no joints by animation <{path}>: {why}. It is left as it is."
+    )
 
 
 def _property(prim: Any, name: str, tokens: Sequence[str]) -> Property | None:
