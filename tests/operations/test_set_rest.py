@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from broken_usd import SHAPED
 from crowds import bound, crowd, instance
 from places import SAMPLES, real_files
 from program import cli
@@ -264,6 +265,19 @@ def test_joints_of_an_animation_that_is_not_played_are_refused(rotations: str, t
     source = save(tmp_path, scene(skeleton(rest=rest), animation(rotations=rotations), MESH))
     ran = cli("set-rest", source, "-o", tmp_path / "out.usda", "--pose", "bind", code=5)
     assert "does not play </Root/Anim>, which has no rotations" in " ".join(ran.stderr.split())
+
+
+@pytest.mark.parametrize("lacking", [{"joints": ""}, {"scales": "half3[] scales = [(1, 1, 1)]"}])
+def test_joints_rest_where_an_animation_plays_blend_shapes_alone(
+    lacking: dict[str, str], tmp_path: Path
+) -> None:
+    """Its clip shows their rest pose all along. Before, it showed the new one, exit code 0."""
+    rest = SKELETON["rest"].replace(at(0, 2, 0), at(1, 2, 0))
+    weights = "float[] blendShapeWeights.timeSamples = { 1: [0], 9: [0.5] }"
+    moved = animation(blend='uniform token[] blendShapes = ["smile"]', weights=weights, **lacking)
+    source = save(tmp_path, scene(skeleton(rest=rest), moved, SHAPED))
+    ran = cli("set-rest", source, "-o", tmp_path / "out.usda", "--pose", "bind", code=5)
+    assert "plays the blend shapes of </Root/Anim>, which has no values for" in " ".join(ran.stderr.split())
 
 
 def test_a_clip_of_colours_alone_shows_the_old_rest_pose(tmp_path: Path) -> None:

@@ -304,6 +304,10 @@ class _Reader:
                 joints = []
             clip = sampled.get(("samples", path))
             meshes = [track.node for track in (clip.tracks if clip else ()) if track.path == "weights"]
+            for user in users if meshes and not animation.idle else ():
+                if not self.nodes.joint_nodes[user].keys() & set(animation.tokens):
+                    why = f"UsdSkel plays the blend shapes of <{path}>, which has no values for its joints"
+                    found |= dict.fromkeys(self.nodes.joint_nodes[user].values(), Resting(why, {}))
             blocked = blocked_times(self.stage, animation)
             weights = {"blendShapeWeights": blocked.pop("blendShapeWeights", ())}
             for nodes, arrays in ((joints, blocked), (meshes, weights)):
