@@ -16,7 +16,7 @@ from rigtri.maths.matrices import compose, from_frame, multiply, transform_direc
 from rigtri.maths.quaternions import to_axes
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip
+from rigtri.model.animation import Clip, Column
 from rigtri.model.bounding_boxes import boxes, corners
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
@@ -120,14 +120,8 @@ class Poses:
     def travel(self, nodes: Sequence[int]) -> Vector:
         """Which way the highest of the joints that clips move goes in them; zero for on the spot."""
         rig, inside, total = self.rig, set(nodes), Vector()
-        for clip in self.rig.shown_clips:
-            moved = [c for c in clip.columns if c.path == "translation" and len(c.times) > 1]
-            tops = [
-                (node, k, row)
-                for k, column in enumerate(moved)
-                for row, node in enumerate(column.nodes.tolist())
-                if node in inside
-            ]
+        for moved, rows in self._translations:
+            tops = [each for each in rows if each[0] in inside]
             if tops:
                 top, k, row = min(tops)  # parents come first
                 keys = moved[k].key_values[row]
@@ -135,6 +129,20 @@ class Poses:
                 above = int(rig.parents[top])
                 total = total + Vector(*(transform_directions(way, rig.world[above]) if above >= 0 else way))
         return total
+
+    @cached_property
+    def _translations(self) -> list[tuple[list[Column], list[tuple[int, int, int]]]]:
+        """What moves nodes in each clip: its columns, and of each row its node, column and place there."""
+        found = []
+        for clip in self.rig.shown_clips:
+            moved = [c for c in clip.columns if c.path == "translation" and len(c.times) > 1]
+            rows = [
+                (node, k, row)
+                for k, column in enumerate(moved)
+                for row, node in enumerate(column.nodes.tolist())
+            ]
+            found.append((moved, rows))
+        return found
 
     @cached_property
     def _moving(self) -> Booleans:
