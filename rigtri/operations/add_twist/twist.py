@@ -27,8 +27,6 @@ from rigtri.operations.options.add_twist import NAME as NAME
 from rigtri.operations.options.add_twist import AddTwistOptions as AddTwistOptions
 from rigtri.operations.rigtri_nodes import (
     NewNodes,
-    find,
-    refuse_taken,
     seen_from,
     unposed,
     with_record,
@@ -58,14 +56,16 @@ def add_twist(rig: Rig, *, options: AddTwistOptions, report: Report) -> Rig:
 
 def _check_names(rig: Rig, bones: list[Bone], options: AddTwistOptions) -> None:
     """UsageError where a user's rule gives two new twist joints one name, or that of another node."""
-    names: set[str] = set()
+    names, taken = set[str](), set(rig.names)
+    there = {(record.joint, record.to, record.number) for record in rig.records(TwistRecord).values()}
     for of in bones:
         ends = _ends(rig, of)
         for number in range(1, options.count + 1):
-            if find(rig, TwistRecord, joint=ends[0], to=ends[1], number=number) is None:
+            if (*ends, number) not in there:
                 name = _name(rig, of, number, options)
-                refuse_taken(rig, name)
                 valid = rig.rules.valid_name(name)
+                if valid in taken:
+                    raise UsageError(f"--name {name}: another node is called so")
                 if valid in names:
                     raise UsageError(f"--name {options.name}: several twist joints would be called '{name}'")
                 names.add(valid)
