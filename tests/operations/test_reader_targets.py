@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from places import SAMPLES
 from rigs import chain
 
+import rigtri
 from rigtri import add_controls, bake
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.pose_readers import PoseReader, Target, weights
@@ -131,3 +133,17 @@ def test_a_driver_without_axes_is_refused_by_name() -> None:
     made.scale[1] = 0.0
     with pytest.raises(GeometryError, match="'b' has no axes: a scale on or above it is zero"):
         _ = ReaderFrame(made, 1, 0, Report()).resting
+
+
+@pytest.mark.parametrize("change", ["rz=15", "tx=0.1"])
+def test_a_joint_that_a_constraint_moves_so_is_not_driven(change: str) -> None:
+    """Before, the reader took the place of the constraint, counted from what that made of rest."""
+    held = rigtri.constrain(rigtri.read(SAMPLES / "biped.glb"), child="toe_L", driver=("hand_L",), type="aim")
+    given: dict[str, Any] = {"driver": "upper_arm_R", "target": ("up=0,1,0.2",)}
+    if change == "tx=0.1":
+        assert rigtri.add_posereader(held, **given, joint=(("up", "toe_L", change),)).find("toe_L") >= 0
+        return
+    with pytest.raises(
+        GeometryError, match="'toe_L' follows a constraint, which a pose reader would replace"
+    ):
+        rigtri.add_posereader(held, **given, joint=(("up", "toe_L", change),))

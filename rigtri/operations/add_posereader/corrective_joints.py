@@ -18,6 +18,7 @@ from rigtri.maths.quaternions import IDENTITY, angle_between, multiply, quadrupl
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import triple
 from rigtri.model.animation import PATHS, Interpolation, Path, Track, key_values
+from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import CHANNELS, OutputRecord, PoseReaderRecord
 from rigtri.model.rig import Rig
 
@@ -99,12 +100,19 @@ def _paths(output: OutputRecord) -> list[Path]:
 
 
 def refuse_moving(rig: Rig, record: PoseReaderRecord, before: PoseReaderRecord | None) -> None:
-    """GeometryError where a joint moves by keys of its own. before: the reader as it was.
+    """GeometryError where a joint moves by keys of its own, or by a constraint. before: the reader as it was.
 
     Keys that hold it where it rests, as exporters write for every joint, are no motion.
     """
     mine = driven_paths(before, rig) if before is not None else {}
     driven = driven_paths(record, rig)
+    for rule in constraints_of(rig).values():
+        ruled = {PATHS["trs".index(channel[0])] for channel in rule.sets}
+        if ruled & (driven.get(rule.child, set()) - mine.get(rule.child, set())):
+            raise GeometryError(
+                f"'{rig.title(rule.child)}' follows a constraint, which a pose reader would replace; drive "
+                "another joint, for example a child of it"
+            )
     for clip in rig.clips:
         for track in clip.tracks:
             own = driven.get(track.node, set()) - mine.get(track.node, set())
