@@ -18,7 +18,7 @@ from rigtri.formats.usd.composition import edit_target, layers
 from rigtri.formats.usd.composition.stage import DEFAULT, MARK, is_override, open_over, overridden_file
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.opinions.edits import Edit, Setting
-from rigtri.formats.usd.opinions.instance_edits import apply_edits
+from rigtri.formats.usd.opinions.instance_edits import apply_edits, drop_empty_classes
 from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.text import splice
 from rigtri.formats.usd.text.statements import UnknownTextError
@@ -121,6 +121,7 @@ class Output:
             _drop_redundant(stage, layer, edits, self._composed_in_place)
         if strips:
             _drop_bare(self.layer, layer, edits)
+            drop_empty_classes(layer)
         renamed = rename is not None and layers.rename_assets(layer, rename)
         if not edits and not renamed:
             self._copy(part)

@@ -102,6 +102,21 @@ def test_the_rig_of_a_shot_comes_out_where_an_asset_has_classes(tmp_path: Path) 
     assert bare.read_text() == shot.read_text()
 
 
+def test_no_class_of_an_instance_stays_that_holds_nothing(tmp_path: Path) -> None:
+    hero, rig, keyed, bare = (tmp_path / f"{name}.usda" for name in ("hero", "rig", "keyed", "bare"))
+    hero.write_text(scene(skeleton(), animation(), MESH))
+    cli("add-controls", hero, "-o", rig, "--joints", "*", code=0)
+    shot = save(
+        tmp_path, referenced("A", "rig.usda", "\ninstanceable = true", "custom int held = 1"), "shot.usda"
+    )
+    shot.write_text("#usda 1.0\n" + shot.read_text())
+    cli("bake", shot, "-o", keyed, "--to", "controls", code=0)
+    assert "inherits = </rigtri_A>" in keyed.read_text()
+    cli("strip", keyed, "-o", bare, "--discard-motion", code=0)
+    before, after = (Sdf.Layer.FindOrOpen(str(path)).ExportToString() for path in (shot, bare))
+    assert after == before
+
+
 def test_a_rig_inside_an_instance_refers_to_nothing_outside(tmp_path: Path) -> None:
     """Composition drops such targets; the prop did not follow, with exit code 0."""
     names = ("hero", "rig", "held", "free", "out")

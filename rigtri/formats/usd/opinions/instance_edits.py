@@ -281,6 +281,38 @@ def _copy_below(source: Any, start: Any, target: Any, end: Any) -> None:
     Sdf.CopySpec(moved, end, target, end)
 
 
+def drop_empty_classes(layer: Any) -> None:
+    """Take away the classes of rigtri in a layer that hold nothing, and what inherits them."""
+    while empty := [path for path in _own_classes(layer) if _is_empty(layer.GetPrimAtPath(path))]:
+        for path in empty:
+            del layer.rootPrims[path.name]
+        paths = list[Any]()
+        layer.Traverse(Sdf.Path.absoluteRootPath, paths.append)
+        for at in paths:
+            _inherit_none(layer, at, empty)
+
+
+def _is_empty(spec: Any) -> bool:
+    """Whether a class holds overs of nothing alone, which are taken away."""
+    for child in list(spec.nameChildren):
+        if (
+            _is_empty(child)
+            and child.specifier == Sdf.SpecifierOver
+            and child.ListInfoKeys() == ["specifier"]
+        ):
+            del spec.nameChildren[child.name]
+    return not (spec.nameChildren or spec.properties or spec.variantSets)
+
+
+def _inherit_none(layer: Any, at: Any, gone: Sequence[Any]) -> None:
+    spec = layer.GetPrimAtPath(at) if at.IsPrimPath() or at.IsPrimVariantSelectionPath() else None
+    if spec is not None and spec.hasInheritPaths:
+        for path in gone:
+            spec.inheritPathList.RemoveItemEdits(path)
+        if not spec.inheritPathList.GetAddedOrExplicitItems():
+            spec.inheritPathList.ClearEdits()
+
+
 def _own_classes(layer: Any) -> set[Any]:
     """The classes of rigtri in a layer."""
     return {spec.path for spec in layer.rootPrims if is_own_class(spec)}
