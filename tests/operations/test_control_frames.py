@@ -20,6 +20,7 @@ from rigtri.frames.mirroring import Across, mirrored_axes
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.model.metadata import ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.control_frames import stored_style
 from rigtri.operations.mirror.symmetry_check import asymmetry
 from rigtri.report import Report
@@ -249,3 +250,18 @@ def test_controls_that_constraints_count_from_keep_their_axes_in_a_second_run() 
     # Without the constraint they get the axes of their joints.
     free = rigtri.add_controls(built, chain=("forearm_L", "hand_L"), root_control=True, frame="joint")
     assert not np.allclose(free.world[free.find(driver)], built.world[built.find(driver)], atol=1e-3)
+
+
+@pytest.mark.parametrize("preset", [name for name, style in PRESETS.items() if not style.world])
+def test_controls_have_the_axes_that_their_joints_would_have(preset: str) -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    turned = rigtri.orient_joints(rig, preset=preset)
+    made = rigtri.add_controls(
+        rig,
+        joints=[k for k, is_joint in zip(rig.labels, rig.is_joint, strict=True) if is_joint],
+        preset=preset,
+    )
+    pairs = [(joint, f"{name}_ctl") for joint, name in enumerate(rig.names) if f"{name}_ctl" in made.names]
+    assert len(pairs) > 20
+    for joint, control in pairs:
+        assert np.allclose(turned.world[joint, :3, :3], made.world[made.find(control), :3, :3], atol=1e-6)
