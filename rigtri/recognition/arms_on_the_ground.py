@@ -16,14 +16,15 @@ _LIES = 0.5
 def arm_as_front_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """Arms on the ground, below another pair of arms: names of bones are those of front legs, too."""
     body, mine = draft.shape.body, each.pair
-    if each.kind != "arm" or mine is None or body is None or body.legs is None or mine is body.legs:
+    if each.kind != "arm" or body is None or body.legs is None or mine is body.legs:
         return ""
     at, up = draft.tree.at, draft.up
+    first = mine.starts if mine is not None else at[each.joints[0]]
     over = any(
-        k.kind == "arm" and k.pair is not mine and at[k.joints[0]].dot(up) > mine.starts.dot(up)
-        for k in found
+        k.kind == "arm" and k.pair is not mine and at[k.joints[0]].dot(up) > first.dot(up) for k in found
     )
-    high = abs(lowest(draft.tree, mine, up) - lowest(draft.tree, body.legs, up))
+    low = lowest(draft.tree, mine, up) if mine is not None else min(at[k].dot(up) for k in each.joints)
+    high = abs(low - lowest(draft.tree, body.legs, up))
     return "it ends as low as the legs, below other arms" if over and high < ENDS_LOW * body.legs.size else ""
 
 

@@ -134,6 +134,9 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     limbs = arms.starts - arms.ends + legs.starts - legs.ends
     loose = down.dot(-standing) < _ASIDE
     four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
+    # Who crouches with the arms ahead has such limbs, too: along no axis of the file, below a trunk that is.
+    crouches = four and _on_axis(rise := limbs.unit, _LEANS) is rise and _on_axis(on, _LEANING) is not on
+    four, loose = four and not crouches, loose and not crouches
     if four or (loose and abs(down.dot(on)) < _LEANING and has_tail(tree, legs, arms, on)):
         return [(_on_axis((limbs if four else legs.starts - legs.ends).unit, _LEANS), _OTHER_UP)]
     turned = [_on_axis(rise := -down)]

@@ -357,6 +357,7 @@ _OF_NAMES = (
     *_alone(_counted, one_of_several, split_bone),
     named_twice,
     arm_below_a_lying_trunk,
+    arm_as_front_leg,
 )
 _OF_SHAPES = (
     upside_down,

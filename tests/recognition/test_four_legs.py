@@ -361,8 +361,23 @@ def test_doubt_where_a_leg_begins_is_none_of_the_arms() -> None:
     assert character([*TRUNK, *both([*arms, *legs])])[1].keys() == {"left arm", "right arm"}
 
 
-def test_arms_on_the_ground_below_other_arms_may_be_front_legs() -> None:
-    """Humerus and radius are names of a centaur's front legs, too. Before, it surely had four arms."""
+MIXAMO = {"Femur": "UpLeg", "Tibia": "Leg", "Metatarsus": "Foot", "HindDigit": "ToeBase"}
+MIXAMO |= {"Scapula": "Shoulder", "Humerus": "Arm", "Radius": "ForeArm", "Metacarpus": "Hand"}
+MIXAMO |= {"FrontDigit": "HandIndex1"}
+
+
+def called(name: str, scheme: dict[str, str]) -> str:
+    """A name with its side as another scheme has it; its own where that has none."""
+    word, _, side = name.partition(".")
+    return f"{'Left' if side == 'L' else 'Right'}{scheme[word]}" if word in scheme else name
+
+
+@pytest.mark.parametrize("scheme", [{}, MIXAMO])
+def test_arms_on_the_ground_below_other_arms_may_be_front_legs(scheme: dict[str, str]) -> None:
+    """Humerus and radius are names of a centaur's front legs, too, and so are a scheme's.
+
+    Before, it surely had four arms.
+    """
     hind = [
         (0.07, 1.31, -0.03),
         (0.12, 1.19, 0),
@@ -387,7 +402,8 @@ def test_arms_on_the_ground_below_other_arms_may_be_front_legs() -> None:
         *body,
         *both([*legs, *line("Clavicle.L UpperArm.L Forearm.L Hand.L", "Torso", *reach)]),
     ]
-    (found,) = recognise(rig_with(joints)).characters
+    given = [(called(name, scheme), called(above, scheme), at) for name, above, at in joints]
+    (found,) = recognise(rig_with(given)).characters
     sure = [chain for chain in found.chains if chain.is_sure and chain.kind == "arm"]
     assert {joints[chain.bend[0]][0] for chain in sure} == {"UpperArm.L", "UpperArm.R"}
 

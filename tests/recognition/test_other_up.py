@@ -126,6 +126,22 @@ def test_a_man_whose_legs_go_ahead_has_up_along_an_axis(named: bool, ahead: floa
 
 
 @pytest.mark.parametrize("named", [True, False])
+def test_who_crouches_with_the_arms_ahead_has_up_along_an_axis(named: bool) -> None:
+    """He looks at the file's y. Before, his limbs were an animal's: up was between axes, facing 52° off."""
+    trunk = [(0, 0.37, 0), (0, 0.42, 0.03), (0, 0.56, 0.135), (0, 0.8, 0.25), (0, 0.89, 0.32)]
+    arm = [(0.026, 0.746, 0.266), (0.184, 0.764, 0.24), (0.276, 0.519, 0.423), (0.322, 0.488, 0.7)]
+    leg = [(0.09, 0.334, 0), (0.08, 0.383, 0.427), (0.158, 0.022, 0.287)]
+    joints = line("hips spine chest neck head", "", *trunk)
+    joints += both(line("clavicle.L upper_arm.L forearm.L hand.L", "chest", *arm))
+    joints += both(line("thigh.L shin.L foot.L", "hips", *leg))
+    turned: list[Joint] = [(name, above, (-x, y, -z)) for name, above, (x, y, z) in joints]
+    (man,) = recognise(lying(turned, named=named)).characters
+    assert man.form == "biped"
+    assert man.up == (0, 0, 1)
+    assert man.facing == pytest.approx((0, 1, 0))
+
+
+@pytest.mark.parametrize("named", [True, False])
 @pytest.mark.parametrize("yaw", [0.0, 90.0])
 def test_who_crawls_on_tucked_toes_keeps_the_up_of_the_file(yaw: float, named: bool) -> None:
     """Hands, knees and toes stand on one ground. Before, he sat, and faced it."""
