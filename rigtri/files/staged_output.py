@@ -78,6 +78,9 @@ class StagedOutput:
         self.placed: list[tuple[Path, Path | None]] = []
         self._folders: list[Path] = []  # those that were not there before
         self.beside: list[Path] = []  # all companions, also those that were there
+        self.copied: dict[
+            Path, Path
+        ] = {}  # of which file of the source one is a copy, whatever others put there
         self._followers: list[Path] = []
         self._backup = _backup_path(final, os.getpid())
 
@@ -91,6 +94,8 @@ class StagedOutput:
             )
         place = self.final.parent / name
         self.beside.append(place)
+        if isinstance(companion.content, Path):
+            self.copied[place] = companion.content
         if place.exists() and _same(companion.content, place):
             return
         if place.exists() and not self.overwrite:

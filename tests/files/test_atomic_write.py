@@ -704,3 +704,15 @@ def test_what_is_to_be_done_after_the_rename_is_known_to_the_next_run(
     assert (tmp_path / buffer).exists() != orphan
     left = [path.name for path in tmp_path.iterdir() if path.name != buffer]
     assert sorted(left) == ["a.bin", "out.gltf", "out.log"]
+
+
+def test_what_a_companion_is_a_copy_of_is_known_after_others_have_replaced_it(tmp_path: Path) -> None:
+    """By this a batch sees that two outputs need different files. Before, both had the same hash."""
+    source, place = tmp_path / "in.bin", tmp_path / "out" / "in.bin"
+    source.write_bytes(b"one")
+    place.parent.mkdir()
+    staged = StagedOutput(tmp_path / "out" / "a.gltf", overwrite=True, shared=True)
+    staged.add(Companion("in.bin", source))
+    place.write_bytes(b"two")
+    assert staged.beside == [place]
+    assert staged.copied[place].read_bytes() == b"one"

@@ -214,7 +214,8 @@ def _record(
     read = {} if newer(outcome.files, moment) else _hashes.of_all(outcome.files, folder)
     made: dict[str, str] = {}
     if written is not None:
-        made = _hashes.of_all(written.beside, folder)
+        needs = {place: written.copied.get(place, place) for place in written.beside}
+        made = {seen_from(folder, os.fspath(place)): _hashes.of(file) for place, file in needs.items()}
         made[seen_from(folder, os.fspath(written.final))] = _hashes.of(written.part)
     # What steps add and take out again leaves a file as it was, too.
     same = written is not None and {*made.values()} == {*read.values()}
