@@ -236,14 +236,18 @@ class _Builder:
         return True
 
     def _root(self) -> None:
-        """The control over all: below the first root joint, as low as the lowest joint, along the world."""
+        """The control over all: below the first root joint, on the ground, along the world.
+
+        The ground is as low as the skin is at rest; without any, as the lowest joint.
+        """
         # A prim that holds the controls, as with --root, cannot follow one of them.
         free = (joint for joint in self.tree.joints if joint not in self.above_controls)
         top = next(free, self.tree.roots[0])
-        points = self.ref.world[list(self.tree.joints), 3, :3]
         up = upright(self.rig)
         place = self.ref.position(top).copy()
-        low = float(dot(points, up).min())
+        low = self.sizes.sections.lowest(top, up)
+        if np.isnan(low):
+            low = float(dot(self.ref.world[list(self.tree.joints), 3, :3], up).min())
         place = place + up * (low - float(dot(place, up)))
         about = {"joint": self.rig.address(top)}
         control = self._find("root", about)

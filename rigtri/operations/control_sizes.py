@@ -134,6 +134,15 @@ class SkinSections:
         found = [skinned.points[vertices] for skinned, vertices in self._of(joints)]
         return np.concatenate([*found, np.zeros((0, 3))])
 
+    def lowest(self, joint: int, up: Floats) -> float:
+        """How high, along ``up``, (3,) unit, the lowest point at rest is of the character that a joint is of.
+
+        NaN without any skin. Where there is none, meshes below joints count, but not those beside them.
+        """
+        beside = self._by_joint.get(-1, [])
+        points = [skinned.points for skinned in self._body_of(joint) if skinned not in beside]
+        return min((float(dot(some, up).min()) for some in points if len(some)), default=float("nan"))
+
     def _near(self, joint: int) -> list[tuple[_Skinned, Integers]]:
         """As `_of` a joint, or where it has none its neighbours, or the nearest joint above that has some."""
         return next(filter(None, map(self._of, self._nearer_first(joint))), [])

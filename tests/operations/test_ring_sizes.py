@@ -1,4 +1,7 @@
-"""Rings of controls stand outside the skin, measured by the winding number of the whole mesh."""
+"""Rings of controls stand outside the skin, measured by the winding number of the whole mesh.
+
+And the root control on the ground that the skin stands on.
+"""
 
 from __future__ import annotations
 
@@ -196,3 +199,30 @@ def test_rings_are_as_wide_where_twist_joints_share_the_skin(assets: Path, tmp_p
     )
     for joint in ("upperarm.l", "upperarm.r", "upperleg.l", "upperleg.r"):
         assert split[joint] == pytest.approx(plain[joint], rel=0.05)
+
+
+def root_heights(rig: Rig) -> list[float]:
+    """How high the root controls of a rig are."""
+    found = rig.records(ControlRecord).items()
+    return [float(rig.world[node, 3] @ [*rig.rules.up, 0]) for node, own in found if own.kind == "root"]
+
+
+@pytest.mark.parametrize("name", ["biped.glb", pytest.param("biped.usda", marks=pytest.mark.ci)])
+def test_a_root_control_stands_on_the_ground_below_the_soles(name: str) -> None:
+    """Before, as high as the lowest joint."""
+    source = read(SAMPLES / name).rig
+    soles = float((skin(source) @ source.rules.up).min())
+    assert soles < (source.world[source.is_joint, 3, :3] @ source.rules.up).min() - 0.01
+    rig = rigtri.add_controls(source, whole_character=True)
+    assert root_heights(rig) == pytest.approx([soles], abs=1e-9)
+
+
+def test_a_joint_far_below_the_skin_is_not_the_ground() -> None:
+    """Nor is a floor beside the joints; of a body without skin the lowest joint is."""
+    rig = chain((0, 0, 0), (0, 1, 0), (0, -9, 0))
+    bare = rigtri.add_controls(rig, root_control=True)
+    assert root_heights(bare) == pytest.approx([-9])
+    box = replace(a_box(0, (0.2, 0.5, 0.2)), skin=0, weights=np.ones((8, 1)), joints=np.zeros((8, 1), int))
+    floor = a_box(0, (20.0, 20.0, 20.0))
+    drawn = replace(rig, content=Content(read_meshes=lambda: [box, floor]))
+    assert root_heights(rigtri.add_controls(drawn, root_control=True)) == pytest.approx([-0.5])
