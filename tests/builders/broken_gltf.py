@@ -256,6 +256,36 @@ def _note(note: Any) -> Make:
     return node(1, extras={"rigtri": note})
 
 
+def _driven_twice() -> Make:
+    """A pose reader of joint 1 scales joint 2, which a constraint scales too."""
+    common: dict[str, Any] = {"v": 1}
+    reader = {
+        "type": "poseReader",
+        "name": "r",
+        "driver": "joint 1",
+        "frame": "joint 0",
+        "axis": [0, 1, 0],
+        "reader": "dot",
+        "targets": [{"name": "up", "direction": [0, 1, 0]}],
+        "outputs": [{"target": "up", "joint": "joint 2", "scale": [2, 1, 1]}],
+        "within": 1e-4,
+    }
+    rule = {
+        "type": "constraint",
+        "kind": "scale",
+        "child": "joint 2",
+        "drivers": ["joint 0"],
+        "weights": [1.0],
+        "offsets": ONE,
+    }
+
+    def build(gltf: dict[str, Any], _: Builder) -> None:
+        for index, note in ((1, reader), (2, rule)):
+            gltf["nodes"][index]["extras"] = {"rigtri": common | note}
+
+    return spoiled(build)
+
+
 JOINTS = [[0, 1, 0, 0]] * 3
 GLTF: dict[str, list[Make]] = {
     "file.unreadable": [
@@ -431,6 +461,7 @@ GLTF: dict[str, list[Make]] = {
     "gltf.mesh.weight-negative": [attribute("WEIGHTS_0", [[1, 0, 0, 0]] * 2 + [[1.5, -0.5, 0, 0]])],
     "gltf.mesh.weight-sum": [attribute("WEIGHTS_0", [[1, 0, 0, 0]] * 2 + [[0.5, 0.4, 0, 0]])],
     "gltf.mesh.weight-zero": [attribute("WEIGHTS_0", [[1, 0, 0, 0]] * 2 + [[0, 0, 0, 0]])],
+    "gltf.note.driven-twice": [_driven_twice()],
     "gltf.note.circle": [
         _note(
             {

@@ -141,6 +141,35 @@ def _note(text: str) -> Make:
     return stage(scene(skeleton(), animation(), MESH, f'def Xform "Pole"\n{{\n{text}\n}}'))
 
 
+# A pose reader of b scales c, which a constraint scales too.
+_READER = """def Xform "Reader"
+{
+custom int rigtri:v = 1
+custom token rigtri:type = "poseReader"
+custom string rigtri:name = "r"
+custom string rigtri:driver = "b"
+custom string rigtri:frame = "a"
+custom double3 rigtri:axis = (0, 1, 0)
+custom string rigtri:reader = "dot"
+custom string rigtri:targets:_0:name = "up"
+custom double3 rigtri:targets:_0:direction = (0, 1, 0)
+custom string rigtri:outputs:_0:target = "up"
+custom string rigtri:outputs:_0:joint = "c"
+custom double3 rigtri:outputs:_0:scale = (2, 1, 1)
+custom double rigtri:within = 0.0001
+}"""
+_RULE = f"""def Xform "Rule"
+{{
+custom int rigtri:v = 1
+custom token rigtri:type = "constraint"
+custom token rigtri:kind = "scale"
+custom token rigtri:child = "c"
+custom token[] rigtri:drivers = ["a"]
+custom double[] rigtri:weights = [1]
+custom double[] rigtri:offsets = {np.eye(4).ravel().tolist()}
+}}"""
+
+
 def before_binding(text: str) -> Make:
     """The mesh of a sound file with something more."""
     return replaced("rel skel:skeleton", f"{text}\n    rel skel:skeleton")
@@ -356,6 +385,7 @@ USD: dict[str, list[Make]] = {
         replaced("uniform vector3f[] offsets = [(0, 0, 1)]", ""),
     ],
     "usd.blend.point": [replaced("pointIndices = [1]", "pointIndices = [3]")],
+    "usd.note.driven-twice": [stage(scene(skeleton(), animation(), MESH, _READER, _RULE))],
     "usd.note.circle": [
         _note(
             'custom int rigtri:v = 1\ncustom token rigtri:type = "constraint"\n'

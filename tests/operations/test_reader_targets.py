@@ -147,3 +147,16 @@ def test_a_joint_that_a_constraint_moves_so_is_not_driven(change: str) -> None:
         GeometryError, match="'toe_L' follows a constraint, which a pose reader would replace"
     ):
         rigtri.add_posereader(held, **given, joint=(("up", "toe_L", change),))
+
+
+def test_a_joint_that_a_pose_reader_drives_is_not_constrained() -> None:
+    """Before, the constraint moved the same channels, and later edits kept now one and now the other."""
+    still = replace(rigtri.read(SAMPLES / "biped.glb"), clips=())
+    driven = rigtri.add_posereader(
+        still, driver="upper_arm_R", target=("up=0,1,0.2",), joint=(("up", "toe_L", "rz=15"),)
+    )
+    given: dict[str, Any] = {"child": "toe_L", "driver": ("hand_L",)}
+    assert rigtri.constrain(driven, type="point", **given).find("con_toe_L_point") >= 0
+    for kind in ("aim", "parent"):
+        with pytest.raises(GeometryError, match="pose readers drive 'toe_L'"):
+            rigtri.constrain(driven, type=kind, **given)

@@ -18,7 +18,7 @@ from rigtri.maths.quaternions import IDENTITY, angle_between, multiply, quadrupl
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import triple
 from rigtri.model.animation import PATHS, Interpolation, Path, Track, key_values
-from rigtri.model.constraints import constraints_of
+from rigtri.model.constraints import Constraint, constraints_of
 from rigtri.model.metadata import CHANNELS, OutputRecord, PoseReaderRecord
 from rigtri.model.rig import Rig
 
@@ -94,6 +94,12 @@ def driven_joints(rig: Rig) -> dict[int, set[Path]]:
     return found
 
 
+def ruled_too(rule: Constraint, driven: Mapping[int, set[Path]]) -> bool:
+    """Whether a constraint moves what of its child pose readers drive, of which `bake` can keep one alone."""
+    ruled = {PATHS["trs".index(channel[0])] for channel in rule.sets}
+    return not ruled.isdisjoint(driven.get(rule.child, ()))
+
+
 def _paths(output: OutputRecord) -> list[Path]:
     changes = (output.translation, output.rotation, output.scale)
     return [path for path, change in zip(PATHS, changes, strict=True) if change is not None]
@@ -106,9 +112,9 @@ def refuse_moving(rig: Rig, record: PoseReaderRecord, before: PoseReaderRecord |
     """
     mine = driven_paths(before, rig) if before is not None else {}
     driven = driven_paths(record, rig)
+    new = {node: paths - mine.get(node, set()) for node, paths in driven.items()}
     for rule in constraints_of(rig).values():
-        ruled = {PATHS["trs".index(channel[0])] for channel in rule.sets}
-        if ruled & (driven.get(rule.child, set()) - mine.get(rule.child, set())):
+        if ruled_too(rule, new):
             raise GeometryError(
                 f"'{rig.title(rule.child)}' follows a constraint, which a pose reader would replace; drive "
                 "another joint, for example a child of it"

@@ -31,6 +31,7 @@ from rigtri.model.constraints import (
 )
 from rigtri.model.metadata import ConstraintRecord, ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader.corrective_joints import driven_joints, ruled_too
 from rigtri.operations.bake.unbaked import refuse_followed
 from rigtri.operations.constrain.maintain_offset import measured
 from rigtri.operations.constrain.switching import Switching, stored_switching, switching, warn_outdated
@@ -92,6 +93,11 @@ def follow(
     keep: with the offset that leaves the child where it is. vrm: also as VRMC_node_constraint. keys: of the
     weights, which only then can have keys in clips. match: the child does not jump at them.
     """
+    if ruled_too(rule, driven_joints(rig)):
+        raise GeometryError(
+            f"pose readers drive '{rig.title(rule.child)}', and a constraint would move the same channels; "
+            "constrain a node above it, or leave the channels out with --skip"
+        )
     place = _replaced_node(rig, rule, report)
     _refuse_cycles(rig, rule, place)
     seen, above = seen_alone(rig)
