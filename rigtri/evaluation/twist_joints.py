@@ -25,10 +25,13 @@ from rigtri.maths.matrices import (
 from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, quadruple, rotate, twist_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import normalise
+from rigtri.maths.vectors import length, normalise, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import Triple, TwistRecord
 from rigtri.model.rig import Rig
+
+# Unit vectors that are nearer are one: products of world matrices leave less.
+_SAME_LINE = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,13 +98,21 @@ def twist_of(rig: Rig, node: int, record: TwistRecord) -> TwistJoint:
 
 
 def with_stored_rest(rig: Rig, before: Rig) -> Rig:
-    """The rig, whose rest pose is another than that of ``before``, with twist counted from the old one."""
+    """The rig, whose rest pose is another than that of ``before``, with twist counted from the old one.
+
+    Where the bone ends elsewhere than on its line of before, its axis stays that line.
+    """
     metadata = dict(rig.metadata)
     for node, record in rig.records(TwistRecord).items():
         was = twist_of(before, node, record)
-        if any((rig.local[k] != before.local[k]).any() for k in (node, *was.path)):
+        turned = any((rig.local[k] != before.local[k]).any() for k in (node, *was.path))
+        joint, to = rig.find(record.joint), rig.find(record.to)
+        line = was.own_axis if record.axis else normalise(bone(rig, joint, to))
+        leaves = not float(length(line - was.own_axis)) <= _SAME_LINE
+        if turned or leaves:
             kept = replace(record, rest=quadruple(was.rest), standing=quadruple(was.standing))
-            metadata[node] = kept.to_dict()
+            axis = triple(was.own_axis) if leaves else record.axis
+            metadata[node] = replace(kept, axis=axis).to_dict()
     return rig if metadata == rig.metadata else replace(rig, metadata=metadata)
 
 

@@ -345,6 +345,21 @@ def test_twist_counts_from_the_rest_pose_of_before() -> None:
     assert with_stored_rest(rig, rig) is rig
 
 
+@pytest.mark.parametrize("options", [LOWER, UPPER])
+def test_twist_is_about_the_bone_as_it_lay_before_it_ended_elsewhere(options: AddTwistOptions) -> None:
+    """Before, a rest pose with the end to the side of the bone changed what twist joints do in all clips."""
+    rig = add_twist(ARM, options=options)
+    place = rig.translation.copy()
+    place[rig.find(options.to[0])] += (0.0, 0.4, 0.3)
+    now = with_stored_rest(replace(rig, translation=place), rig)
+    for before, after in zip(twist_joints(rig), twist_joints(now), strict=True):
+        assert_allclose(after.own_axis, before.own_axis, atol=1e-12)
+        assert_allclose(after.axis, before.axis, atol=1e-12)
+    assert add_twist(now, options=options).metadata == now.metadata  # a second run, too
+    longer = replace(rig, translation=rig.translation * 1.5)  # along the line
+    assert {record.axis for record in with_stored_rest(longer, rig).records(TwistRecord).values()} == {None}
+
+
 def test_a_step_has_a_key_just_before_it_but_for_the_first() -> None:
     times, values = np.array([0.0, 1.0, 2.0]), np.tile([0.0, 0, 0, 1], (3, 1))
     steps = Track(0, "rotation", "STEP", times[:2], values[:2])

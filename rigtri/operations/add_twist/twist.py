@@ -162,7 +162,7 @@ def _why_kept(rig: Rig, of: Bone, options: AddTwistOptions, there: Mapping[int, 
     other = {
         node
         for node, record in there.items()
-        if _settings(record) != _settings(_record(rig, of, record.number, options))
+        if _settings(record) != _settings(_record(rig, of, record.number, options, record))
     }
     bearing = (skin for skin in rig.skins if skin.weigh is not None and other and not options.split_weights)
     if any(other.intersection(skin.joints[skin.weighted].tolist()) for skin in bearing):
@@ -183,10 +183,12 @@ def _ends(rig: Rig, of: Bone) -> tuple[str, str]:
     return rig.address(of.joint), rig.address(of.to)
 
 
-def _record(rig: Rig, of: Bone, number: int, options: AddTwistOptions) -> TwistRecord:
-    """What is stored of a bone's twist joint."""
+def _record(
+    rig: Rig, of: Bone, number: int, options: AddTwistOptions, was: TwistRecord | None
+) -> TwistRecord:
+    """What is stored of a bone's twist joint. was: what is stored of the one that is there."""
     at = number / (options.count + 1)
-    return TwistRecord(
+    record = TwistRecord(
         joint=rig.address(of.joint),
         to=rig.address(of.to),
         driver=rig.address(of.driver),
@@ -196,6 +198,11 @@ def _record(rig: Rig, of: Bone, number: int, options: AddTwistOptions) -> TwistR
         weight=options.weights[number - 1] if options.weights else at - 1.0 if of.upper else at,
         axis=options.axis,
     )
+    if was is None:
+        return record
+    if was.rest is not None and options.axis is None:
+        record = replace(record, axis=was.axis)  # the line of the rest pose that it counts from
+    return replace(record, influences=was.influences, rest=was.rest, standing=was.standing)
 
 
 def _joint(
@@ -212,7 +219,8 @@ def _joint(
 
     line: as `_line` has it. above: where the bone's joint stands while controls are zero, (4, 4).
     """
-    record = _record(rig, of, number, options)
+    was = None if node is None else rig.records(TwistRecord)[node]
+    record = _record(rig, of, number, options, was)
     place = transform_points(line * record.at, rig.world[of.joint])
     axes = nearest_rotation(rig.world[of.joint])
     if node is None:
@@ -220,8 +228,6 @@ def _joint(
         return rig, BoneTwist(
             of, new.add(name, of.joint, record, *seen_from(above, place, axes)), record, place, True
         )
-    was = rig.records(TwistRecord)[node]
-    record = replace(record, influences=was.influences, rest=was.rest, standing=was.standing)
     rig = with_record(rig, node, record)
     if record.standing is None:  # else the rest pose is not the one that it was bound in
         rig = move_joint(rig, node, place, axes)
