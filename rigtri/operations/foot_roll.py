@@ -39,8 +39,9 @@ from rigtri.report import Report
 # A foot lies: from the ankle to the ball it goes ahead by at least this part of the way (a cosine, 60°).
 # The metatarsus of an animal stands, and has no heel on the ground.
 _LIES = 0.5
-# The sole: what is no higher above the ground than this part of the ankle's height.
-_SOLE = 0.5
+# The foot ends where its skin does that is no higher above the ground than this part of the ankle's height: a
+# heel that is round ends at the ankle (and a bit, for rounding), and above is the shaft of a boot.
+_UP_TO_ANKLE = 1.1
 # Of feet without skin: how far heel and tip are from ankle and ball, as parts of the way between these.
 _HEEL, _TIP = 0.35, 0.5
 # How large a pivot is drawn, as a part of the foot, at least; that of the ball stands in the foot, and is as
@@ -144,8 +145,8 @@ def _foot(
     points = np.concatenate([transform_points(skin.points_of([k]), moves[k]) for k in below])
     ground = float(dot(points if len(points) else joints, up).min())
     height = float(dot(ankle, up))
-    sole = points[dot(points, up) <= ground + _SOLE * (height - ground)]
-    along, reach = dot(sole - ankle, ahead), float(dot(joints - ankle, ahead).max())
+    low = points[dot(points, up) <= ground + _UP_TO_ANKLE * (height - ground)]
+    along, reach = dot(low - ankle, ahead), float(dot(joints - ankle, ahead).max())
     heel = min(float(along.min()), 0.0) if len(along) else -_HEEL * way
     tip = max(float(along.max()) if len(along) else (1.0 + _TIP) * way, reach)
     foot, left = ankle + up * (ground - height), cross(up, ahead)
