@@ -52,6 +52,8 @@ _NAMED = 0.6
 _WRONG_WAY, _BENT = 0.35, 0.08
 # Knees and hocks bend less far aside than this (a sine).
 _SIDEWAYS = sine_below(30)
+# Axes of one joint stand so far apart along a bone, as a part of it, where one of them turns the bone.
+_AXIS_WITHIN = 0.3
 # What is left of a shape that is hardly a limb's where names tell all three joints.
 _LITTLE = 0.01
 # Three joints so much less limb-like than others of the chain are not what names say, or names are wrong.
@@ -127,6 +129,8 @@ def triple_of(
     words_of = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
     words_of = [words for words in words_of if any(word.levels for word in words)]
     levels_of = [in_order(words) for words in words_of]
+    further = {k for words in words_of for k in range(1, len(path) - 1) if _is_axis_apart(words, bones, k)}
+    straight = [-1.0 if k in further else least for k, least in enumerate(straight)]
     places, first, found = list(combinations(range(len(path)), 3)), 0, []
     whole = _LIMB if begin_as_one(tree, paths) else _WHOLE
     if whole < _WHOLE or (kind == "arm" and _leads_aside(tree, paths, len(path))):
@@ -136,6 +140,8 @@ def triple_of(
         quality = _quality(bones, at, now, ever, straight, moves, min(first, at[0]))
         if quality == 0.0 or any(_are_axes(words, at) for words in words_of):
             continue  # a joint between bends, a bone has no length, or is between axes of one joint
+        if any(_is_axis_within(tree, path, words, at) for words in words_of):
+            continue
         quality -= _LED if at[0] < first else 0.0
         led = fsum(bones[first + 1 : at[0] + 1]) > SAME_PLACE * _size(bones, at)  # by no group
         quality -= _LED if kind == "leg" and led and now[at[0]] > STRAIGHT else 0.0
@@ -178,6 +184,30 @@ def _are_axes(words: Sequence[LimbWords], at: Sequence[int]) -> bool:
     """Whether names call two of three joints in turn axes of one: ``hip_roll`` and ``hip_pitch``."""
     called = [words[k].joint for k in at]
     return any(one and one == other for one, other in pairwise(called))
+
+
+def _is_axis_apart(words: Sequence[LimbWords], bones: Sequence[float], at: int) -> bool:
+    """Whether names call a joint an axis of the one before or after it, which stands elsewhere.
+
+    It may stand aside of a bone.
+    """
+    least = SAME_PLACE * fsum(bones[1:])
+    apart = (words[k] for k, bone in ((at - 1, bones[at]), (at + 1, bones[at + 1])) if bone > least)
+    return bool(words[at].joint) and any(each.joint == words[at].joint for each in apart)
+
+
+def _is_axis_within(tree: Tree, path: Sequence[int], words: Sequence[LimbWords], at: Sequence[int]) -> bool:
+    """Whether a limb starts or ends at an axis that robots have within a bone, of a joint at its far end.
+
+    Shoulders that pitch and roll often yaw in the upper arm, and wrists yaw in the forearm.
+    """
+    start, middle, end = (tree.at[path[k]] for k in at)
+    upper, lower = middle - start, end - middle
+    before = (start - tree.at[path[k]] for k in range(at[0]) if words[k].joint == words[at[0]].joint != "")
+    after = range(at[2] + 1, len(path))
+    beyond = (tree.at[path[k]] - end for k in after if words[k].joint == words[at[2]].joint != "")
+    early = any(way.dot(upper.unit) > _AXIS_WITHIN * upper.length for way in before)
+    return early or any(way.dot(lower.unit) > _AXIS_WITHIN * lower.length for way in beyond)
 
 
 def begin_as_one(tree: Tree, paths: Sequence[Sequence[int]], together: float = _TOGETHER) -> bool:

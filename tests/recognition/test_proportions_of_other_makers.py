@@ -256,7 +256,17 @@ def test_axes_of_one_joint_are_no_two_joints_of_a_limb() -> None:
         ("head", "chest", (0, 1.2, 0)),
     ]
     arm = line("shoulder.L elbow.L wrist.L", "chest", (0.1, 1.08, 0), (0.15, 0.9, 0.016), (0.15, 0.75, 0.1))
-    assert sure([*trunk, *both([*leg, *arm])])["left leg"] == "hip_yaw.L knee.L ankle_pitch.L"
+    assert sure([*trunk, *both([*leg, *arm])])["left leg"] == "hip_roll.L knee.L ankle_pitch.L"
+
+
+def test_an_arm_starts_and_ends_at_no_axis_within_its_bones() -> None:
+    """Robots' shoulders yaw in the upper arm, and wrists in the forearm: before, a limb went from there."""
+    yaw = _axles("shoulder", (0.13, 1.45, 0.0), (0.02, 0.0, 0.0), (0.0, -0.07, 0.0))
+    wrist: list[Joint] = [("wrist_yaw.L", "", (0.155, 1.2, 0.05)), ("wrist_pitch.L", "", (0.155, 1.13, 0.1))]
+    arm = _chain("chest", yaw, [("elbow.L", "", (0.155, 1.27, 0.0))], wrist)
+    grip = line("gripper_1.L", "wrist_pitch.L", (0.155, 1.05, 0.12))
+    found = sure([*TRUNK, *both([*LEG, *arm, *grip])])
+    assert found["left arm"] == "shoulder_roll.L elbow.L wrist_pitch.L"
 
 
 def test_axles_of_shoulders_and_ankles_turn_no_robot_round() -> None:
