@@ -16,6 +16,7 @@ from rigtri.export.conversion.usd_cameras_lights import read_camera, read_light
 from rigtri.export.conversion.usd_deformation import lost_deformations
 from rigtri.export.conversion.usd_instances import without_instances
 from rigtri.export.conversion.usd_material_reader import MaterialReader, shows_colours
+from rigtri.export.conversion.usd_joint_scales import unshown_scales
 from rigtri.export.conversion.usd_motion import PrimMotion, unit_rotations
 from rigtri.export.conversion.usd_triangles import Faces, colour_of, materials_of, read_faces, with_points
 from rigtri.export.conversion.usd_unread import Unread
@@ -260,6 +261,8 @@ class _Reader:
             self._check_times(name, written, start)
             kept = [self._in_seconds(track, rig, start) for track in written]
             clips.append(self._unit(Clip(name, tuple(track for track in kept if track is not None))))
+        for words in unshown_scales(rig, self.source.joints, clips):
+            self.scene.lose(words)
         if tracks and clips[0].tracks:
             self._say_how_it_is_played(clips[0])
         return [clip for clip in clips if clip.tracks]

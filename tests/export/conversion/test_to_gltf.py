@@ -369,6 +369,18 @@ def test_blend_shapes_play_where_joints_lack_an_array(lacking: dict[str, str], t
     assert np.allclose(weights.values.ravel(), (0.0, 0.5))
 
 
+@pytest.mark.parametrize(("second", "told"), [("2, 1, 1", True), ("1, 1, 1", False)])
+def test_scales_that_openusd_rounds_between_samples_are_listed(
+    second: str, told: bool, tmp_path: Path
+) -> None:
+    scales = f"half3[] scales.timeSamples = {{ 1: [(1, 1, 1), (1, 1, 1), (1, 1, 1)], 9: [({second}), (1, 1, 1), (1, 1, 1)] }}"
+    source = save(tmp_path, scene(skeleton(), animation(scales=scales), MESH))
+    warnings = rigtri.convert(source, tmp_path / "out.glb").report.warnings
+    lost = [one.text for one in warnings if "half floats" in one.text]
+    assert len(lost) == told
+    assert all("by up to 9.8e-4" in text for text in lost)
+
+
 def test_blocked_samples_are_seen_by_verify(tmp_path: Path) -> None:
     whole = save(tmp_path, scene(skeleton(), animation(), MESH), "whole.usda")
     text = whole.read_text().replace("timeSamples = {", "timeSamples = {\n3: None,", 1)

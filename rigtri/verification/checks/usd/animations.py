@@ -35,7 +35,7 @@ def check(scene: Scene, prim: Any) -> None:
         _check_tokens(scene, prim, tokens, users)
         missing = [name for name in PROPERTIES if name not in present]
         if missing:
-            text = f"it has no {' and no '.join(missing)}, so UsdSkel ignores it"
+            text = f"it has no {' and no '.join(missing)}, so UsdSkel moves no joints by it"
             scene.add("usd.anim.incomplete", prim, missing[0], text)
         known = {token for user in users for token in scene.tokens.get(user, ())}
         for name in present:
