@@ -22,8 +22,8 @@ from rigtri.text import and_more
 
 # Scales that a half float holds to this share need no word: it is half of what a conversion may be off.
 HELD = 5e-6
-# By which share of a scale OpenUSD is off between two samples: it rounds both factors, both products and their
-# sum, and the worst of 4e6 random ones is 9.5e-4 off.
+# By which share of a scale OpenUSD is off between two samples: it rounds both factors, both products and
+# their sum, and the worst of 4e6 random ones is 9.5e-4 off.
 _BETWEEN = "9.8e-4"
 # Scales are one within this share: float32's noise.
 _SAME = 1e-6
@@ -75,7 +75,8 @@ def lost_scales(rig: Rig, joints: Collection[int], halves: Iterable[Collection[i
     if stored := set[int]().union(*halves):
         yield f"scales of {_titles(rig, stored)} in full: UsdSkel has those of animations as half floats"
     if changing := _changing(joints, rig.clips):
-        yield f"scales of {_titles(rig, changing)} between keys: OpenUSD rounds them there, by up to {_BETWEEN}"
+        between = f"between keys: OpenUSD rounds them there, by up to {_BETWEEN}"
+        yield f"scales of {_titles(rig, changing)} {between}"
 
 
 def unshown_scales(rig: Rig, joints: Collection[int], clips: Iterable[Clip]) -> Iterator[str]:

@@ -15,8 +15,8 @@ from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_cameras_lights import read_camera, read_light
 from rigtri.export.conversion.usd_deformation import lost_deformations
 from rigtri.export.conversion.usd_instances import without_instances
-from rigtri.export.conversion.usd_material_reader import MaterialReader, shows_colours
 from rigtri.export.conversion.usd_joint_scales import unshown_scales
+from rigtri.export.conversion.usd_material_reader import MaterialReader, shows_colours
 from rigtri.export.conversion.usd_motion import PrimMotion, unit_rotations
 from rigtri.export.conversion.usd_triangles import Faces, colour_of, materials_of, read_faces, with_points
 from rigtri.export.conversion.usd_unread import Unread

@@ -245,6 +245,19 @@ def test_a_skeleton_that_variants_bind_apart_gets_notes_and_no_other_size(tmp_pa
     assert "</Root/Skel.skel:animationSource> is not the same in all variants of 'clip' on </Root>" in printed
 
 
+def test_new_joints_get_keys_in_the_variant_that_holds_the_animation(tmp_path: Path) -> None:
+    """Each variant lists equal joints by an opinion of its own. Before, this was refused."""
+    takes = variant_set("clip", a=animation(), b=animation(rotations=RUN))
+    source, out = save(tmp_path, choosing(scene(skeleton(), MESH, takes), clip="a")), tmp_path / "out.usda"
+    printed = cli("add-twist", source, "-o", out, "--joint", "a/b", "--to", "a/b/c", code=0).output
+    assert "written in the variant 'a' of the variant set 'clip' on </Root> alone" in printed
+    for variant, moved in (("a", True), ("b", False)):
+        assert apart(source, out, {"clip": variant}) < 1e-6
+        stage = selecting(out, "/Root", {"clip": variant})
+        listed = stage.GetPrimAtPath("/Root/Anim").GetAttribute("joints").Get()
+        assert any("twist" in token for token in listed) == moved
+
+
 def test_a_binding_above_a_skeleton_whose_own_has_no_target_differs_by_variant(tmp_path: Path) -> None:
     bindings = {"a": "rel skel:animationSource = </Root/Anim>", "b": "rel skel:animationSource = </Root/Run>"}
     text = scene(
@@ -644,8 +657,10 @@ def test_levels_of_detail_with_weights_of_their_own_get_other_names_and_a_root(t
             assert apart(source, out, {"lod": variant}) < 1e-6
 
 
-def test_a_variant_that_an_edit_would_break_is_named(tmp_path: Path) -> None:
+def test_a_variant_that_an_edit_would_break_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Before, the error was about numbers that no file had: "4 items, but the animation has 6 joints"."""
+    # As where other joints move otherwise in the same edit, so that no variant alone can hold it.
+    monkeypatch.setattr("rigtri.formats.usd.passes.retime_samples.moves_as_before", lambda *_: False)
     scales = "half3[] scales.timeSamples = { 1: [(1, 1, 1), (2, 2, 2), (1, 1, 1)] }"
     moving, still = animation(scales=scales), animation()
     body = f'variantSet "c" = {{\n"moving" {{\n{moving}\n}}\n"still" {{\n{still}\n}}\n}}'

@@ -59,7 +59,8 @@ def confine_keys(edit: UsdEdit) -> None:
         if variants.skeleton not in confined:
             animation = Sdf.Path(variants.animation)
             arrays = [animation.AppendProperty(name) for name in ("joints", *PROPERTIES)]
-            variants.refuse_dependent(arrays, "Keys cannot be changed")
+            if variants.animation not in edit.extended:
+                variants.refuse_dependent(arrays, "Keys cannot be changed")
     _confine_props(edit)
 
 
@@ -83,14 +84,32 @@ def _confine(
             raise FileError(f"Keys cannot be set in <{animation}>: {_why(followed)}")
         edit.prepared = [_inside(each, animation, sets, variants) for each in edit.prepared]
         edit.opinions = [_inside(each, animation, sets, variants) for each in edit.opinions]
-    selected = variants.states[0].selected
-    shown = " and ".join(f"'{selected[s]}' of the variant set '{s[1]}' on <{s[0]}>" for s in sorted(sets))
     text = (
-        f"Keys of <{skeleton.path}> are written in the variant {shown} alone, for it decides what controls "
-        "do. To bake another variant, select it and run again"
+        f"Keys of <{skeleton.path}> are written in the variant {_selected(variants, sets)} "
+        "alone, for it decides what controls do. To bake another variant, select it and run again"
     )
     edit.notices.append(Notice("variant-keys", text))
     return True
+
+
+def confine_new_joints(edit: UsdEdit, variants: SkeletonVariants, edits: Sequence[Edit]) -> list[Edit]:
+    """The edits of an animation that gets new joints, in the variants that decide its arrays."""
+    animation = Sdf.Path(variants.animation)
+    arrays = [animation.AppendProperty(name) for name in ("joints", *PROPERTIES)]
+    sets = set[VariantSet]().union(*(variants.depends.get(path, ()) for path in arrays))
+    if not sets:
+        return list(edits)
+    text = (
+        f"Keys of new joints of <{variants.skeleton}> are written in the variant {_selected(variants, sets)} "
+        f"alone, for it decides what <{animation}> holds. In others these joints stay at rest"
+    )
+    edit.notices.append(Notice("variant-keys", text))
+    return [_inside(each, animation, sets, variants) for each in edits]
+
+
+def _selected(variants: SkeletonVariants, sets: Iterable[VariantSet]) -> str:
+    selected = variants.states[0].selected
+    return " and ".join(f"'{selected[s]}' of the variant set '{s[1]}' on <{s[0]}>" for s in sorted(sets))
 
 
 def _why(decided: Decided) -> str:

@@ -23,7 +23,8 @@ from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.composition.variants import SkeletonVariants
 from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, free_path, set_tokens
 from rigtri.formats.usd.opinions.skeleton_edits import check_no_spline, set_array
-from rigtri.formats.usd.passes.usd_edit import UsdEdit, resting
+from rigtri.formats.usd.passes.confine_keys import confine_new_joints
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, moves_as_before, resting
 from rigtri.formats.usd.reading.animation_reader import HELD, NOTHING, PROPERTIES, Animation, Property
 from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.formats.usd.reading.source import Source
@@ -57,13 +58,23 @@ def retime_samples(edit: UsdEdit) -> None:
     plans = [_Plan(source, rig, path) for path in _retimed(source, rig)]
     if not plans:
         return
-    edits = [change for plan in plans for change in plan.edits()]
+    edits = [change for plan in plans for change in _within_variants(edit, plan)]
     if edits:
         edit.prepare(edits)
-    edit.retimed += [variants for plan in plans for variants in plan.variants]
     tracks = {plan.animation.path: plan.tracks for plan in plans}
     clips = (*_aligned(source, edit.source, rig, tracks), *(c for c in rig.clips if c.key == PLAYED))
     edit.rig = replace(rig, clips=clips)
+
+
+def _within_variants(edit: UsdEdit, plan: _Plan) -> list[Edit]:
+    """The edits of a plan, within variants that alone hold what only gets new joints."""
+    edits = list(plan.edits())
+    edit.retimed += plan.variants
+    if moves_as_before(plan.source, plan.rig, plan.users, plan.animation):
+        edit.extended.add(plan.animation.path)
+        for variants in plan.variants:
+            edits = confine_new_joints(edit, variants, edits)
+    return edits
 
 
 def _retimed(source: Source, rig: Rig) -> list[str]:

@@ -15,8 +15,10 @@ from rigtri.formats.usd.composition.variants import SkeletonVariants
 from rigtri.formats.usd.opinions.composition_check import Expected
 from rigtri.formats.usd.opinions.edits import Edit
 from rigtri.formats.usd.opinions.instance_edits import apply_edits
-from rigtri.formats.usd.reading.node_keys import kind
+from rigtri.formats.usd.reading.animation_reader import Animation
+from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.reader import read_source
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Booleans
 from rigtri.model.animation import Clip, Track
@@ -53,7 +55,7 @@ class UsdEdit:
     variants where they need it. removals: what goes last. staying: by path, which rows of
     skeletons and columns of animations stay where some go. expected: what the composed output must show.
     changes: what `find_changes` has found for the passes behind it. retimed: the variants of the animations
-    whose arrays get other times, as they were read.
+    whose arrays get other times, as they were read. extended: those of them that only get new joints.
     """
 
     source: Source
@@ -69,6 +71,7 @@ class UsdEdit:
     expected: Expected = field(default_factory=Expected)
     changes: Changes = field(init=False)
     retimed: list[SkeletonVariants] = field(default_factory=list)
+    extended: set[str] = field(default_factory=set)
 
     @property
     def edits(self) -> list[Edit]:
@@ -174,3 +177,28 @@ def resting(track: Track, rig: Rig) -> Track:
     """A track of a joint with its rest value at every key."""
     rest = getattr(rig, track.path)[track.node]
     return replace(track, values=np.broadcast_to(rest, track.values.shape))
+
+
+def moves_as_before(source: Source, rig: Rig, users: Collection[Skeleton], animation: Animation) -> bool:
+    """Whether the joints of some skeletons rest as before, and an animation of theirs moves them as before.
+
+    Whatever else moves in ``rig`` is new.
+    """
+    skeletons = {user.path for user in users}
+    joints = [node for node, (path, _) in source.joints.items() if path in skeletons]
+    was, now = (_stored(one, animation.path) for one in (source.rig, rig))
+    return (
+        np.array_equal(source.rig.local[joints], rig.local[joints])
+        and was.keys() == now.keys()
+        and all(
+            np.array_equal(getattr(was[key], name), getattr(now[key], name))
+            for key in was
+            for name in ("times", "values")
+        )
+    )
+
+
+def _stored(rig: Rig, path: str) -> dict[Any, Track]:
+    """The tracks that an animation has places for."""
+    clips = (clip for clip in rig.clips if path in parts(clip.key))
+    return {(c.key, t.node, t.path): t for c in clips for t in c.tracks if t.key is not None}
