@@ -418,6 +418,26 @@ def test_a_stack_that_moves_otherwise_takes_all_that_is_given(tmp_path: Path) ->
     assert_allclose(found["scale"].values, [[1, 1, 1], [2, 2, 2]], atol=1e-12)
 
 
+@pytest.mark.parametrize("same", [True, False])
+def test_new_ops_have_no_default_where_those_of_before_had_none(same: bool, tmp_path: Path) -> None:
+    """Without time the prim stands where it stood; unless it would rest elsewhere, at a new first sample."""
+    ops = """    float3 xformOp:rotateXYZ.timeSamples = { 1: (0, 0, 90), 4: (90, 0, 0) }
+    double3 xformOp:translate = (1, 2, 3)
+    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateXYZ"]"""
+    path, out = sword(tmp_path, ops), tmp_path / "out.usda"
+    document = read(path)
+    node = document.rig.find("/Root/Sword", "node")
+    turns = np.array([[0.0, 0, 0.5**0.5, 0.5**0.5], [0.6, 0, 0, 0.8]])
+    track = Track(node, "rotation", "LINEAR", np.array([1.0, 4.0]), turns if same else turns[::-1])
+    write(document, played(document.rig, track), out)
+    stages = [Usd.Stage.Open(str(each)) for each in (path, out)]
+    prims = [UsdGeom.Xformable(stage.GetPrimAtPath("/Root/Sword")) for stage in stages]
+    stands = [prim.GetLocalTransformation(Usd.TimeCode.Default()) for prim in prims]
+    assert (stands[0] == stands[1]) is same
+    rests = [read(each).rig for each in (path, out)]
+    assert_allclose(*(rig.local[rig.find("/Root/Sword", "node")] for rig in rests), atol=1e-12)
+
+
 # --- blend shapes
 
 SHAPES = (

@@ -5,7 +5,7 @@ Source: UsdGeomXformable, "Xform ops" and `xformOpOrder`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -100,10 +100,11 @@ def set_transform(
     to_key: bool = False,
     resets: bool = False,
     types: Mapping[str, Any] = MappingProxyType({}),
+    sampled: Collection[Path] = (),
 ) -> list[Setting]:
     """Edits that put a prim at a local matrix by translate, orient and scale ops, and move it by tracks.
 
-    resets: the prim does not follow what is above it.
+    resets: the prim does not follow what is above it. sampled: what of it has samples and no default.
     to_key: there are all three, for an animator to key; the rotation is Euler angles where it is still zero.
     types: those of ops by name, where they are others than `OP_TYPES`.
     """
@@ -118,7 +119,8 @@ def set_transform(
         order["rotation"], double3 = EULER, OP_TYPES["scale"]
         still = [set_value(path, EULER, double3, op_value(double3, np.zeros(3)), alone=True)]
     names = set_tokens(path, "xformOpOrder", [*([RESET] if resets else []), *order.values()])
-    return [*_ops(path, rows, moved, {p: o for p, o in order.items() if o != EULER}, types), *still, names]
+    ops = {p: o for p, o in order.items() if o != EULER}
+    return [*_ops(path, rows, moved, ops, types, sampled), *still, names]
 
 
 def _ops(
@@ -127,10 +129,12 @@ def _ops(
     moved: Mapping[Path, Track],
     order: Mapping[Path, str],
     types: Mapping[str, Any],
+    sampled: Collection[Path],
 ) -> list[Setting]:
     found = []
     for prop, name in order.items():
         type_name = types.get(name, OP_TYPES[prop])
-        value, samples = op_value(type_name, rows[prop]), op_samples(moved.get(prop), type_name)
+        value = None if prop in sampled else op_value(type_name, rows[prop])
+        samples = op_samples(moved.get(prop), type_name)
         found.append(set_value(path, name, type_name, value, samples=samples, alone=True))
     return found

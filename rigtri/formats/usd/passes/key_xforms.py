@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pxr import Sdf, UsdGeom
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import refuse, tokens_of
@@ -21,6 +22,7 @@ from rigtri.formats.usd.opinions.variant_paths import why_unkeyable
 from rigtri.formats.usd.opinions.xform_edits import (
     OP_TYPES,
     RESET,
+    SAME_ROTATION,
     after_reset,
     op_samples,
     op_value,
@@ -33,6 +35,7 @@ from rigtri.formats.usd.reading.sampled_xforms import can_scale
 from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.reading.xform_hierarchy import NOTHING, OPS, read_transform
 from rigtri.maths.matrices import SKEW, decompose, skew
+from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
 from rigtri.model.rig import Rig
@@ -69,7 +72,33 @@ def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) 
             f"<{path}> stands by {shown}, which cannot take keys. Give it the ops xformOp:translate, "
             "xformOp:orient and xformOp:scale, in this order."
         )
-    return [*set_transform(path, rig.local[node], list(tracks.values()), resets=bool(resets))]
+    local, sampled = rig.local[node], _sampled(xformable, rig.local[node], tracks)
+    return [*set_transform(path, local, list(tracks.values()), resets=bool(resets), sampled=sampled)]
+
+
+def _sampled(xformable: Any, local: Floats, tracks: Mapping[Path, Track]) -> list[Path]:
+    """What of a prim new ops have samples of, and no default, so that without time it stands as before.
+
+    Ops without a default count for nothing there, and the prim rests at their first samples.
+    """
+    without_time = np.array(xformable.GetLocalTransformation(Usd.TimeCode.Default()))
+    if skew(without_time) >= SKEW:
+        return []
+    found: list[Path] = []
+    for path, stands, rests in zip(OPS, decompose(without_time), decompose(local), strict=True):
+        track = tracks.get(path)
+        if track is None or not _is_same(path, stands, NOTHING[path]) or _is_same(path, stands, rests):
+            continue
+        stated = xformable.GetPrim().GetAttribute(OPS[path])  # an op that is out of use
+        if _is_same(path, track.values[0], rests) and (not stated or stated.Get() is None):
+            found.append(path)
+    return found
+
+
+def _is_same(path: Path, one: Floats, other: Floats) -> bool:
+    if path == "rotation":
+        return bool(angle_between(one, other) <= SAME_ROTATION)
+    return bool((np.abs(one - other) <= SAME_ROTATION * np.maximum(1.0, np.abs(other))).all())
 
 
 def _missing_defaults(
