@@ -39,6 +39,10 @@ BEFORE = 0.1
 _LARGEST = 0.999
 # How many times as wide as its own limb a ring may be for others not to hide it.
 _WIDER = 1.6
+# Where no more than so many of the directions `_AROUND` it were left to see, as under a skirt or in a trunk,
+# a ring gets wider until half of them are, up to a share of the character (the diagonal of its joints' box):
+# one that is wider does not show whose it is.
+_SEEN, _WIDEST = 2, 0.15
 # Directions in a plane.
 _AROUND = (
     np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)])
@@ -90,7 +94,10 @@ class SkinSections:
     """The meshes of a rig at rest, which planes through joints cut."""
 
     def __init__(self, tree: Skeleton) -> None:
+        self.tree = tree
         rig = self.rig = tree.rig
+        # By the number of the character.
+        self._extents: dict[int, float] = {}
         self._by_skin: dict[int, list[_Skinned]] = {}
         # By the joint that a mesh is, or is below.
         self._by_joint: dict[int, list[_Skinned]] = {}
@@ -107,8 +114,9 @@ class SkinSections:
 
         The joint's own skin lies inside it, where the plane cuts that; else all of it, seen along the normal.
         The other leg, or the trunk below a clavicle, is not looked at; but where half of the ring would be
-        hidden in them it is up to `_WIDER` as wide. What a joint without skin holds counts up to `_WIDER` as
-        wide as the skin of the joint above, or a weapon's ring would be as wide as the weapon is long.
+        hidden in them it is up to `_WIDER` as wide, and where most of it would still be, up to `_WIDEST` of
+        the character. What a joint without skin holds counts up to `_WIDER` as wide as the skin of the joint
+        above, or a weapon's ring would be as wide as the weapon is long.
         0 without any skin. File units, in the world.
         """
         near = self._near(joint)
@@ -119,7 +127,10 @@ class SkinSections:
         if own == 0:
             return 0.0
         cuts = [skinned.cut(skinned.triangles, place, normal) for skinned in self._body_of(joint)]
-        return max(own, min(_half(cuts, normal), _WIDER * own))
+        ends, most = _farthest(cuts, normal), _WIDER * own
+        if ends[_SEEN] > most:
+            most = max(most, _WIDEST * self._extent_of(joint))
+        return max(own, min(_half(ends), most))
 
     def thickness(self, joints: list[int], place: Floats, normal: Floats) -> float:
         """How thick the skin of joints is in the plane: as `radius`, but half of the directions are enough.
@@ -127,7 +138,7 @@ class SkinSections:
         So the length of a foot does not count where its ankle is low.
         """
         near = [(skinned, skinned.triangles_of(vertices)) for skinned, vertices in self._of(joints)]
-        return _half([skinned.cut(corners, place, normal) for skinned, corners in near], normal)
+        return _half(_farthest([skinned.cut(corners, place, normal) for skinned, corners in near], normal))
 
     def points_of(self, joints: list[int]) -> Floats:
         """The points, (v, 3), that joints move most, in the world at rest."""
@@ -182,6 +193,14 @@ class SkinSections:
         found, numbers = self._bodies
         number = numbers.get(joint, -1)
         return [one for k, some in found.items() if k == number or -1 in (k, number) for one in some]
+
+    def _extent_of(self, joint: int) -> float:
+        """The diagonal of the box of the joints of the character that a joint is of, in file units."""
+        number = self._bodies[1].get(joint, -1)
+        if number not in self._extents:
+            own = [node for node in self.tree.joints if self._bodies[1].get(node, -1) == number]
+            self._extents[number] = float(length(np.ptp(self.rig.normalised_world[own, 3, :3], axis=0)))
+        return self._extents[number]
 
     @cached_property
     def _bodies(self) -> tuple[dict[int, list[_Skinned]], dict[int, int]]:
@@ -305,10 +324,15 @@ def _width(near: list[tuple[_Skinned, Integers]], place: Floats, normal: Floats)
     return own or whole
 
 
-def _half(cuts: list[Floats], normal: Floats) -> float:
-    """How far a ring around a normal must reach for half of it to be beyond all lines, (m, 2, 3) each."""
+def _farthest(cuts: list[Floats], normal: Floats) -> Floats:
+    """How far lines, (m, 2, 3) each, lie away at most in each direction around a normal, (8,), ascending."""
     ends = np.array([np.zeros(len(_AROUND)), *(_ends(lines, normal) for lines in cuts)]).max(axis=0)
-    return float(np.sort(ends)[len(ends) // 2])
+    return np.asarray(np.sort(ends))
+
+
+def _half(ends: Floats) -> float:
+    """How far a ring must reach for half of it to be beyond all that ends, (8,), as `_farthest` has them."""
+    return float(ends[len(ends) // 2])
 
 
 def _ends(lines: Floats, normal: Floats) -> Floats:

@@ -99,6 +99,28 @@ def test_the_ring_of_a_weapon_s_slot_is_not_as_wide_as_the_weapon(half: tuple[fl
     assert 0 < rings["c"] < 2.5 * rings["b"]
 
 
+def test_the_ring_of_a_leg_is_outside_a_skirt_but_not_as_wide_as_a_tent() -> None:
+    """Skin that others move stands all around the leg. Before, 1.6 times the leg was as wide as it went."""
+    hips, thigh = 0, 1
+    rig, size = chain((0, 10, 0), (1, 6, 0), (1, 0, 0)), float(np.linalg.norm([1, 10]))
+
+    def ring(skirt: float) -> float:
+        parts = [(thigh, 0.3, (1.0, 3.0, 0.0)), (hips, skirt, (1.0, 6.0, 0.0))]
+        meshes = [
+            replace(box, skin=0, weights=np.ones((8, 1)), joints=np.full((8, 1), joint), points=points)
+            for joint, half, middle in parts
+            for box in [a_box(0, (half, 4.0, half))]
+            for points in [box.points + middle]
+        ]
+        drawn = replace(rig, content=Content(read_meshes=lambda: meshes))
+        built = rigtri.add_controls(drawn, joints=["a", "b"])
+        return next(own.size or 0.0 for own in built.records(ControlRecord).values() if own.joint == "b")
+
+    assert ring(0.9) > 0.9 * MARGIN
+    assert ring(1.2) > 1.2 * MARGIN
+    assert ring(9.0) == pytest.approx(0.15 * size * MARGIN, rel=1e-6)
+
+
 def test_the_ring_of_a_joint_without_skin_is_as_wide_as_the_skin_of_the_joint_above() -> None:
     rig = chain((0, 0, 0), (5, 0, 0), (6, 0, 0), (7, 0, 0))
     meshes = [
