@@ -102,6 +102,10 @@ class ControlsAtZero:
         offsets = rig.records(OffsetRecord)
         poles = {_chain(rig, record.chain): node for node, record in rig.records(PoleVectorRecord).items()}
         controls = sorted(rig.records(ControlRecord).items())
+        by_limb: dict[tuple[int, int, int] | None, dict[str, tuple[int, ControlRecord]]] = {}
+        for node, record in controls:
+            if record.chain:
+                by_limb.setdefault(_chain(rig, record.chain), {})[record.kind] = node, record
         for node, record in controls:
             joint = rig.known(record.joint)
             if joint is None:
@@ -113,7 +117,7 @@ class ControlsAtZero:
                     pole, soft, stretch = poles.get(chain, -1), record.soft or 0.0, bool(record.stretch)
                     detached = not rig.is_below(chain[2], chain[1])
                     limb = IkLimb(chain, node, pole, soft, stretch, detached)
-                    self.limbs.append(_with_foot(rig, limb, controls))
+                    self.limbs.append(_with_foot(rig, limb, by_limb[chain]))
             elif offset >= 0 and record.kind not in PIVOTS:
                 axes = offsets[offset].axes if offset in offsets else None
                 own = FkControl(node, offset, joint, int(rig.parents[offset]), axes)
@@ -326,11 +330,11 @@ def idle_ik(rig: Rig, chain: tuple[int, int, int], carries: Booleans) -> str:
     return f"no mesh follows '{rig.title(chain[0])}'"
 
 
-def _with_foot(rig: Rig, limb: IkLimb, controls: Sequence[tuple[int, ControlRecord]]) -> IkLimb:
-    """A limb with the pivots of its foot, where all of them are there, each below the one before."""
-    found = {
-        record.kind: (node, record) for node, record in controls if _chain(rig, record.chain) == limb.chain
-    }
+def _with_foot(rig: Rig, limb: IkLimb, found: Mapping[str, tuple[int, ControlRecord]]) -> IkLimb:
+    """A limb with the pivots of its foot, where all of them are there, each below the one before.
+
+    found: its controls by their kind, the last of each.
+    """
     if not found.keys() >= {*PIVOTS}:
         return limb
     pivots = tuple(found[kind][0] for kind in PIVOTS)

@@ -164,7 +164,8 @@ class UsdDocument:
             output.write(edit.edits, part, target, edit.notices, strips=edit.rig.pending.strips)
             self._hidden = output.hidden(edit.edits)
             routed = {*map(id, edit.opinions)} != {*map(id, edit.values)}
-            inside = any(instance_of(stage, value.prim) is not None for value in edit.values)
+            prims = {value.prim for value in edit.values}
+            inside = any(instance_of(stage, prim) is not None for prim in prims)
             if routed or inside or output.is_sublayer or edit.expected:
                 values = [*edit.prepared, *edit.values]
                 edit.expected.check(output.composed(part)[0], values, edit.staying)

@@ -40,7 +40,8 @@ def instance_of(stage: Any, path: Any) -> Any:
 
 def apply_edits(stage: Any, edits: Sequence[Edit], layer: Any) -> None:
     """Make edits of a stage in a layer, those of prims inside instances through classes."""
-    inside = [edit for edit in edits if instance_of(stage, edit.prim) is not None]
+    within = {prim for prim in {edit.prim for edit in edits} if instance_of(stage, prim) is not None}
+    inside = [edit for edit in edits if edit.prim in within]
     held = {id(edit) for edit in inside}
     _make(stage, [edit for edit in edits if id(edit) not in held], layer)
     if inside:

@@ -70,9 +70,10 @@ def route_variants(edit: UsdEdit) -> None:
         # Other variants would have to be sized and placed as the selected ones are.
         refuse(_why_placed_otherwise(source.stage), _UNSIZED)
     changing: list[tuple[Skeleton, SkeletonVariants]] = []
+    edited = {value.prim for value in edit.values}
     for skeleton in source.skeletons.values():
         about = {Sdf.Path(path) for path in (skeleton.path, *skeleton.animations)}
-        if any(value.prim in about for value in edit.values):
+        if not edited.isdisjoint(about):
             every = variants_of(source.stage, skeleton.path, skeleton.varied)
             changing += [(skeleton, variants) for variants in every if variants.depends]
     if not changing:

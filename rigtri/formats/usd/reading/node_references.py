@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from itertools import takewhile
 from typing import Any
 
 from rigtri.formats.usd.composition.stage import DEFAULT
@@ -110,6 +109,9 @@ class _Finder:
         self.rig = rig
         self.names: dict[str, set[int]] = {}
         self.prims: dict[str, int] = {}
+        # By Skeleton, for a crowd has joints of each name.
+        self.joints: dict[tuple[str, str], list[int]] = {}
+        self._near: dict[str, dict[tuple[str, ...], list[int]]] = {}
         for node, key in enumerate(rig.keys):
             if kind(key) == "prim":
                 self.prims[parts(key)[1]] = node
@@ -117,6 +119,8 @@ class _Finder:
             label = rig.labels[node].rpartition(":")[2]
             for name in {rig.names[node], label, *token}:
                 self.names.setdefault(name, set()).add(node)
+                if token:
+                    self.joints.setdefault((str(parts(key)[1]), name), []).append(node)
 
     def at(self, path: str, name: str) -> int | None:
         """The joint of a name in the Skeleton at a path, else the prim there; None where there is none."""
@@ -125,30 +129,26 @@ class _Finder:
         # A path of names or of the skeleton is one of the file that had it first; its last step is the joint.
         token = name.partition(":")[2] or name if name.startswith("/") else name
         for called in (token, token.rpartition("/")[2]):
-            joints = [node for node in self.names.get(called, ()) if self._skeleton(node) == path]
+            joints = self.joints.get((path, called), ())
             if len(joints) == 1:
                 return joints[0]
         return self.prims[path]
 
-    def _skeleton(self, node: int) -> str:
-        key = self.rig.keys[node]
-        return str(parts(key)[1]) if kind(key) == "joint" else ""
-
     def nearest(self, node: int, name: str) -> str:
         """The address of the node of a name that shares the most steps with a node, else the name."""
         own = self._prim_path(node)
-        shared = {there: _shared(own, self._prim_path(there)) for there in self.names.get(name, ())}
-        most = max(shared.values(), default=0)
-        best = [there for there, steps in shared.items() if steps == most]
+        if name not in self._near:
+            near = self._near[name] = dict[tuple[str, ...], list[int]]()
+            for there in self.names.get(name, ()):
+                steps = self._prim_path(there)
+                for count in range(len(steps) + 1):
+                    near.setdefault(steps[:count], []).append(there)
+        shared = (self._near[name].get(own[:count]) for count in range(len(own), -1, -1))
+        best = next(filter(None, shared), [])
         joints = [there for there in best if self.rig.is_joint[there]]
         best = joints if len(joints) == 1 else best
         return self.rig.address(best[0]) if len(best) == 1 else name
 
-    def _prim_path(self, node: int) -> list[str]:
+    def _prim_path(self, node: int) -> tuple[str, ...]:
         """The path of the prim that a node is, or of its skeleton, step by step."""
-        return str(parts(self.rig.keys[node])[1]).split("/")
-
-
-def _shared(one: list[str], other: list[str]) -> int:
-    """How many steps two paths share from the root on."""
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
+        return tuple(str(parts(self.rig.keys[node])[1]).split("/"))
