@@ -20,6 +20,7 @@ from rigtri.maths.quaternions import norm, normalise, slerp_rows, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Column, Interpolation, Path, Track, columns
 from rigtri.model.dataclass import dataclass
+from rigtri.model.hierarchy import Hierarchy
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
@@ -28,8 +29,8 @@ _NONE = np.zeros(0, dtype=np.int64)
 _LAST_BIT = 2.0**-23
 
 
-def worlds(rig: Rig, local: Floats) -> Floats:
-    """World matrices, (..., n, 4, 4), of local ones."""
+def worlds(rig: Hierarchy, local: Floats) -> Floats:
+    """World matrices, (..., n, 4, 4), of local ones of nodes."""
     many = local.ndim - 3
     to_back, to_front = (*range(3, local.ndim), 0, 1, 2), (*range(many, local.ndim), *range(many))
     # Nodes before times: what is multiplied is picked in large pieces of memory, as `Motion` lays it out.

@@ -75,6 +75,7 @@ from rigtri.operations.skin_joints import add_joint, is_joint_kind, move_joint, 
 from rigtri.progress import counted
 from rigtri.recognition.limbs import Limb, built_limbs, forward, named_limbs, upright, with_recognised
 from rigtri.recognition.one_character import bodies, within
+from rigtri.recognition.recognise import recognised_as
 from rigtri.report import Report
 from rigtri.text import and_more
 
@@ -243,7 +244,7 @@ class _Builder:
         # A prim that holds the controls, as with --root, cannot follow one of them.
         free = (joint for joint in self.tree.joints if joint not in self.above_controls)
         top = next(free, self.tree.roots[0])
-        up = upright(self.rig)
+        up = upright(self.tree.rig)
         place = self.ref.position(top).copy()
         low = self.sizes.sections.lowest(top, up)
         if np.isnan(low):
@@ -251,7 +252,7 @@ class _Builder:
         place = place + up * (low - float(dot(place, up)))
         about = {"joint": self.rig.address(top)}
         control = self._find("root", about)
-        front = forward(self.rig)
+        front = forward(self.tree.rig)
         drawing = self._drawing("root", top, self.ref.extent * 0.25, up, front)
         if control is None:
             _, parent = group(self.rig)
@@ -465,6 +466,8 @@ class _Builder:
         if not self.limbs:
             return
         before = set(self.rig.metadata)
+        if not any(self.rig.is_joint[node] for node, _, _ in self.made):
+            recognised_as(self.rig, self.tree.rig)
         limbs = tuple(dict.fromkeys(self.limbs))
         pole_options = AddPolevectorOptions(
             limb=tuple(limb for limb in limbs if not self._keeps_pole(limb)),

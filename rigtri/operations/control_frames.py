@@ -40,6 +40,7 @@ from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints.orient import FramePlan, plan_frames
 from rigtri.operations.orient_joints.unknown_bodies import Wording, warn_unsure
 from rigtri.operations.orient_joints.up_direction import PRESENT, STATED
+from rigtri.recognition.recognise import recognised_as
 from rigtri.report import Notice, Report
 
 # A joint and a kind of control over it.
@@ -187,7 +188,8 @@ class ControlAxes:
         Raises UsageError and NameNotFoundError for what ``style`` names.
         """
         rig, given = self._tree.rig, self._options
-        free = replace(rig, rules=replace(rig.rules, fixed={}, orient_locked="", world_aligned=frozenset()))
+        rules = replace(rig.rules, fixed={}, orient_locked="", world_aligned=frozenset())
+        free = recognised_as(replace(rig, rules=rules), rig)
         # All joints, whichever have controls: ends have the axes of the joints above them.
         all_joints = tuple(map(rig.address, self._tree.joints))
         options = OrientJointsOptions(

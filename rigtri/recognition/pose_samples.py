@@ -19,9 +19,10 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Column
 from rigtri.model.bounding_boxes import boxes, corners
 from rigtri.model.dataclass import dataclass
+from rigtri.model.hierarchy import Hierarchy
 from rigtri.model.rig import Rig
 from rigtri.model.skin import moving_points
-from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.joint_tree import Tree, joints_of
 from rigtri.recognition.layout import PoseName
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.symmetry import Pair, Plane, pairs_of, plane_of
@@ -100,22 +101,33 @@ class Poses:
     def moving(self) -> Floats:
         """Moments of the longest clips, (f, n, 3); f is 0 without clips.
 
-        Rotations alone are taken, at keys: bones keep their lengths.
+        Rotations alone are taken, at keys: bones keep their lengths. What is no body's, as other characters
+        are while one is edited, stays as it rests.
         """
         rig, counted = self.rig, [(_rotations(clip), clip) for clip in self.rig.shown_clips]
         longest = sorted(counted, key=lambda each: -each[0])[:CLIPS]
         clips = [clip for rotations, clip in longest if rotations]
         if not clips:
             return np.zeros((0, len(rig), 3))
-        rotation = np.tile(rig.rotation, (len(clips), len(PARTS), 1, 1))
+        body = np.array(sorted(rig.with_ancestors(joints_of(rig))), dtype=np.int64)
+        place = np.full(len(rig), -1)
+        place[body] = np.arange(len(body))
+        rotation = np.tile(rig.rotation[body], (len(clips), len(PARTS), 1, 1))
         for clip, moments in zip(clips, rotation, strict=True):
             for column in clip.columns:
                 if column.path == "rotation" and len(column.times):
                     keys = [int(part * len(column.times)) for part in PARTS]
-                    moments[:, column.nodes] = column.key_values[:, keys].swapaxes(0, 1)
-        local = compose(rig.translation, rotation.reshape(-1, len(rig), 4), rig.scale)
-        local[:, rig.has_matrix] = rig.matrix[rig.has_matrix]
-        return finite(worlds(rig, local)[..., 3, :3])
+                    rows = np.flatnonzero(place[column.nodes] >= 0)
+                    moved = column.key_values[rows][:, keys]
+                    moments[:, place[column.nodes[rows]]] = moved.swapaxes(0, 1)
+        local = compose(rig.translation[body], rotation.reshape(-1, len(body), 4), rig.scale[body])
+        fixed = rig.has_matrix[body]
+        local[:, fixed] = rig.matrix[body[fixed]]
+        below = Hierarchy()
+        below.parents = np.where(rig.parents[body] < 0, -1, place[rig.parents[body]])
+        places = np.tile(self.rest, (len(local), 1, 1))
+        places[:, body] = finite(worlds(below, local)[..., 3, :3])
+        return places
 
     def travel(self, nodes: Sequence[int]) -> Vector:
         """Which way the highest of the joints that clips move goes in them; zero for on the spot."""

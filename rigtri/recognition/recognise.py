@@ -57,6 +57,16 @@ def recognise(rig: Rig, *, scheme: Sequence[Path | str | Scheme] = ()) -> Layout
     return _layouts[rig]
 
 
+def recognised_as(rig: Rig, other: Rig) -> Rig:
+    """The rig, known to have the bodies of another, where they are known of that.
+
+    They differ in nothing that a body has: in what edits a format allows, or in controls of rigtri.
+    """
+    if other in _layouts:
+        _layouts[rig] = _layouts[other]
+    return rig
+
+
 def _recognised(rig: Rig, own: Sequence[Scheme]) -> Layout:
     drafts = _drafts(rig, own)
     characters = tuple(_character(draft) for draft in drafts if draft.chains)
