@@ -52,7 +52,7 @@ from rigtri.recognition.shape_doubts import (
     skirt,
     upside_down,
 )
-from rigtri.recognition.split_bones import further_part, no_hand, split_bone
+from rigtri.recognition.split_bones import clavicle_part, further_part, no_hand, split_bone
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
 _UNSURE = 0.6
@@ -366,6 +366,7 @@ _OF_SHAPES = (
     *_alone(_named_to_bend_elsewhere, _misnamed, other_bend, no_hand, split_bone, only_things, of_machine),
     *_alone(
         further_part,
+        clavicle_part,
         ankle_as_knee,
         skirt,
         rival,

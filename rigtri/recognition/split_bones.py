@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from itertools import pairwise
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.limb_triples import CLAVICLES, TIE
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_triples import CLAVICLES, IN_LINE, SAME_PLACE, TIE
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import PARTS, is_segment, roles_in_name
@@ -19,6 +22,8 @@ _PARTED = 0.7
 _SIMILAR_LENGTH = 0.25
 # Bones that are so much like those of a limb, and lead so far, say by themselves where it bends.
 _LIKE, _LEADS = 0.25, 3.0 * TIE
+# Where both bones of a straight arm have so many parts, two thirds of it are as like an arm.
+_MANY = 3
 # How Blender numbers the further parts of a bone that was split.
 _PART = re.compile(r"(.+)\.\d{3}")
 # And how that is written in USD, which has no dots in names.
@@ -117,6 +122,37 @@ def no_hand(draft: Draft, each: Found) -> str:
     if near and _is_parted(draft, middle, end):
         return f"'{tree.rig.title(below[0])}' may be a twist joint, and its first bone a clavicle"
     return ""
+
+
+def clavicle_part(draft: Draft, each: Found) -> str:
+    """An arm without names whose upper bone has more parts than the lower one, and is too long by these.
+
+    The first of them may as well be a second bone of the clavicle. So may that of a straight arm where both
+    bones have three: two of each may be the arm, with another middle.
+    """
+    tree, mine = draft.tree, each.pair
+    if each.kind != "arm" or mine is None or mine.named > 0.0 or len(mine.at) < 3:
+        return ""
+    path, at = mine.pair.paths[0], mine.at
+    upper, lower = (_parts(tree, path[a : b + 1]) for a, b in pairwise(at))
+    start, middle, end = (tree.at[path[k]] for k in at)
+    more, length = len(upper) - len(lower), (end - middle).length
+    whole, rest = ((middle - place).length for place in (start, tree.at[upper[max(0, more)]]))
+    too_long = min(rest, length) * max(whole, length) > min(whole, length) * max(rest, length)
+    straight = (middle - start).unit.dot((end - middle).unit) > IN_LINE
+    if too_long or (straight and more == 0 and len(upper) >= _MANY):
+        later = tree.rig.title(upper[max(1, more)])
+        return f"'{later}' in its upper bone may be where it begins, after a clavicle of two bones"
+    return ""
+
+
+def _parts(tree: Tree, bone: Sequence[int]) -> list[int]:
+    """The joints at which the parts of a bone begin, from its start on: those apart from the one before."""
+    least, found = SAME_PLACE * (tree.at[bone[-1]] - tree.at[bone[0]]).length, [bone[0]]
+    for node in bone[1:-1]:
+        if min((tree.at[node] - tree.at[k]).length for k in (found[-1], bone[-1])) > least:
+            found.append(node)
+    return found
 
 
 def further_part(draft: Draft, each: Found) -> str:

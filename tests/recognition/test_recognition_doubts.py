@@ -544,3 +544,15 @@ def test_the_wings_of_a_bird_without_names_are_not_surely_arms() -> None:
     wing = line("a.L b.L c.L", "chest", (0.13, 1.02, 0.6), (0.42, 1.1, 0.55), (0.8, 1.12, 0.6))
     (bird,) = recognise(rig_with([*trunk, *tail, *both([*wing, *leg])], named=False)).characters
     assert {chain.kind for chain in bird.limbs if chain.is_sure} == {"leg"}
+
+
+@pytest.mark.parametrize("lower", [0.0, 0.005])
+def test_an_arm_in_line_with_a_clavicle_of_two_bones_is_not_surely_another(lower: float) -> None:
+    """As in MakeHuman's T-pose, all bones as long. Before, it surely went from the clavicle to a twist joint
+    and from there to the hand, if the second bone stands a little lower."""
+    names = "clavicle.L clavicle_2.L upper_arm.L part.L forearm.L part_2.L hand.L"
+    along = (0.04, 0.115, 0.243, 0.368, 0.494, 0.605, 0.716)
+    places = [(x, 1.4, 0.0) for x in along]
+    places[:2] = [(along[0], 1.385, 0.0), (along[1], 1.4 - lower, 0.0)]
+    joints = [*TRUNK, *both([*line(names, "chest", *places), *LEG]), *FINGERS]
+    assert wrong(joints, recognise(rig_with(joints, named=False))) == []
