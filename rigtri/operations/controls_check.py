@@ -8,6 +8,7 @@ the bend changes by the root of it.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +21,8 @@ from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.evaluation.zero_pose import SAME_POSITION, ControlsAtZero
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.limits import TOLERANCE
-from rigtri.maths.quaternions import rotates
+from rigtri.maths.matrices import unsheared_axes
+from rigtri.maths.quaternions import angle_between, from_axes, rotates
 from rigtri.maths.ranking import SAME_SHARE, first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -129,26 +131,43 @@ def _deviation(
 ) -> tuple[float, int, float]:
     """How far joints that controls move are apart in two rigs, as a share of the size; which, and when."""
     worst = (0.0, -1, 0.0)
-    for joint, (share, time) in deviations(one, other, joints).items():
-        if share > worst[0] * (1.0 + SAME_SHARE):
-            worst = (share, joint, time)
+    for joint, apart in deviations(one, other, joints).items():
+        if apart.far > worst[0] * (1.0 + SAME_SHARE):
+            worst = (apart.far, joint, apart.far_at)
     return worst
+
+
+class Apart(NamedTuple):
+    """How far a node is from where it is in another rig, as a share of the size, how it is turned against it,
+    in radians, and when either is most.
+    """
+
+    far: float
+    far_at: float
+    turn: float
+    turn_at: float
 
 
 def deviations(
     one: tuple[Rig, Timeline], other: tuple[Rig, Timeline], nodes: Sequence[int]
-) -> dict[int, tuple[float, float]]:
-    """How far each node is apart in two rigs as controls move them, as a share of the size, and when."""
+) -> dict[int, Apart]:
+    """How far each node is apart in two rigs as controls move them."""
     times = key_times(one[1].clip)
     posed = [
         Solver(rig, controls_at_work(rig, line)).run(sample_parts(rig, line.clip, times))
         for rig, line in (one, other)
     ]
-    found = dict[int, tuple[float, float]]()
+    found = dict[int, Apart]()
     for node in nodes:
+        was, now = (each.world(node) for each in posed)
         # Of a node that stands still there is one row.
-        off = posed[0].world(node)[:, 3, :3] - posed[1].world(node)[:, 3, :3]
-        far = np.broadcast_to(np.nan_to_num(length(off)), times.shape)
-        at = first_largest(far)
-        found[node] = (float(far[at]) / skeleton_size(one[0]), float(times[at]))
+        far, turn = (
+            np.broadcast_to(np.nan_to_num(each), times.shape)
+            for each in (
+                length(was[:, 3, :3] - now[:, 3, :3]) / skeleton_size(one[0]),
+                angle_between(from_axes(unsheared_axes(was)), from_axes(unsheared_axes(now))),
+            )
+        )
+        most, turned = first_largest(far), first_largest(turn)
+        found[node] = Apart(float(far[most]), float(times[most]), float(turn[turned]), float(times[turned]))
     return found

@@ -7,7 +7,7 @@ measured at rest keeps its rest place, as its offset is measured anew.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +27,7 @@ from rigtri.model.constraints import constraint_record, constraints_of
 from rigtri.model.metadata import ConstraintRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import offsets_apart, resting_offsets
-from rigtri.operations.controls_check import deviations
+from rigtri.operations.controls_check import Apart, deviations
 from rigtri.operations.rigtri_nodes import stand, with_record
 from rigtri.operations.skin_joints import move_joint
 from rigtri.report import Report
@@ -37,6 +37,8 @@ from rigtri.text import and_more
 _SAME = 4e-6
 # Bones that differ by less, as parts of unit vectors, point along the same axis of their joints.
 _SAME_BONE = 1e-4
+# Radians: what stands a tenth of the size from a node that turns by less moves by less than the tolerance.
+_TURNED = 10.0 * TOLERANCE
 
 
 def move_chain(
@@ -178,19 +180,30 @@ def _tell_followers(
         if nodes:
             names = and_more([rig.title(node) for node in nodes], 6)
             text = f"{names} {verbs[len(nodes) > 1]}: {why}"
-            if said := [(*off[node], rig.title(node)) for node in nodes if node in off]:
-                far, clip, time, most = max(said)
-                text += f" It changes clips: '{most}' by {far:.2g} of the size in {clip}@{time:g}."
-            report.warn(code, text)
+            apart = {node: off[node] for node in nodes if node in off}
+            report.warn(code, text + (f" It changes clips: {_in_words(rig, apart)}." if apart else ""))
 
 
-def _apart_in_clips(before: Rig, rig: Rig, nodes: Sequence[int]) -> dict[int, tuple[float, str, float]]:
-    """How far nodes are apart in the clips of two rigs, as a share of the size, in which clip, and when."""
-    found = dict[int, tuple[float, str, float]]()
+def _in_words(rig: Rig, apart: Mapping[int, Mapping[str, Apart]]) -> str:
+    """How far some nodes are moved and turned in clips at most, and when. apart: by clip, for each."""
+    every = [(rig.title(node), clip, each) for node, clips in apart.items() for clip, each in clips.items()]
+    words = []
+    name, clip, most = max(every, key=lambda row: row[2].far)
+    if most.far > TOLERANCE:
+        words.append(f"'{name}' by {most.far:.2g} of the size in {clip}@{most.far_at:g}")
+    name, clip, most = max(every, key=lambda row: row[2].turn)
+    if most.turn > _TURNED:
+        words.append(f"'{name}' turns by {np.degrees(most.turn):.2g}° in {clip}@{most.turn_at:g}")
+    return ", and ".join(words)
+
+
+def _apart_in_clips(before: Rig, rig: Rig, nodes: Sequence[int]) -> dict[int, dict[str, Apart]]:
+    """How far nodes are apart in the clips of two rigs, by clip; those that move or turn otherwise."""
+    found = dict[int, dict[str, Apart]]()
     for was, now in zip(timelines(before), timelines(rig), strict=True):
-        for node, (far, time) in deviations((before, was), (rig, now), nodes).items():
-            if far > max(TOLERANCE, found.get(node, (0.0,))[0]):
-                found[node] = (far, was.name, time)
+        for node, apart in deviations((before, was), (rig, now), nodes).items():
+            if apart.far > TOLERANCE or apart.turn > _TURNED:
+                found.setdefault(node, {})[was.name] = apart
     return found
 
 

@@ -113,8 +113,25 @@ def test_what_follows_a_limb_by_an_offset_stays_where_its_joints_are_put_elsewhe
     assert_allclose(standing(out, "prop")[0], standing(rig, "prop")[0], atol=1e-6)
     assert "offsets-measured-anew" in codes(report)
     (text,) = [notice.text for notice in report.warnings if notice.code == "offsets-measured-anew"]
-    off = max(np.abs(standing(out, "prop") - standing(rig, "prop"))[1:, 3, :3].max(axis=1))
-    assert ("It changes clips: 'prop' by " in text) == bool(off > 1e-5)
+    off = np.abs(standing(out, "prop") - standing(rig, "prop"))[1:].max(axis=(0, 2))
+    assert ("'prop' by " in text) == bool(off[3] > 1e-5)
+    assert ("'prop' turns by " in text) == bool(off[:3].max() > 1e-4)
+    assert ("It changes clips: 'prop'" in text) == bool(off.max() > 1e-4)
+
+
+def test_what_turns_otherwise_in_clips_is_said_in_degrees() -> None:
+    """Before, nothing was said of what aims at joints that were put elsewhere, where its offset stays."""
+    rig = rigtri.constrain(arms(), child="prop", type="aim", driver=("arm_3_L",))
+    rotation = rig.rotation.copy()
+    rotation[rig.find("prop")] = from_axis_angle(np.array([0.0, 0.0, 1.0]), 0.3)
+    rig = replace(rig, rotation=rotation)
+    out, report = limb_again(rig, LOWER)
+    (text,) = [notice.text for notice in report.warnings if notice.code == "followers-go-along"]
+    (degrees,) = re.findall(r"It changes clips: 'prop' turns by ([\d.]+)° in wave@[\d.]+\.", text)
+    was, now = (standing(each, "prop")[1:, :3, :3] for each in (rig, out))
+    turns = np.degrees(np.arccos((np.einsum("fij,fij->f", was, now) - 1.0) / 2.0))
+    assert float(degrees) >= turns.max() * 0.95
+    assert turns.max() > 1.0
 
 
 def test_what_does_not_rest_by_its_offset_goes_along_and_the_warning_says_how_far() -> None:
