@@ -29,6 +29,7 @@ from rigtri.pipeline.rigspec.spec_init import _quoted, plain_values, recognised_
 from rigtri.recognition.layout import Character, Layout
 from rigtri.recognition.naming_schemes import Scheme
 from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
 from rigtri.verification.checks import check
 from rigtri.verification.compare.compare import verify
 
@@ -332,6 +333,21 @@ def test_auto_is_a_function_too(tmp_path: Path) -> None:
     assert [done.step.do for done in built.done] == ["orient-joints", "add-twist", "add-controls"]
     assert "preset: blender" in spec.read_text("utf-8")
     assert out.exists()
+
+
+def test_warnings_that_name_options_say_where_they_go(tmp_path: Path) -> None:
+    """`auto` has no options of steps. Before, a warning said to give one, as if it had."""
+    name = "mirrored_pair.glb"
+    out, spec, report = tmp_path / "out.glb", tmp_path / "my rig.yaml", Report()
+    auto(SAMPLES / name, out, spec_out=spec, report=report)
+    line = shlex.join(map(str, ("rigtri", "build", SAMPLES / name, "--spec", spec, "-o", out)))
+    hint = f" (options of steps go into {spec}; then: {line})"
+    texts = [notice.text for notice in report.warnings]
+    assert ["'up-from: " in text for text in texts] == [True, False]
+    assert [text.endswith(hint) for text in texts] == [True, False]
+    report = Report()
+    auto(SAMPLES / name, out, overwrite=True, report=report)
+    assert "into a spec, which --spec-out leaves" in report.warnings[0].text
 
 
 def test_words_that_contradict_each_other_are_refused(tmp_path: Path) -> None:

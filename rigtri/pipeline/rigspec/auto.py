@@ -192,7 +192,8 @@ def _built(
     with called({str(spec): name}):
         limited = load(spec).limited(strict=request.strict, tolerance=request.tolerance)
         try:
-            built = build_file(replace(request, ready=ready), limited, own, found.check)
+            hint = _hint(found.source, place, request.target)
+            built = build_file(replace(request, ready=ready), limited, own, found.check, hint)
         except FixedWeightsError:
             raise
         except RigtriError:
@@ -200,6 +201,16 @@ def _built(
             raise
     report.merge(own)
     return built
+
+
+def _hint(source: Path, place: Path | None, target: Path | str) -> str:
+    """How to give an option that a warning names: `auto` has none of a step."""
+    if place is None:
+        return (
+            " (options of steps go into a spec, which --spec-out leaves; then: rigtri build IN --spec SPEC)"
+        )
+    line = shlex.join(map(str, (source, "--spec", place, "-o", target)))
+    return f" (options of steps go into {place}; then: rigtri build {line})"
 
 
 def _leave(place: Path | None, text: str) -> bool:

@@ -76,12 +76,17 @@ def build(
 
 
 def build_file(
-    request: EditRequest, spec: Spec, report: Report, check: Callable[[Rig], None] = lambda rig: None
+    request: EditRequest,
+    spec: Spec,
+    report: Report,
+    check: Callable[[Rig], None] = lambda rig: None,
+    hint: str = "",
 ) -> Built:
     """Give a character the rig that a spec describes; the output appears whole or not at all.
 
     The spec says how files are read, and the tolerance. check: is given the rig that the last step makes; a
-    GeometryError of its is one of that step. Raises SpecError for a spec that names joints the character does
+    GeometryError of its is one of that step. hint: how to give an option, said behind warnings that name one.
+    Raises SpecError for a spec that names joints the character does
     not have, all of them at once; else as `rigtri.pipeline.edit.edit_file`, with the step that it happened
     in. ``ready`` of the request is called as there, with what is to be said of the whole.
     """
@@ -89,7 +94,7 @@ def build_file(
     for place in spared:
         if not (request.dry_run and same_file(place, Path(request.source))):
             check_not_an_input(place, spec.needed())
-    work = _Work(spec, request, report, spared, check)
+    work = _Work(spec, request, report, spared, check, hint)
     with (
         opened(request.source) as work.at,  # a stream, which is read only once, is on disk for all steps
         temp_dirs.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
@@ -117,8 +122,8 @@ def _of_root(tree: Tree, error: RigtriError) -> Fault:
 @dataclass
 class _Work:
     """A build as it goes on: where the character is, what was done, what it has not. spared: what the
-    build will write, which must be no file that the source refers to. source: the file as it came. keys: how
-    the spec writes the options of the step.
+    build will write, which must be no file that the source refers to. hint: as in `build_file`. source: the
+    file as it came. keys: how the spec writes the options of the step.
 
     Each step goes through a file, as its command does: it finds numbers as they are stored, so that a
     second build finds the same, and is measured against what was there before it.
@@ -129,6 +134,7 @@ class _Work:
     report: Report
     spared: tuple[Path, ...]
     check: Callable[[Rig], None]
+    hint: str = ""
     source: Path = Path()
     at: Path = Path()
     done: list[Done] = field(default_factory=list)
@@ -233,8 +239,11 @@ class _Work:
     def _call(self, report: Report) -> None:
         """Let warnings speak of the spec's keys and the user's file, not of one that a step has written."""
         at, source = str(self.at), str(self.source)
+        called = [(notice, self.keys.text(notice.text)) for notice in report.warnings]
+        hints = [self.hint if text != notice.text else "" for notice, text in called]
         report.warnings[:] = [
-            replace(n, text=self.keys.text(n.text).replace(at, source)) for n in report.warnings
+            replace(notice, text=text.replace(at, source) + hint)
+            for (notice, text), hint in zip(called, hints, strict=True)
         ]
 
     def raise_lost(self) -> None:
