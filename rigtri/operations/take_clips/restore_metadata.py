@@ -41,6 +41,7 @@ from rigtri.operations.take_clips.restore_constraints import (
     with_group,
 )
 from rigtri.operations.take_clips.restore_rest import with_rest_of
+from rigtri.operations.take_clips.restore_rivets import with_rivets_of
 from rigtri.operations.take_clips.unkeyed_poses import key_unkeyed_poses
 from rigtri.recognition.one_character import titles
 from rigtri.report import Report
@@ -85,7 +86,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         report.answer(*EXPORT_WARNINGS)
     _warn_other_metadata(rig, as_stored, found, report)
     check_constraints(rig, described, of, report)
-    whole = replace(rig, metadata={**rig.metadata, **found})
+    whole = with_rivets_of(replace(rig, metadata={**rig.metadata, **found}), described, of, report)
     _refuse_strange_joints(whole, found, described, report)
     bound = _bound_otherwise(rig, described, of)
     if bound:
