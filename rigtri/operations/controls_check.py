@@ -55,6 +55,7 @@ def refuse_other_rest(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
     command = "Bake --to joints and strip, change the rest pose"
     _refuse_other_motion(rig, after, noisy, scales, TOLERANCE, f"{loses}. {command}")
     _refuse_other_zero(rig, after, moved)
+    _refuse_other_root(rig, after, moved)
 
 
 def _refuse_other_zero(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
@@ -81,6 +82,33 @@ def _refuse_other_zero(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
                     f"the size at {time:g}: its limb counts from how {names} without a control rests. "
                     "Add a control there (rigtri add-controls --joints NAME), or bake --to joints and "
                     "strip, change the rest pose, and build the controls again"
+                )
+
+
+def _refuse_other_root(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
+    """GeometryError where a root control moves a body otherwise as its joint rests otherwise.
+
+    A joint with an FK control stands where the offset of that is; any other that the root control carries is
+    counted from how it rests.
+    """
+    was = ControlsAtZero(rig)
+    free = set(moved) - set(was.fk)
+    roots = [root for root in was.roots if root.joint not in was.fk]
+    roots = [root for root in roots if free.intersection(rig.path_to_root(root.joint))]
+    for one, other in zip(timelines(rig), timelines(after), strict=True) if roots else ():
+        at_work = controls_at_work(rig, one)
+        for root in roots:
+            if root.control not in at_work:
+                continue
+            body = [root.joint, *(k for k in rig.below(root.joint) if rig.is_joint[k])]
+            far, joint, time = _deviation((rig, one), (after, other), body)
+            if far > TOLERANCE:
+                raise GeometryError(
+                    f"In clip '{one.name}' '{rig.title(root.control)}' would move '{rig.title(joint)}' "
+                    f"differently, by {far:.2g} of the size at {time:g}: it counts from how "
+                    f"'{rig.title(root.joint)}' without a control of its own rests. Add a control there "
+                    "(rigtri add-controls --joints NAME), or bake --to joints and strip, change the rest "
+                    "pose, and build the controls again"
                 )
 
 

@@ -436,6 +436,27 @@ def test_a_rest_pose_in_which_scale_noise_lets_ik_move_a_limb_otherwise_is_refus
 
 
 @pytest.mark.parametrize("controlled", [False, True])
+def test_a_rest_pose_of_a_joint_that_a_root_control_counts_from_is_refused(controlled: bool) -> None:
+    """Before, the body was 0.08 of the size elsewhere in a clip in which the root control has keys."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    rig = rigtri.add_controls(rig, root_control=True, joints=["head", *(["hips"] if controlled else [])])
+    (root,) = [node for node in rig.nodes_of("control") if rig.names[node] == "hips_root_ctl"]
+    walks = Track(root, "translation", "STEP", np.zeros(1), np.array([[0.1, 0.0, 0.0]]))
+    rig = replace(rig, clips=(*rig.clips, Clip("walks", (walks,))))
+    hips = rig.find("hips")
+    translation = rig.translation.copy()
+    translation[hips] += [0.0, 0.0, 0.2]
+    after = replace(rig, translation=translation)
+    if controlled:
+        refuse_other_rest(rig, after, [hips])
+        return
+    with pytest.raises(
+        GeometryError, match=r"'walks' 'hips_root_ctl' would move .* 'hips' without a control"
+    ):
+        refuse_other_rest(rig, after, [hips])
+
+
+@pytest.mark.parametrize("controlled", [False, True])
 def test_a_rest_pose_of_a_joint_without_a_control_that_ik_counts_from_is_refused(controlled: bool) -> None:
     """Before, a limb on the end joint of a real chain was 0.8 of the size off, without a word."""
     rig = rigtri.read(SAMPLES / "biped.glb")

@@ -118,7 +118,7 @@ def _points(mesh: Mesh, rig: Rig, corners: Sequence[_Corner], same: Integers | N
             if not len(joints):
                 return None
             places = transform_points(mesh.points, moved.bind[joints[0]])
-            weights = np.where(moved.joints == joints[0], moved.weights, 0.0).sum(axis=1)
+            weights = np.where(moved.joints == joints[0], moved.weights, 0.0).max(axis=1)
         apart = distance(places, corner.place)
         size = float(length(places.max(axis=0) - places.min(axis=0)))
         near = np.flatnonzero(apart <= _SAME * size)
