@@ -21,6 +21,8 @@ from rigtri.maths.trigonometry import sin_cos
 # Texture coordinates this near to an edge are on it: float32, turned over and back.
 _ROUNDED = 1e-6
 _WRAPS = {"clamp": "clamp", "mirror": "mirror", "repeat": "repeat"}
+# Inputs whose textures glTF takes for sRGB, those of all others for linear values (glTF 2.0, chapter 3.9).
+_COLOURS = ("diffuseColor", "emissiveColor")
 # The channels of textures that glTF takes; of colour and roughness those of two others, too.
 _CHANNELS: Mapping[Slot, str] = {
     "base": "rgb",
@@ -232,7 +234,15 @@ class MaterialReader:
             mine[asset.path] = texture, [wrap == "black" for wrap in wraps]
         scales = tuple(self._value(node, "scale", (1.0,) * 4))
         self._bias(node, name, channel, scales)
+        self._colour_space(node, name, material, channel)
         return texture, scales, channel
+
+    def _colour_space(self, node: Any, name: str, material: str, channel: str) -> None:
+        """Report values that a stage demands in another space than glTF has them in; alpha has none."""
+        given, due = value_of(node, "sourceColorSpace"), "sRGB" if name in _COLOURS else "raw"
+        if channel != "a" and given in ("raw", "sRGB") and given != due:
+            what = f"that the texture of {name} of material '{material}' is {given}"
+            self._scene.lose(f"{what}: glTF reads it as {due}")
 
     def _bias(self, node: Any, name: str, channel: str, scales: tuple[float, ...]) -> None:
         """Report what a texture adds where glTF does not, as it does for normals and occlusion."""

@@ -138,6 +138,27 @@ def test_a_bias_is_listed_where_gltf_has_none(
     assert ("inputs:bias (</m/look/map>)" in found) is lost
 
 
+@pytest.mark.parametrize(
+    ("taken", "space", "lost"),
+    [
+        ("diffuseColor = rgb", "raw", True),
+        ("diffuseColor = rgb", "sRGB", False),
+        ("roughness = g", "sRGB", True),
+        ("roughness = g", "raw", False),
+        ("roughness = g", "auto", False),
+    ],
+)
+def test_a_colour_space_is_listed_where_gltf_has_another(
+    taken: str, space: str, lost: bool, tmp_path: Path
+) -> None:
+    """Before, colours came out darker or roughness other, without a word."""
+    name, channel = taken.split(" = ")
+    kind = "color3f" if channel == "rgb" else "float"
+    link = f"{kind} inputs:{name}.connect = </m/look/map.outputs:{channel}>"
+    found = _look(tmp_path, link, _map("map", more=f'token inputs:sourceColorSpace = "{space}"'))[1]
+    assert any(f"of material 'look' is {space}: glTF reads it as" in text for text in found) is lost
+
+
 def test_tiles_of_a_texture_are_listed_as_such(tmp_path: Path) -> None:
     (tmp_path / "skin.1001.png").write_bytes(png((255, 0, 0)))
     link = "color3f inputs:diffuseColor.connect = </m/look/map.outputs:rgb>"
