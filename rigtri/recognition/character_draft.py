@@ -70,11 +70,14 @@ class Draft:
         confidence: float,
         evidence: Sequence[str],
         bend: Sequence[int] = (),
+        is_front: bool = False,
     ) -> None:
         """One more chain; words: its name without its side."""
         name = f"{side} {words}" if side else words
         sure = round(max(0.0, min(0.99, confidence)), 2)
-        self.chains.append(Chain(kind, name, side, tuple(joints), tuple(bend), sure, tuple(evidence)))
+        self.chains.append(
+            Chain(kind, name, side, tuple(joints), tuple(bend), sure, tuple(evidence), is_front)
+        )
 
     def call(self, bone: str, node: int) -> None:
         """A joint gets a bone's name, unless either is taken."""

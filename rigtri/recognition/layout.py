@@ -79,6 +79,7 @@ class Chain:
     name: in words, ``left arm``, ``left index finger``. joints: node indices. bend: node indices of start,
     middle and end of a chain that bends there (shoulder, elbow, wrist; hip, knee, ankle), () for others and
     for one of fewer joints. confidence: 0 to 1; below `CONFIDENT` nothing is acted upon. evidence: words.
+    is_front: it is a front leg of a body on four, which has an elbow.
     """
 
     kind: Kind
@@ -88,16 +89,12 @@ class Chain:
     bend: tuple[int, ...]
     confidence: float
     evidence: tuple[str, ...]
+    is_front: bool = False
 
     @property
     def is_sure(self) -> bool:
         """Whether it may be acted upon."""
         return self.confidence >= CONFIDENT
-
-    @property
-    def is_front(self) -> bool:
-        """Whether it is a front leg of a body on four legs."""
-        return self.kind == "leg" and "front leg" in self.name
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,8 @@ from rigtri.recognition.shape_alone import agreed
 from rigtri.recognition.shape_analysis import MOST, shape_of, tree_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
 
+# What the legs of a side are called that are no three, from the front on; the last one is behind.
+_IN_A_ROW = ("front", "second", "third", "fourth", "fifth", "sixth", "seventh")
 # What is known of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
 _layouts: WeakKeyDictionary[Rig, Layout] = WeakKeyDictionary()
 
@@ -135,6 +137,7 @@ def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:
     hind, front = pairs_of_limbs(draft, found)
     places = dict.fromkeys(map(id, hind), "hind ") | dict.fromkeys(map(id, front), "front ")
     places = places if draft.four and not draft.shape.legs else _places_of_legs(draft, found)
+    many = len(set(places.values())) > 2  # an insect's front legs have knees
     for each in found:
         joints, bend = list(each.joints), each.joints if len(each.joints) == 3 else ()
         if bend and draft.tree.is_below(bend[1], bend[0]):
@@ -142,8 +145,9 @@ def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:
             below = draft.tree.is_below(bend[2], bend[1])
             joints += draft.way(bend[1], bend[2])[1:] if below else [bend[2]]
         place = places.get(id(each), "")
+        elbow = each.kind == "leg" and place == "front " and not many
         draft.add_chain(
-            each.kind, f"{place}{each.kind}", each.side, joints, each.confidence, each.evidence, bend
+            each.kind, f"{place}{each.kind}", each.side, joints, each.confidence, each.evidence, bend, elbow
         )
         if each.side and (not place or draft.certain):
             for bone, node in zip(BENDS[each.kind], each.joints, strict=False):
@@ -154,9 +158,12 @@ def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:
 
 
 def _places_of_legs(draft: Draft, found: Sequence[Found]) -> dict[int, str]:
-    """Which legs are in front and behind, by their id: of four beside arms or wings; else as names say."""
+    """Which legs are in front and behind, by their id: of four beside arms or wings, of six and more in their
+    order; else as names say."""
     legs = [each for each in found if each.kind == "leg"]
     sides = Counter(each.side for each in legs)
+    if 2 < sides["left"] == sides["right"] <= len(_IN_A_ROW) and any(draft.facing):
+        return _in_a_row(draft, legs)
     if len(legs) == 4 and sides["left"] == sides["right"] == 2:
         at = draft.tree.at
         ahead = sorted(legs, key=lambda each: at[each.joints[0]].dot(draft.facing))
@@ -166,6 +173,17 @@ def _places_of_legs(draft: Draft, found: Sequence[Found]) -> dict[int, str]:
     if len(legs) == 2 and sides["left"] and not any(words.place == "hind" for words in draft.words.values()):
         return {}  # a body on two legs, which some call front left and front right
     return {leg: "front " for leg, places in said.items() if places == {"front"}}
+
+
+def _in_a_row(draft: Draft, legs: Sequence[Found]) -> dict[int, str]:
+    """What three legs of a side or more are called from front to hind, by their id."""
+    places = dict[int, str]()
+    for side in ("left", "right"):
+        row = [each for each in legs if each.side == side]
+        row.sort(key=lambda each: -sum(draft.tree.at[k].dot(draft.facing) for k in each.joints))
+        words = ("front", "middle", "hind") if len(row) == 3 else (*_IN_A_ROW[: len(row) - 1], "hind")
+        places |= {id(each): f"{word} " for each, word in zip(row, words, strict=True)}
+    return places
 
 
 def _character(draft: Draft) -> Character:

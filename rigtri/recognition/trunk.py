@@ -37,7 +37,7 @@ def lay_trunk(draft: Draft, found: Sequence[Found]) -> None:
     legs, arms = pairs_of_limbs(draft, found)
     draft.hips, draft.chest = _hips(draft, legs, arms), _parent_of_limbs(draft, arms)
     _spine(draft, legs if len(legs) == 2 else found)
-    _head(draft, arms or legs)
+    _head(draft, arms or legs, has_arms=bool(arms))
     _tail(draft, legs)
 
 
@@ -132,7 +132,8 @@ def _whose(draft: Draft) -> str:
     return f"{NAMES}: {draft.reading.scheme.title}" if draft.reading else "its shape"
 
 
-def _head(draft: Draft, limbs: Sequence[Found]) -> None:
+def _head(draft: Draft, limbs: Sequence[Found], *, has_arms: bool) -> None:
+    """limbs: beyond which neck and head are: arms, the front legs of a quadruped, or else legs."""
     bones = draft.known_bones
     neck, head = _neck(draft), bones.get("head", -1)
     sure, why = (0.99 if draft.certain else 0.92), _whose(draft)
@@ -152,7 +153,8 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
             draft.call("neck", chain[0])
             return
         neck, head = (chain[0] if len(chain) > 1 else -1), chain[-1]
-        sure, why = 0.8 * min((k.confidence for k in limbs), default=0.5) + 0.1, "is beyond the arms"
+        sure, why = 0.8 * min((k.confidence for k in limbs), default=0.5) + 0.1, _beyond_what(draft, has_arms)
+        sure = sure if has_arms else min(sure, _ALONE)  # beyond legs may be a turret or a load
         if (draft.tree.below[head] and len(chain) == _UP_TO_HEAD) or _is_small(draft, chain):
             sure = min(sure, _GOES_ON)
     between = draft.tree.way(neck, head) if neck >= 0 and draft.tree.is_below(head, neck) else [head]
@@ -164,6 +166,10 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
     for bone in ("jaw", "leftEye", "rightEye"):
         if bone in bones:
             draft.call(bone, bones[bone])
+
+
+def _beyond_what(draft: Draft, has_arms: bool) -> str:
+    return f"is beyond the {'legs' if not has_arms else 'front legs' if draft.four else 'arms'}"
 
 
 def _neck(draft: Draft) -> int:

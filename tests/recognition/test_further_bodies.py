@@ -52,6 +52,18 @@ def test_legs_of_an_insect_that_are_only_counted_are_all_sure(pairs: int, joints
     assert sorted(legs(found)) == [("left", True)] * pairs + [("right", True)] * pairs
 
 
+@pytest.mark.parametrize(("pairs", "words"), [(3, "front middle hind"), (4, "front second third hind")])
+def test_legs_of_an_insect_are_told_apart_by_their_order(pairs: int, words: str) -> None:
+    """Before, all of a side had one name, so that a check of axes looked at one of them alone."""
+    rig = rig_with(insect(pairs, 3, False, "leg{pair}_{side}_{joint}"))
+    (found,) = recognise(rig).characters
+    named = {chain.name: rig.names[chain.joints[0]] for chain in found.chains if chain.kind == "leg"}
+    places = [(side, word) for side in ("left", "right") for word in words.split()]
+    numbers = [f"leg{pair + 1}_{side}_1" for side in "LR" for pair in range(pairs)]
+    assert named == dict(zip([f"{side} {word} leg" for side, word in places], numbers, strict=True))
+    assert not any(chain.is_front for chain in found.chains)
+
+
 @pytest.mark.parametrize("root", [False, True])
 @pytest.mark.parametrize("pairs", [3, 4, 5])
 def test_spiders_with_legs_of_two_joints_have_all_of_them(pairs: int, *, root: bool) -> None:
@@ -64,7 +76,8 @@ def test_spiders_with_legs_of_two_joints_have_all_of_them(pairs: int, *, root: b
     assert found.form == "creature"
     assert found.facing == (0.0, 0.0, 1.0)
     assert sorted(legs(found)) == [("left", True)] * pairs + [("right", True)] * pairs
-    assert {chain.name for chain in found.chains if chain.kind == "leg"} == {"left leg", "right leg"}
+    names = [chain.name for chain in found.chains if chain.kind == "leg"]
+    assert len(set(names)) == len(names) == 2 * pairs
 
 
 def test_noise_of_a_trunk_of_one_joint_is_no_abdomen() -> None:

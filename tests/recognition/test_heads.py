@@ -126,3 +126,12 @@ def test_what_is_between_the_chest_and_a_head_is_the_neck_whatever_it_is_called(
     neck = [k for k, (name, _, _) in enumerate(BODY) if name == "neck"]
     assert [list(chain.joints) for chain in character.chains if chain.kind == "neck"] == [neck]
     assert character.bones["neck"] == neck[0]
+
+
+def test_what_stands_above_legs_alone_is_no_sure_head() -> None:
+    """It may be a turret or a load. Before, it was beyond the arms of a body without any, at 0.89."""
+    load = [("hips", "", (0, 0.95, 0)), ("middle", "hips", (0, 1.2, 0)), ("top", "middle", (0, 1.5, 0))]
+    (character,) = recognise(rig_with([*load, *both(LEG)])).characters
+    head = next(chain for chain in character.chains if chain.kind == "head")
+    assert not head.is_sure
+    assert head.evidence == ("is beyond the legs",)
