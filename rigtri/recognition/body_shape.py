@@ -46,6 +46,8 @@ _LEVEL, _STRETCHED, _SMALL = 0.35, 0.906, 0.3
 # Legs that go down by less than this (a cosine) as the file has it do not stand on its ground; those that go
 # along a tail by this trail behind who flies.
 _LYING, _TRAILING = 0.3, 0.8
+# Hands so far behind shoulders (a sine, 24°) hold no trunk that lies.
+_BEHIND = 0.4
 # Hands, knees and toes that stand on one ground differ by less than this part of a leg: flesh and heels do.
 _GROUND = 0.08
 # What legs lose that begin deeper in the tree than arms.
@@ -134,11 +136,13 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     limbs = arms.starts - arms.ends + legs.starts - legs.ends
     loose = down.dot(-standing) < _ASIDE
     four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
+    seat = _axis(on)
     # Who crouches with the arms ahead has such limbs, too: along no axis of the file, below a trunk that is.
-    crouches = four and _on_axis(rise := limbs.unit, _LEANS) is rise and _on_axis(on, _LEANING) is not on
-    four, loose = four and not crouches, loose and not crouches
-    if four or (loose and abs(down.dot(on)) < _LEANING and has_tail(tree, legs, arms, on)):
-        return [(_on_axis((limbs if four else legs.starts - legs.ends).unit, _LEANS), _OTHER_UP)]
+    rise = (limbs if four else legs.starts - legs.ends).unit
+    crouches = loose and _on_axis(rise, _LEANS) is rise and on.dot(seat) > _LEANING
+    loose = loose and not crouches
+    if loose and (four or (abs(down.dot(on)) < _LEANING and has_tail(tree, legs, arms, on))):
+        return [(_on_axis(rise, _LEANS), _OTHER_UP)]
     turned = [_on_axis(rise := -down)]
     if turned[0] is rise or not turned[0].dot(on) > 0:
         turned = [spine.unit, limbs.unit]
@@ -148,9 +152,13 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     others = [(up, _OTHER_UP) for up in turned if any(up)]
     if _kneels_on_hands(tree, legs, arms, standing):
         return [(standing, 1.0)]
+    ahead = (on - standing * on.dot(standing)).unit
+    trails = down.dot(ahead) < -_ASIDE and out.dot(ahead) < -_BEHIND
+    if trails and on.dot(standing) < _LEVEL and on.dot(seat) > _LEANS:
+        # Neither feet nor hands are below a trunk that lies, so as the file has it the body falls.
+        return [(seat, _OTHER_UP)]
     # Legs of a body that sits go as far ahead as down, by 45°, and its trunk up, or it leans over arms that
     # hang straight; of one that crawls the arms hang down, too, and the feet trail behind.
-    seat = _axis(on)
     rises = on.dot(seat) > (_LEANS if out.dot(-seat) > _ALONG_AXIS else _ALONG_AXIS)
     sits = rises and down.dot(-seat) > _ASIDE
     if sits := sits and (out.dot(-standing) < _ASIDE or _feet_stand(tree, legs, seat)):

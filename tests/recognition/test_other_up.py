@@ -141,6 +141,31 @@ def test_who_crouches_with_the_arms_ahead_has_up_along_an_axis(named: bool) -> N
     assert man.facing == pytest.approx((0, 1, 0))
 
 
+LAP = [(0, 0.5, 0), (0, 0.62, 0), (0, 0.78, 0), (0, 0.95, 0), (0, 1.05, 0)]
+SQUAT = [(0, 0.5, 0), (0, 0.6, 0.05), (0, 0.74, 0.13), (0, 0.89, 0.22), (0, 0.98, 0.27)]
+
+
+@pytest.mark.parametrize("named", [True, False])
+@pytest.mark.parametrize("trunk", [LAP, SQUAT])
+@pytest.mark.parametrize("way", [1, -1])
+def test_who_sits_or_crouches_with_arms_ahead_does_not_hover_over_its_feet(
+    trunk: list[tuple[float, float, float]], named: bool, way: int
+) -> None:
+    """As the file has it the trunk lies, and hands and feet are behind, or above. Before, it faced along the
+    file's z, or 43° off, as an animal that a coat makes it with a tail."""
+    _, y, z = trunk[2]
+    arm = [(0.03, y + 0.06, z), (0.17, y + 0.06, z), (0.18, y - 0.12, z + 0.17), (0.16, y - 0.25, z + 0.35)]
+    leg = [(0.09, 0.47, 0), (0.1, 0.5, 0.4), (0.1, 0.1, 0.37)]
+    joints = line("hips spine chest neck head", "", *trunk)
+    joints += both(line("clavicle.L upper_arm.L forearm.L hand.L", "chest", *arm))
+    joints += both(line("thigh.L shin.L foot.L", "hips", *leg))
+    joints += line("coat", "hips", (0, 0.3, -0.1))
+    turned: list[Joint] = [(name, above, (way * x, y, way * z)) for name, above, (x, y, z) in joints]
+    (man,) = recognise(lying(turned, named=named)).characters
+    assert man.up == (0, 0, 1)
+    assert man.facing == pytest.approx((0, -way, 0), abs=0.1)
+
+
 @pytest.mark.parametrize("named", [True, False])
 @pytest.mark.parametrize("yaw", [0.0, 90.0])
 def test_who_crawls_on_tucked_toes_keeps_the_up_of_the_file(yaw: float, named: bool) -> None:
