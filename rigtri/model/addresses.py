@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Collection, Mapping, Sequence
 from weakref import ref
 
@@ -14,7 +13,7 @@ from rigtri.maths.arrays import Booleans, Integers
 # would need n² characters.
 DEEPEST_PATH = 256
 # Rigs of an edit that are looked at again: the one of the file, one of its characters, and the last ones.
-_KEPT = 6
+_KEPT = 8
 # New ways are kept apart until they are a share of all of them: what is apart is copied with each change.
 _APART = 8
 
@@ -128,17 +127,47 @@ class Addresses:
 
 
 # Those of rigs in use, and the last one: what a rig is called is often asked when that before it is gone.
-_known: deque[ref[Addresses]] = deque(maxlen=_KEPT)
+_known: list[ref[Addresses]] = []
 _last: list[Addresses] = []
+
+
+class Named(dict[str, list[int]]):
+    """The nodes of each name, in their order; their lists are shared with rigs that begin with these."""
+
+    def __init__(self, names: tuple[str, ...], before: Named | None = None) -> None:
+        super().__init__(before or {})
+        self.names = names
+        known = 0 if before is None else len(before.names)
+        grown = dict[str, list[int]]()
+        for node, name in enumerate(names[known:], known):
+            grown.setdefault(name, []).append(node)
+        for name, nodes in grown.items():
+            self[name] = [*self[name], *nodes] if name in self else nodes
+
+
+# Of rigs in use.
+_named: list[ref[Named]] = []
+
+
+def named(names: tuple[str, ...]) -> Named:
+    """The nodes of each name, found from what is known of rigs before."""
+    known = [each for one in _named if (each := one()) is not None]
+    fitting = (each for each in known if each.names == names[: len(each.names)])
+    before = max(fitting, key=lambda each: len(each.names), default=None)
+    if before is None or len(before.names) < len(names):
+        before = Named(names, before)
+        _named[:] = map(ref, [*known, before][-_KEPT:])
+    return before
 
 
 def addresses_of(wanted: Addresses, by_name: Mapping[str, Sequence[int]]) -> Addresses:
     """What the nodes of a rig are called, found from what is known of rigs before."""
-    known = [each for one in _known if (each := one()) is not None and each.begins(wanted)]
-    before = max(known, key=lambda each: len(each.names), default=None)
+    known = [each for one in _known if (each := one()) is not None]
+    fitting = (each for each in known if each.begins(wanted))
+    before = max(fitting, key=lambda each: len(each.names), default=None)
     if before is None or len(before.names) < len(wanted.names):
         wanted.find(by_name, before)
-        _known.append(ref(wanted))
+        _known[:] = map(ref, [*known, wanted][-_KEPT:])
         before = wanted
     _last[:] = [before]
     return before

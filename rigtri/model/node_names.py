@@ -6,10 +6,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from functools import cached_property
+from typing import Self
 
 from rigtri.errors import AmbiguousNameError, InstanceNameError, NameNotFoundError
 from rigtri.maths.arrays import Booleans
-from rigtri.model.addresses import DEEPEST_PATH, Addresses, addresses_of
+from rigtri.model.addresses import DEEPEST_PATH, Addresses, addresses_of, named
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.hierarchy import Hierarchy
 
@@ -65,17 +66,20 @@ class NodeNames(Hierarchy, ABC):
         return f"{name} ({self.labels[node]})" if len(self._by_name[name]) > 1 else name
 
     @cached_property
-    def _by_name(self) -> dict[str, list[int]]:
-        found: dict[str, list[int]] = {}
-        for node, name in enumerate(self.names):
-            found.setdefault(name, []).append(node)
-        return found
+    def _by_name(self) -> Mapping[str, list[int]]:
+        return named(self.names)
 
     @cached_property
     def _addresses(self) -> Addresses:
         """What the nodes are called beside their names, but for VRM bones."""
         wanted = Addresses(self.names, self.labels, self.parents, self.is_joint, self.holders)
         return addresses_of(wanted, self._by_name)
+
+    def after(self, before: NodeNames) -> Self:
+        """This rig, which begins as one that may be gone soon: what nodes are called follows from that."""
+        if "_addresses" in vars(before):
+            _ = self._addresses
+        return self
 
     def _by_address(self, way: str) -> list[int]:
         found = self._addresses.get(way)

@@ -41,6 +41,8 @@ _EXACT = 1e-6
 
 # Records by the id of what is stored, with that itself, which rigs made of one another share.
 _parsed: dict[int, tuple[Mapping[str, Any], Record]] = {}
+# And the addresses in what is stored.
+_references: dict[int, tuple[Any, list[str]]] = {}
 _MOST_PARSED = 10_000
 
 
@@ -148,10 +150,14 @@ class Rig(NodeNames):
         Nor are controls of a skin that draws nothing: an armature of controls, as Blender exports it.
         """
         mask = np.zeros(len(self), dtype=bool)
-        for skin in sorted(self.skins, key=lambda skin: skin.drawn is not False):
+        unseen = [skin for skin in self.skins if skin.drawn is False]
+        for skin in unseen:
             mask[skin.joints] = True
-            if skin.drawn is False:
-                mask[self.nodes_of("control", "offset", "poleVector")] = False
+        if unseen:
+            mask[self.nodes_of("control", "offset", "poleVector")] = False
+        for skin in self.skins:
+            if skin.drawn is not False:
+                mask[skin.joints] = True
         mask[list(self.holders)] = False
         return mask
 
@@ -166,7 +172,12 @@ class Rig(NodeNames):
 
     def named_by(self, stored: Any) -> set[int]:
         """The nodes that stored metadata is about; of each address that there is one node for."""
-        return {node for name in references(stored) if (node := self.known(name)) is not None}
+        known = _references.get(id(stored))
+        if known is None or known[0] is not stored:
+            if len(_references) >= _MOST_PARSED:
+                _references.clear()
+            known = _references[id(stored)] = stored, references(stored)
+        return {node for name in known[1] if (node := self.known(name)) is not None}
 
     def with_addresses(self) -> Rig:
         """This rig with metadata that call nodes by their `address`, as operations look them up.

@@ -226,11 +226,12 @@ class _Builder:
     def _root_carries(self, joints: list[int]) -> bool:
         """Whether a root control would carry all limbs: IK moves a limb from the node above it, so only
         where a control moves that."""
-        moved = {*map(self.rig.address, joints), *self.fk}
+        rig = self.tree.rig
+        moved = {*map(rig.address, joints), *self.fk}
         for limb in self.limbs:
-            above = self.rig.with_ancestors([limb.start]) - {limb.start}
-            if moved.isdisjoint(map(self.rig.address, above)):
-                title = self.rig.title(limb.start)
+            above = rig.with_ancestors([limb.start]) - {limb.start}
+            if moved.isdisjoint(map(rig.address, above)):
+                title = rig.title(limb.start)
                 text = f"No root control: no joint above '{title}' has a control, so IK leaves it where it is"
                 self.report.warn("no-root-control", text, joint=title)
                 return False
@@ -345,8 +346,10 @@ class _Builder:
     def _warn_keyed_pole(self, limb: Limb) -> None:
         """Warn of a pole vector with keys, which did nothing while its limb had no IK control."""
         pole = find(self.rig, PoleVectorRecord, chain=self._chain(limb))
+        if pole is None:
+            return
         clips = [clip.name for clip in self.rig.clips if any(track.node == pole for track in clip.tracks)]
-        if pole is not None and clips:
+        if clips:
             title = self.rig.title(pole)
             moved = "its limb has an IK control now, and IK moves it there"
             text = f"'{title}' has keys in {and_more(clips)}: {moved}"

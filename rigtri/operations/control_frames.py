@@ -94,15 +94,17 @@ class ControlAxes:
 
     def of_joint(self, joint: int) -> Floats:
         """The axes of a joint in the world, (3, 3). Raises GeometryError where it has none."""
-        axes = np.asarray(self._nearest[joint])
+        known = self._nearest.get(joint)
+        axes = np.asarray(nearest_rotation(self._world[joint]) if known is None else known)
         if not np.isfinite(axes).all():
             title = self._tree.rig.title(joint)
             raise GeometryError(f"'{title}' has no frame: a scale on or above it is zero")
         return axes
 
     @cached_property
-    def _nearest(self) -> Floats:
-        return nearest_rotation(self._world)
+    def _nearest(self) -> dict[int, Floats]:
+        joints = list(self._tree.joints)
+        return dict(zip(joints, nearest_rotation(self._world[joints]), strict=True))
 
     def of_offset(
         self, control: int, joint: int, kind: ControlKind, record: OffsetRecord | None

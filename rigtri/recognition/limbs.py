@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Literal
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -37,6 +38,10 @@ _UPRIGHT = cosine_below(45)
 _AT_ENDS = ("hand", "finger", "foot")
 
 
+# The recognised limbs of each rig by their joints, as a crowd has hundreds to be named.
+_known: WeakKeyDictionary[Rig, dict[tuple[int, int, int], Limb]] = WeakKeyDictionary()
+
+
 def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
     """The limb of three named nodes; its kind and side are read from the names where they say.
 
@@ -48,25 +53,26 @@ def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
         raise UsageError(f"a limb has three different joints, not '{start}', '{middle}', '{end}'")
     if rig.is_below(triple[0], triple[1]) or rig.is_below(triple[1], triple[2]):
         raise UsageError(f"the limb '{start}', '{middle}', '{end}' is upside down; name it from root to end")
-    chains = [chain for character in layout_of(rig).characters for chain in character.chains]
-    if pair := _no_line(rig, triple, chains):
+    if pair := _no_line(rig, triple):
         above, below = map(rig.title, pair)
+        chains = layout_of(rig).chains
         likely = [chain for chain in chains if len(chain.bend) == 3 and _has_one(rig, chain, triple)]
         shown = and_more([limb_title(rig, chain) for chain in likely], 4)
         hint = f"Recognised: {shown}" if shown else "See what is recognised with: rigtri recognise FILE"
         raise UsageError(
             f"'{start}', '{middle}', '{end}' is not a limb: '{below}' does not lie below '{above}'. {hint}"
         )
-    known = {limb.triple: limb for limb in recognise(rig)}
-    if triple in known:
-        return replace(known[triple], evidence="given")
+    if rig not in _known:
+        _known[rig] = {limb.triple: limb for limb in recognise(rig)}
+    if triple in _known[rig]:
+        return replace(_known[rig][triple], evidence="given")
     kinds = {limb_kind_in_name(rig.names[node]) for node in triple} - {""}
     sides = {side(rig.names[node]) for node in triple}
     kind: LimbKind = "arm" if kinds == {"arm"} else "leg" if kinds == {"leg"} else ""
     return Limb(*triple, kind=kind, side=sides.pop() if len(sides) == 1 else "")
 
 
-def _no_line(rig: Rig, triple: tuple[int, int, int], chains: list[Chain]) -> tuple[int, ...]:
+def _no_line(rig: Rig, triple: tuple[int, int, int]) -> tuple[int, ...]:
     """The two joints of a limb of which the second ought to lie below the first; () where it is a line.
 
     The end of a flat IK rig is parented above the limb, to the root or to a control: never to the limb's own
@@ -75,7 +81,10 @@ def _no_line(rig: Rig, triple: tuple[int, int, int], chains: list[Chain]) -> tup
     start, middle, end = triple
     if not rig.is_below(middle, start):
         return start, middle
-    if rig.is_below(end, middle) or any(chain.bend == triple for chain in chains):
+    if rig.is_below(end, middle):
+        return ()
+    chains = list(layout_of(rig).chains)
+    if any(chain.bend == triple for chain in chains):
         return ()
     others = {
         node

@@ -114,13 +114,14 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
     metadata = {**made.metadata, **{place[node]: stored for node, stored in hidden.items()}}
     group = rig.rules.group_parent
     content = rig.content if len(made) == len(rig) else rig.content.reordered(place)
-    return replace(
+    grown = replace(
         made,
         skins=tuple(whole),
         metadata=dict(sorted(metadata.items())),
         rules=replace(made.rules, group_parent=group if group < 0 else place[group], others=frozenset()),
         content=content,
     )
+    return grown.after(rig)
 
 
 def of_character(rig: Rig, name: str) -> Rig:

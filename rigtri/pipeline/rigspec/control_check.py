@@ -14,6 +14,8 @@ And the mesh, but no other joint.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
+from heapq import heappop, heappush
 
 import numpy as np
 
@@ -188,6 +190,15 @@ class _Run:
             self.moved[:, place] = self._moved(node)  # one row where nothing moves it
         self._angles: dict[int, Floats] = {}
 
+    @cached_property
+    def _users(self) -> dict[int, list[int]]:
+        """The steps that set one node, by their numbers, for each node that they need or read."""
+        found: dict[int, list[int]] = {}
+        for number, step in enumerate(self.solver.steps):
+            for node in {*step.needs, *step.reads} if len(step.sets) == 1 else ():
+                found.setdefault(node, []).append(number)
+        return found
+
     def _moved(self, node: int) -> Booleans:
         """In which rows a node is moved, (f,)."""
         world = self.posed.world(node)
@@ -244,9 +255,19 @@ class _Run:
         mine = set(rig.below(top)) | set(rig.below(trial.joint))
         if mine.issuperset(moved):
             return ""
-        for step in self.solver.steps:
-            if not mine.isdisjoint((*step.needs, *step.reads)) and len(step.sets) == 1:
-                mine.update(rig.below(step.sets[0]))
+        # In their order: what a step sets, later ones may read.
+        last, waiting, fresh = -1, list[int](), mine
+        while True:
+            for node in self._users.keys() & fresh:
+                for number in self._users[node]:
+                    heappush(waiting, number)
+            while waiting and waiting[0] <= last:
+                heappop(waiting)
+            if not waiting:
+                break
+            last = heappop(waiting)
+            fresh = set(rig.below(self.solver.steps[last].sets[0])) - mine
+            mine |= fresh
         for rule in constraints_of(rig).values():
             if not mine.isdisjoint(rule.sources):
                 mine.update(rig.below(rule.child))
