@@ -27,8 +27,9 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, normalise, triple
 from rigtri.model.dataclass import dataclass
-from rigtri.model.metadata import Triple, TwistRecord
+from rigtri.model.metadata import Triple, TwistRecord, references
 from rigtri.model.rig import Rig
+from rigtri.text import list_names
 
 # Unit vectors that are nearer are one: products of world matrices leave less.
 _SAME_LINE = 1e-7
@@ -65,14 +66,18 @@ class TwistJoint:
 def twist_joints(rig: Rig) -> list[TwistJoint]:
     """The twist joints of a rig's metadata, in the order of the nodes.
 
-    Raises NameNotFoundError for a joint that is no longer there, GeometryError for a bone
-    without length.
+    Raises GeometryError for a joint that is no longer there, or several, and for a bone without length.
     """
     return [twist_of(rig, node, record) for node, record in sorted(rig.records(TwistRecord).items())]
 
 
 def twist_of(rig: Rig, node: int, record: TwistRecord) -> TwistJoint:
-    """The twist joint ``node`` of a record."""
+    """The twist joint ``node`` of a record. Raises as `twist_joints`."""
+    if lost := [name for name in dict.fromkeys(references(record.to_dict())) if rig.known(name) is None]:
+        raise GeometryError(
+            f"The twist joint '{rig.title(node)}' takes its twist from {list_names(lost)}, and no one node "
+            "is called so: was it renamed, or is there another of that name? Give the joint that name again"
+        )
     joint, to, driver = map(rig.find, (record.joint, record.to, record.driver))
     own_axis = _own_axis(rig, joint, to, record.axis)
     upper = driver == joint

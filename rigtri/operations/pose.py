@@ -33,7 +33,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.operation import operation
 from rigtri.operations.options.pose import PoseOptions as PoseOptions
-from rigtri.operations.solver_warnings import refuse_overstretch, solver_warnings
+from rigtri.operations.solver_warnings import lost_notices, refuse_overstretch, solver_warnings
 from rigtri.report import Report
 from rigtri.text import and_more
 
@@ -62,6 +62,7 @@ def pose_of(
     if written:
         refuse_overstretch(solver, posed, lambda _: options.at)
     if report is not None:
+        report.extend(lost_notices(rig))
         report.extend(solver_warnings(solver, posed, lambda _: options.at))
     return PoseCache(rig, {**sampled, **posed.parts}) if nodes else posed
 

@@ -24,7 +24,10 @@ from rigtri.maths.ranking import first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, dot, length
 from rigtri.model.animation import Track
+from rigtri.model.metadata import ConstraintRecord, ControlRecord, Record, damage, references
+from rigtri.model.rig import Rig
 from rigtri.report import Notice
+from rigtri.text import list_names
 
 # As a share of the limb: nearer than this to what it can reach, rounding or a bake has put the IK end.
 REACHED = 1e-3
@@ -35,6 +38,9 @@ TURNED = 1.0
 
 # So many times its length a bone may be: float32 has seven digits, and the pose is to have some of them.
 MOST = 1e4
+
+# What moves other nodes, and what to call it.
+_DRIVING: Mapping[type[Record], str] = {ConstraintRecord: "Constraint", ControlRecord: "Control"}
 
 # Names the moment of a row.
 Moment = Callable[[int], str]
@@ -52,6 +58,17 @@ def solver_warnings(solver: Solver, posed: PoseCache, at: Moment) -> Iterator[No
     scaled |= {fk.own.control for ik in solver.limbs for fk in ik.fk.values()}
     for node in sorted(scaled):
         yield from _scale(solver.rig.title(node), posed.part(node).scale, at)
+
+
+def lost_notices(rig: Rig) -> Iterator[Notice]:
+    """Notices of controls and constraints that move nothing: no one node is called what they name."""
+    for kind, called in _DRIVING.items():
+        for node, record in rig.records(kind).items():
+            lost = [name for name in dict.fromkeys(references(record.to_dict())) if rig.known(name) is None]
+            if lost and not damage(rig.metadata[node]):
+                text = f"{called} '{rig.title(node)}' is left out, for no one node is {list_names(lost)}: "
+                text += "was it renamed, or is there another of that name?"
+                yield Notice(f"{called.lower()}-lost", text, geometry=True, names=tuple(lost))
 
 
 def clip_solver_warnings(

@@ -366,3 +366,11 @@ def test_a_step_has_a_key_just_before_it_but_for_the_first() -> None:
     line = Track(1, "rotation", "LINEAR", times, values)
     before = float(np.nextafter(np.float32(1.0), np.float32(0.0)))
     assert _before_steps(times, [line, steps]).tolist() == [0.0, before, 1.0, 2.0]
+
+
+@pytest.mark.parametrize("lost", ["b", "c"])
+def test_a_twist_joint_whose_joint_was_renamed_is_named(lost: str) -> None:
+    rig = add_twist(ARM, options=LOWER, report=Report())
+    renamed = replace(rig, names=tuple("other" if name == lost else name for name in rig.names))
+    with pytest.raises(GeometryError, match=f"The twist joint 'b_twist_1' takes its twist from '{lost}'"):
+        twist_joints(renamed)

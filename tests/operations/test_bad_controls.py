@@ -14,6 +14,7 @@ from places import SAMPLES, slow
 from program import cli
 
 from rigtri.errors import GeometryError
+from rigtri.export.blender.script import planned
 from rigtri.maths.matrices import inverse, multiply, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
@@ -411,3 +412,16 @@ def test_a_mirrored_control_of_other_axes_than_its_joint_s_mirrors_along_its_own
     stand = rig.normalised_world[int(rig.parents[node]), :3, :3]
     expected = rig.normalised_world[joint, :3, :3] @ stand.T @ np.diag(scale) @ turn @ stand
     np.testing.assert_allclose(found[:3, :3], expected, atol=1e-6)
+
+
+def test_a_control_whose_joint_was_renamed_is_named_wherever_it_is_left_out() -> None:
+    rig = rigged("biped.glb")
+    renamed = replace(rig, names=tuple("Kopf" if name == "head" else name for name in rig.names))
+    baked, posed, scripted = Report(), Report(), Report()
+    bake(renamed, options=BakeOptions(to="joints"), report=baked)
+    pose_of(renamed, PoseOptions("rest"), posed)
+    planned(renamed, scripted)
+    for report in (baked, posed, scripted):
+        (found,) = [notice for notice in report.warnings if notice.code == "control-lost"]
+        assert found.names == ("head",)
+        assert found.text.startswith("Control 'head_ctl' is left out")

@@ -34,6 +34,7 @@ from rigtri.model.animation import key_values
 from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.operations.solver_warnings import lost_notices
 from rigtri.report import Report
 from rigtri.text import list_names
 
@@ -120,6 +121,7 @@ def planned(rig: Rig, report: Report) -> Plan:
             report.warn("blender-left-out", text, joint=rig.title(rule.child))
         else:
             follow(plan, rule, report)
+    report.extend(lost_notices(rig))
     rivets(plan, report)
     readers(plan, report, solver)
     without_equivalent(plan, report)

@@ -19,9 +19,10 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Track, key_values
 from rigtri.model.constraints import constraints_of
-from rigtri.model.metadata import ConstraintRecord, ControlRecord, damage, references
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.options.bake import BakeOptions
+from rigtri.operations.solver_warnings import lost_notices
 from rigtri.report import Notice, Report
 from rigtri.text import list_names
 
@@ -38,7 +39,7 @@ def warn_of_result(rig: Rig, options: BakeOptions, report: Report) -> None:
     """The warnings that need all clips to be baked; rig: as it was before."""
     _warn_undersampled(rig, report, max(options.between, options.tolerance))
     warn_spline_swings(rig, report)
-    _warn_lost_constraints(rig, report)
+    report.extend(lost_notices(rig))
     if options.to == "joints":
         warn_outside(rig, report)
 
@@ -140,16 +141,6 @@ def warn_outside(rig: Rig, report: Report) -> None:
     for node in uneven_above(rig):
         text = _outside(rig, node)
         report.warn("uneven-above", text[0].upper() + text[1:])
-
-
-def _warn_lost_constraints(rig: Rig, report: Report) -> None:
-    """A warning of constraints that are left out: of what they name there is no node, or several."""
-    for node, record in rig.records(ConstraintRecord).items():
-        lost = [name for name in dict.fromkeys(references(record.to_dict())) if rig.known(name) is None]
-        if lost and not damage(rig.metadata[node]):
-            text = f"Constraint '{rig.title(node)}' is left out, for no one node is {list_names(lost)}"
-            more = "was it renamed, or is there another of that name?"
-            report.warn("constraint-lost", f"{text}: {more}", geometry=True, names=lost)
 
 
 def _outside(rig: Rig, node: int) -> str:
