@@ -48,7 +48,7 @@ from rigtri.report import Report
 # Bakes of a chain sample the same times: what is edited has its motion there.
 BAKES = {"bake --to joints": "joints", "bake": "controls"}
 # What a bake or a snap warns of where the motion is another one afterwards.
-WARNS = {"constraint-overruled", "controls-off", "snap-off"}
+WARNS = {"constraint-overruled", "controls-off", "followers-go-along", "snap-off"}
 # Operations that edit one of several characters.
 OF_ONE = {name for name in OPERATIONS if "character" in options_of(options_class(name))}
 # What goes before edits that keep the motion only where it is: on the joints, or at keys of each frame.
