@@ -78,13 +78,19 @@ class Foot:
 
 
 def rolling_toes(tree: Skeleton, limbs: Iterable[Limb]) -> dict[Limb, int | str]:
-    """The toe joint of each leg whose foot can roll; of others why it cannot, in words."""
-    rig, standing = tree.rig, reference(tree, None).world
-    chains = [c for one in recognise(rig).characters for c in one.chains if c.kind == "foot" and c.is_sure]
-    toes = {c.joints[0]: c.joints[1] for c in chains if len(c.joints) > 1}
+    """The toe joint of each leg whose foot can roll; of others why it cannot, in words.
+
+    Where a paw without skin ends is not known: the shares of `_HEEL` and `_TIP` are those of people's feet.
+    """
+    rig, standing, skin = tree.rig, reference(tree, None).world, SkinSections(tree)
+    feet = [
+        (c, one) for one in recognise(rig).characters for c in one.chains if c.kind == "foot" and c.is_sure
+    ]
+    toes = {c.joints[0]: c.joints[1] for c, _ in feet if len(c.joints) > 1}
+    paws = {c.joints[0] for c, one in feet if one.form in ("quadruped", "creature")}
     found = dict[Limb, int | str]()
     for limb in limbs:
-        if limb.kind != "leg" or limb.bends_back:
+        if limb.kind != "leg":
             continue
         toe = toes.get(limb.end, -1)
         if toe < 0 or int(rig.parents[toe]) != limb.end:
@@ -92,7 +98,10 @@ def rolling_toes(tree: Skeleton, limbs: Iterable[Limb]) -> dict[Limb, int | str]
             continue
         way = standing[toe, 3, :3] - standing[limb.end, 3, :3]
         lies = float(length(_level(rig, way))) > _LIES * float(length(way))
-        found[limb] = toe if lies else "it does not lie on the ground"
+        if limb.end in paws and lies and not len(skin.points_of([limb.end, toe])):
+            found[limb] = "no skin shows where this paw ends"
+        else:
+            found[limb] = toe if lies else "it does not lie on the ground"
     return found
 
 

@@ -23,9 +23,13 @@ from rigtri.frames.skeleton import skeleton
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
+from rigtri.model.content import Content
+from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.control_sizes import SkinSections
+from rigtri.pipeline.rigspec.control_check import check_controls, refuse_idle_controls
+from rigtri.pipeline.rigspec.spec_init import starter
 from rigtri.report import Report
 
 Turns = dict[str, float]
@@ -248,12 +252,48 @@ def test_the_feet_of_a_clip_library_roll_though_no_skin_lists_its_joints(tmp_pat
     assert (heel - ankle) @ way < 0 < (ball - ankle) @ way < (tip - ankle) @ way
 
 
-def test_feet_that_cannot_roll_are_named() -> None:
-    """A horse stands on its toes: its metatarsus is no foot that lies on the ground."""
+def not_rolling(rig: Rig) -> dict[str | None, str]:
+    """Why which feet get no pivots."""
     report = Report()
-    rig = rigtri.add_controls(rig_with(HORSE), whole_character=True, foot_roll=True, report=report)
+    rig = rigtri.add_controls(rig, whole_character=True, foot_roll=True, report=report)
     assert not any(one.kind in PIVOTS for one in rig.records(ControlRecord).values())
-    assert [one.code for one in report.warnings if one.code == "no-foot-roll"]
+    return {one.joint: one.text for one in report.warnings if one.code == "no-foot-roll"}
+
+
+def test_feet_that_cannot_roll_are_named() -> None:
+    """A horse stands on its toes: its metatarsus is no foot that lies on the ground. Before, nothing was said
+    of its front legs."""
+    named = not_rolling(rig_with(HORSE))
+    assert named.keys() == {"foot.L", "foot.R", "hand.L", "hand.R"}
+    assert all(text.endswith("it does not lie on the ground") for text in named.values())
+
+
+def test_the_paws_of_a_bear_roll_where_their_skin_ends() -> None:
+    """Also those in front. Before, they had no pivots, and those behind without skin had a person's."""
+    low = {"foot": (0.1, -0.75), "toe": (0.04, -0.57), "hand": (0.1, 0.65), "finger": (0.04, 0.83)}
+    bear = [(name, over, (place[0], *low.get(name.split(".")[0], place[1:]))) for name, over, place in HORSE]
+    bare = rig_with(bear)
+    assert all("no skin shows" in text for text in not_rolling(bare).values())
+    names = [name for name, _, _ in bear]
+    meshes = []
+    for name, _, place in bear:
+        if name.split(".")[0] in low:
+            corners = np.array([(x, y, z) for x in (-0.05, 0.05) for y in (-0.03, 0.03) for z in (-0.1, 0.1)])
+            points = corners + np.array([place[0], 0.03, place[2]])
+            rows = np.full((8, 1), names.index(name))
+            meshes.append(Mesh(name, 0, points, skin=0, joints=rows, weights=np.ones((8, 1))))
+    drawn = replace(bare, content=Content(read_outlines=lambda: meshes, read_meshes=lambda: meshes))
+    assert "    foot-roll: true\n" in starter(drawn, "bear.glb")
+    assert "no skin shows where this paw ends.\n" in starter(bare, "bear.glb")
+    rig = rigtri.add_controls(drawn, whole_character=True, foot_roll=True)
+    refuse_idle_controls(check_controls(rig))
+    records = rig.records(ControlRecord).items()
+    found = {(one.kind, one.joint): rig.world[k, 3, 1:3] for k, one in records if one.kind in PIVOTS}
+    assert len(found) == 12
+    for side in "LR":
+        for foot, behind in (("foot", -0.75), ("hand", 0.65)):
+            assert found["heel", f"{foot}.{side}"] == pytest.approx([0.0, behind - 0.1])
+            assert found["tip", f"{foot}.{side}"] == pytest.approx([0.0, behind + 0.28])
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
 from rigtri.model.characters import characters
 from rigtri.model.dataclass import dataclass
+from rigtri.model.limb import Limb
 from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.split_weights import twists_skin
@@ -22,7 +23,7 @@ from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
 from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.limbs import recognise as recognised_limbs
 from rigtri.recognition.recognise import recognise
-from rigtri.text import a
+from rigtri.text import a, and_more
 
 # So many joints are shown as a comment; inspect shows all.
 MOST_SHOWN = 200
@@ -62,9 +63,8 @@ def starter(
     options = options or ReadOptions()
     tree = skeleton(rig, options.root)
     layout = recognise(rig) if layout is None else layout
-    toes = rolling_toes(tree, recognised_limbs(rig)).values()
-    rolls = any(isinstance(toe, int) for toe in toes)
-    limbs = _Limbs(rig, layout, open_places, tree, fixed_weights, rolls)
+    toes = rolling_toes(tree, recognised_limbs(rig))
+    limbs = _Limbs(rig, layout, open_places, tree, fixed_weights, toes)
     lines = [
         f"# A rig spec to start from, for {_quoted(file)}.",
         *(f"# {_visible(line)}" for line in recognised_lines(rig, layout)),
@@ -154,8 +154,8 @@ def _reaching(layout: Layout) -> list[Chain]:
 class _Limbs:
     """The steps for limbs. open_places: limbs that are not sure stand in them as null.
 
-    fixed_weights: why the file's skin weights cannot be split; "" where they can. rolls: whether there is a
-    foot that can roll.
+    fixed_weights: why the file's skin weights cannot be split; "" where they can. toes: as `rolling_toes`
+    has them.
     """
 
     rig: Rig
@@ -163,7 +163,12 @@ class _Limbs:
     open_places: bool
     tree: Skeleton
     fixed_weights: str
-    rolls: bool
+    toes: Mapping[Limb, int | str]
+
+    @property
+    def rolls(self) -> bool:
+        """Whether there is a foot that can roll."""
+        return any(isinstance(toe, int) for toe in self.toes.values())
 
     def steps(self) -> Iterator[str]:
         """All lines behind the preset of orient-joints."""
@@ -276,6 +281,9 @@ class _Limbs:
         if self.rolls:
             yield "    # Pivots at heel, toe tip and ball of each foot, below its IK end."
             yield "    foot-roll: true"
+        for why in {} if self.rolls else dict.fromkeys(self.toes.values()):
+            feet = [f"'{self.rig.title(limb.end)}'" for limb, toe in self.toes.items() if toe == why]
+            yield f"    # No foot-roll for {_visible(and_more(feet))}: {why}."
         if left := [part.joint for part in self._followers()]:
             yield f"    exclude: [{_names(self.rig, left)}]"
         yield ""
