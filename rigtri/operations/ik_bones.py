@@ -202,6 +202,16 @@ def _spread(track: Track) -> Track:
     return track.having(np.where(np.abs(track.values) < _FLAT, _FLAT, track.values))
 
 
+def _layers(followers: Sequence[_Follower]) -> list[list[int]]:
+    """The numbers of followers, those below others after these, so that each layer is found at once."""
+    layers, layer_of = list[list[int]](), dict[int, int]()
+    for number, one in enumerate(followers):
+        layer_of[one.node] = layer = layer_of.get(one.parent, -1) + 1
+        layers += [[]] * (layer == len(layers))
+        layers[layer] = [*layers[layer], number]
+    return layers
+
+
 def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: int) -> list[Track]:
     """Translation and rotation of joints over a timeline, with as many keys as they need; none for none.
 
@@ -216,18 +226,21 @@ def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: 
     moving, size = replace(timeline, clip=Clip(timeline.clip.name, tracks)), skeleton_size(rig)
     small, place = _part(rig, moving.clip, [*line, root])
     motion = Motion(small, *small.clips)
+    layers = _layers(followers)
 
     def some(times: Floats) -> Floats:
         world = worlds(small, motion.locals_at(times))
         stands: dict[int, Floats] = {}
-        found = []
-        for node, parent, leader in followers:
-            above = stands.get(parent, world[:, place[root]])
-            seat = _seen(world[:, place[leader]], above)
+        found = np.empty((len(world), len(followers), 7))
+        for rows in layers:
+            mine = [followers[row] for row in rows]
+            above = np.stack([stands.get(one.parent, world[:, place[root]]) for one in mine], axis=1)
+            found[:, rows] = _seen(world[:, [place[one.leader] for one in mine]], above)
             # Without the scale that its leader may have.
-            stands[node] = multiply(compose(seat[:, :3], seat[:, 3:], np.ones(3)), above)
-            found.append(seat)
-        return np.stack(found, axis=1)
+            local = compose(found[:, rows, :3], found[:, rows, 3:], np.ones(3))
+            there = multiply(local, above)
+            stands |= {one.node: there[:, k] for k, one in enumerate(mine)}
+        return found
 
     def seats(times: Floats) -> Floats:
         found = [some(times[rows]) for rows in blocks(len(times))]

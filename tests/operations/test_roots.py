@@ -36,6 +36,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.ik_bones import _Follower, _layers
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
 
@@ -805,3 +806,14 @@ def test_ik_bones_follow_one_character_beside_instances_that_play_two_animations
     source.write_text(source.read_text("utf-8") + solo, "utf-8")
     cli("add-root", source, "-o", out, "--profile", "unreal", "--character", "Solo", code=0)
     assert deviation(source, out) < 1e-5
+
+
+def test_joints_for_ik_that_stand_beside_each_other_are_found_at_once() -> None:
+    followers = [
+        _Follower(5, 0, 1),
+        _Follower(6, 5, 2),
+        _Follower(7, 5, 3),
+        _Follower(8, 0, 2),
+        _Follower(9, 8, 2),
+    ]
+    assert _layers(followers) == [[0, 3], [1, 2, 4]]
