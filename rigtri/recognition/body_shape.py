@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import copysign, fsum
+from math import fsum
 from typing import Literal
 
 from rigtri.maths.ranking import SAME_SCORE, ranked
@@ -18,6 +18,7 @@ from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import TRIED, Limbs
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.symmetry import SQUARE, Plane, between
+from rigtri.recognition.up_of_legs import axis_of, on_axis, up_of_trunk
 
 # Another file's up than the one it says counts so much less.
 _OTHER_UP = 0.8
@@ -131,24 +132,24 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     standing, spine = Vector(*tree.rig.rules.up), arms.starts - legs.starts
     on, down, out = spine.unit, _way(legs), _way(arms)
     if _sits_upright(tree, legs, arms, on):
-        seat = _axis(on)
+        seat = axis_of(on)
         return [(seat, 1.0 if seat.dot(standing) > _STANDS else _OTHER_UP)]
     limbs = arms.starts - arms.ends + legs.starts - legs.ends
     loose = down.dot(-standing) < _ASIDE
     four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
-    seat = _axis(on)
+    seat = axis_of(on)
     # Who crouches with the arms ahead has such limbs, too: along no axis of the file, below a trunk that is.
     rise = (limbs if four else legs.starts - legs.ends).unit
-    crouches = loose and _on_axis(rise, _LEANS) is rise and on.dot(seat) > _LEANING
+    crouches = loose and on_axis(rise, _LEANS) is rise and on.dot(seat) > _LEANING
     loose = loose and not crouches
     if loose and (four or (abs(down.dot(on)) < _LEANING and has_tail(tree, legs, arms, on))):
-        return [(_on_axis(rise, _LEANS), _OTHER_UP)]
-    turned = [_on_axis(rise := -down)]
+        return [(on_axis(rise, _LEANS), _OTHER_UP)]
+    turned = [on_axis(rise := -down, _ALONG_AXIS)]
     if turned[0] is rise or not turned[0].dot(on) > 0:
         turned = [spine.unit, limbs.unit]
         if -down.dot(on) < _ALONG_AXIS:
             # Legs that go otherwise than the trunk are posed, and files stand along an axis.
-            turned = [axis for k in turned if (axis := _on_axis(k, _LEANING)) is not k] or turned
+            turned = [axis for k in turned if (axis := on_axis(k, _LEANING)) is not k] or turned
     others = [(up, _OTHER_UP) for up in turned if any(up)]
     if _kneels_on_hands(tree, legs, arms, standing):
         return [(standing, 1.0)]
@@ -187,7 +188,7 @@ def _sits_upright(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
     rise, hangs = on.dot(Vector(*tree.rig.rules.up)), out.dot(on) < -_ASIDE
     if rise < -_STANDS or (rise < _STANDS and not hangs):
         return False
-    if _axis(on).dot(on) < _ALONG_AXIS or abs(down.dot(on)) > _LEVEL or out.dot(down) > _ASIDE:
+    if axis_of(on).dot(on) < _ALONG_AXIS or abs(down.dot(on)) > _LEVEL or out.dot(down) > _ASIDE:
         return False
     if len(legs.at) < 3 or arms.size < _SMALL * legs.size or has_tail(tree, legs, arms, on):
         return False
@@ -219,18 +220,6 @@ def _kneels_on_hands(tree: Tree, legs: Limbs, arms: Limbs, up: Vector) -> bool:
     lows = [min(tree.at[node].dot(up) for node in part) for part in parts]
     above = min(legs.starts.dot(up), arms.starts.dot(up)) - min(lows)
     return max(lows) - min(lows) < _GROUND * legs.size < above
-
-
-def _axis(way: Vector) -> Vector:
-    """The axis of the file that is nearest to a direction, with its sign."""
-    most = max(way, key=abs)
-    return Vector(*(copysign(1.0, each) if each == most else 0.0 for each in way))
-
-
-def _on_axis(way: Vector, along: float = _ALONG_AXIS) -> Vector:
-    """The axis of the file that a direction goes along, by a cosine, itself where it goes along none."""
-    axis = _axis(way)
-    return axis if axis.dot(way) > along else way
 
 
 def has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
@@ -335,10 +324,15 @@ def stands_too(tree: Tree, body: Body, limbs: Sequence[Limbs]) -> bool:
 
 
 def lies(tree: Tree, body: Body, up: Vector) -> bool:
-    """Whether legs alone, as a bird's, go nowhere near to down, as the file has it, nor back along a tail."""
+    """Whether legs alone, as a bird's, go nowhere near to down, as the file has it, nor back along a tail.
+
+    Or do not stand on that, below a trunk that rises along another axis.
+    """
     legs = body.legs
     if legs is None or body.arms is not None:
         return False
+    if any(up_of_trunk(tree, legs)):
+        return True
     down = (legs.ends - legs.starts).unit
     tail = (tree.at[k] - legs.starts for k in tree.nodes if "tail" in roles_in_name(tree.rig.names[k]))
     return -down.dot(up) < _LYING and not any(way.unit.dot(down) > _TRAILING for way in tail)
@@ -363,6 +357,8 @@ def _legs_alone(tree: Tree, legs: Limbs, longest: float) -> Body:
     """A pair as legs, and no arms: a bird, or the lower part of a body."""
     down = legs.ends - legs.starts
     ups = [(Vector(*tree.rig.rules.up), 1.0), ((-down).unit, _OTHER_UP)]
+    if any(axis := up_of_trunk(tree, legs)):
+        ups = [(axis, _OTHER_UP)]
     stands = [(trust * within(down.unit.dot(-up), 0.2, 0.8), up) for up, trust in ups]
     upright, up = max(stands, key=lambda each: each[0])
     points = [(1.0, upright), (0.6, within(legs.quality, 0.3, 0.7)), (1.0, legs.size / longest), (1.0, 0.0)]

@@ -166,6 +166,33 @@ def test_who_sits_or_crouches_with_arms_ahead_does_not_hover_over_its_feet(
     assert man.facing == pytest.approx((0, -way, 0), abs=0.1)
 
 
+def test_legs_below_a_trunk_that_rises_along_an_axis_stand_on_that() -> None:
+    """Before, who sits with one arm, and a machine on two legs that bend to and fro, faced the file's z."""
+    leg = [(0.09, 0.47, 0), (0.1, 0.5, 0.4), (0.1, 0.1, 0.37)]
+    arm = [(0.17, 0.84, 0), (0.18, 0.66, 0.17), (0.16, 0.53, 0.35)]
+    sits = line("hips spine chest neck head", "", *LAP)
+    sits += both(line("thigh.L shin.L foot.L", "hips", *leg))
+    sits += line("upper_arm.L forearm.L hand.L", "chest", *arm)
+    hip, knee, hock = (0.2, 0.75, 0), (0.2, 0.58, 0.2), (0.2, 0.38, -0.15)
+    machine = line("pelvis torso", "", (0, 0.75, 0), (0, 0.88, 0))
+    machine += both(
+        line(
+            "hip.L knee.L hock.L ankle.L toe.L",
+            "pelvis",
+            hip,
+            knee,
+            hock,
+            (0.2, 0.19, 0.05),
+            (0.2, 0.15, 0.15),
+        )
+    )
+    for joints in (sits, machine):
+        turned: list[Joint] = [(name, above, (-x, y, -z)) for name, above, (x, y, z) in joints]
+        (found,) = recognise(lying(turned)).characters
+        assert found.up == (0, 0, 1)
+        assert found.facing == pytest.approx((0, 1, 0), abs=0.05)
+
+
 @pytest.mark.parametrize("named", [True, False])
 @pytest.mark.parametrize("yaw", [0.0, 90.0])
 def test_who_crawls_on_tucked_toes_keeps_the_up_of_the_file(yaw: float, named: bool) -> None:
