@@ -40,7 +40,7 @@ def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: floa
     far = [(at[chain[0]] - at[hand]).length for chain in chains]
     usual = sorted(far)[len(far) // 2]
     near = [k for k, size in enumerate(far) if size < _NEAR * usual]
-    if len(near) == 1 and not _is_within_row(tree, chains, near[0]):
+    if len(near) == 1 and _leaves_row(tree, chains, near[0]):
         return near[0]
     least = min(len(chain) for chain in chains)
     short = [k for k, chain in enumerate(chains) if len(chain) == least]
@@ -50,6 +50,24 @@ def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: floa
     alike = [max(bone.dot(k) for k in first if k is not bone) for bone in first]
     other = min(short if len(short) == 1 else range(len(chains)), key=lambda k: alike[k])
     return other if alike[other] < apart else -1
+
+
+def _leaves_row(tree: Tree, chains: Sequence[Sequence[int]], which: int) -> bool:
+    """Whether a chain begins beside the row in which the others begin, or is beside them further on.
+
+    A thumb may begin within the breadth of the knuckles, as the metacarpal of a middle finger does, which
+    stays between the others. Along the row of the first joints, for a fist turns that of later ones.
+    """
+    at, others = tree.at, [chain for k, chain in enumerate(chains) if k != which]
+    if len(others) < 2:
+        return True
+    one, other = max(combinations([at[k[0]] for k in others], 2), key=lambda two: (two[0] - two[1]).length)
+    along = (other - one).unit
+    for joint in range(min(len(chain) for chain in chains)):
+        places = [at[chain[joint]].dot(along) for chain in others]
+        if not min(places) < at[chains[which][joint]].dot(along) < max(places):
+            return True
+    return False
 
 
 def _is_within_row(tree: Tree, chains: Sequence[Sequence[int]], which: int, joint: int = 0) -> bool:

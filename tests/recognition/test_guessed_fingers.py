@@ -36,6 +36,24 @@ def test_a_fist_has_its_thumb_where_an_open_hand_has_it(curl: float, hands: floa
         assert known.items() >= (expected | {f"{side} thumb": body.parts[f"{side} thumb 1"]}).items()
 
 
+@pytest.mark.parametrize(
+    "curled", [("index",), ("little",), ("index", "middle", "ring"), ("middle", "ring", "little")]
+)
+def test_signs_that_a_hand_makes_leave_its_thumb_a_thumb(curled: tuple[str, ...]) -> None:
+    """A thumb may begin within the breadth of the knuckles. Before, a finger was taken for it."""
+    chains, places = list[list[int]](), [np.zeros(3)]
+    for finger, z in zip(FINGERS, (4.0, 1.3, -1.3, -4.0), strict=True):
+        bends = np.radians([75.0, 160.0] if finger in curled else [0.0, 0.0])
+        bones = [(np.cos(bend), -np.sin(bend), 0.0) for bend in bends]
+        steps = [(9.0, 0.2, z), *(np.multiply(bone, 4.0) for bone in bones)]
+        chains.append([len(places) + k for k in range(3)])
+        places += list(np.cumsum(steps, axis=0))
+    chains.append([len(places) + k for k in range(3)])
+    at = np.array([*places, (2.0, -0.4, 3.6), (5.2, -1.6, 5.7), (7.6, -2.5, 7.3)])
+    rig = rig_of([f"bone {k}" for k in range(len(at))], [-1, *[0] * (len(at) - 1)], at)
+    assert thumb_of(Tree(rig, range(len(at)), at), 0, chains) == len(FINGERS)
+
+
 @pytest.mark.parametrize("names", ["none", "unreal", "mixamo"])
 @pytest.mark.parametrize("ends", [False, True])
 def test_the_first_phalanx_follows_a_metacarpal(names: str, ends: bool) -> None:
