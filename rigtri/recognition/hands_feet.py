@@ -168,11 +168,11 @@ def _is_called_finger(draft: Draft, node: int) -> bool:
 
 
 def _without_end(draft: Draft, chain: list[int]) -> list[int]:
-    """A finger has three joints: the fourth only says where it ends."""
+    """A finger has three joints, four with a metacarpal: one more, without points, says where it ends."""
     names = draft.tree.rig.names
     while len(chain) > 1 and "end" in roles_in_name(names[chain[-1]]):
         chain = chain[:-1]
-    return chain[:3] if len(chain) == 4 and not draft.poses.moves_points(chain[3]) else chain
+    return chain[:-1] if len(chain) in (4, _FINGER) and not draft.poses.moves_points(chain[-1]) else chain
 
 
 def lay_fingers(draft: Draft, hand: int, chains: list[list[int]], side: Side, sure: float) -> None:

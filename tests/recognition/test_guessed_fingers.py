@@ -66,6 +66,16 @@ def test_the_first_phalanx_follows_a_metacarpal(names: str, ends: bool) -> None:
         assert called == [None, *(f"left{bone}{part}" for part in ("Proximal", "Intermediate", "Distal"))]
 
 
+@pytest.mark.parametrize("names", ["none", "mixamo"])
+@pytest.mark.parametrize("metacarpals", [False, True])
+def test_where_a_finger_ends_is_none_of_its_joints(names: str, metacarpals: bool) -> None:
+    """Before, that of one with a metacarpal was, and `check` left such fingers out."""
+    body = posed_body(Pose(names, metacarpals=metacarpals, ends=True))
+    (character,) = recognise(body.rig).characters
+    fingers = [k for k in character.chains if k.kind == "finger" and "thumb" not in k.name]
+    assert {len(finger.joints) for finger in fingers} == {4 if metacarpals else 3}
+
+
 def test_a_mitten_of_one_numbered_finger_is_what_its_scheme_says() -> None:
     found = _fingers_called(Pose("none", fingers=1, thumb=False), "Bip01 {s} Finger{n1}{b}", "")
     assert {name for name, _ in found.values()} == {"left index finger"}
