@@ -160,3 +160,19 @@ def test_a_joint_that_a_pose_reader_drives_is_not_constrained() -> None:
     for kind in ("aim", "parent"):
         with pytest.raises(GeometryError, match="pose readers drive 'toe_L'"):
             rigtri.constrain(driven, type=kind, **given)
+
+
+@pytest.mark.parametrize("turn", [0.3, 0.0])
+def test_a_joint_that_its_control_moves_is_not_driven(turn: float) -> None:
+    """Before, the reader took the place of the control's motion, without a word."""
+    still = replace(rigtri.read(SAMPLES / "biped.glb"), clips=())
+    made = rigtri.add_controls(still, whole_character=True)
+    turns = from_axis_angle(Z, np.array([0.0, turn]))
+    control = Track(made.find("toe_L_ctl"), "rotation", "LINEAR", np.array([0.0, 1.0]), turns)
+    made = replace(made, clips=(Clip("tap", (control,)),))
+    given: dict[str, Any] = {"driver": "upper_arm_R", "target": ("up=0,1,0.2",)}
+    if not turn:
+        assert rigtri.add_posereader(made, **given, joint=(("up", "toe_L", "rz=15"),)).find("toe_L") >= 0
+        return
+    with pytest.raises(GeometryError, match="controls move 'toe_L' in clip 'tap'"):
+        rigtri.add_posereader(made, **given, joint=(("up", "toe_L", "rz=15"),))

@@ -12,7 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.sampling import key_times
+from rigtri.evaluation.timelines import timelines
 from rigtri.maths.euler import from_angles, to_angles
 from rigtri.maths.quaternions import IDENTITY, angle_between, multiply, quadruple, slerp
 from rigtri.maths.trigonometry import Floats
@@ -119,6 +121,8 @@ def refuse_moving(rig: Rig, record: PoseReaderRecord, before: PoseReaderRecord |
                 f"'{rig.title(rule.child)}' follows a constraint, which a pose reader would replace; drive "
                 "another joint, for example a child of it"
             )
+    if rig.nodes_of("control"):
+        _refuse_controlled(rig, new)
     for clip in rig.clips:
         for track in clip.tracks:
             own = driven.get(track.node, set()) - mine.get(track.node, set())
@@ -129,10 +133,39 @@ def refuse_moving(rig: Rig, record: PoseReaderRecord, before: PoseReaderRecord |
                 )
 
 
+def _refuse_controlled(rig: Rig, new: Mapping[int, set[Path]]) -> None:
+    """GeometryError where controls move a joint in a clip in what is to be driven of it."""
+    # The solver of controls, which a character without them does not import.
+    from rigtri.evaluation.active_controls import controls_at_work
+    from rigtri.evaluation.solver import Solver
+    from rigtri.evaluation.zero_pose import ControlsAtZero
+
+    zero = ControlsAtZero(rig)
+    led = {*zero.fk}.union(*(limb.chain for limb in zero.limbs))
+    joints = [node for node, paths in new.items() if paths and node in led]
+    for timeline in timelines(rig) if joints else ():
+        working = controls_at_work(rig, timeline)
+        solver = Solver(rig, working, zero)
+        moved = {fk.joint for fk in zero.fk.values() if fk.control in working}
+        moved = moved.union(*(ik.limb.chain for ik in solver.limbs))
+        if not (both := [node for node in joints if node in moved]):
+            continue
+        posed = solver.run(sample_parts(rig, timeline.clip, key_times(timeline.clip)))
+        for node in both:
+            if not all(_is_rest(rig, node, path, posed.part(node)[PATHS.index(path)]) for path in new[node]):
+                raise GeometryError(
+                    f"controls move '{rig.title(node)}' in clip '{timeline.name}', which a pose reader would "
+                    "replace; drive a joint without a control, for example a child of it"
+                )
+
+
 def _at_rest(rig: Rig, track: Track) -> bool:
-    rest = PoseCache(rig).part(track.node)[PATHS.index(track.path)]
-    values = key_values(track)
-    if track.path == "rotation":
+    return _is_rest(rig, track.node, track.path, key_values(track))
+
+
+def _is_rest(rig: Rig, node: int, path: Path, values: Floats) -> bool:
+    rest = PoseCache(rig).part(node)[PATHS.index(path)]
+    if path == "rotation":
         return bool(angle_between(values, rest).max() <= _SAME)
     return bool(np.abs(values - rest).max() <= _SAME * max(1.0, float(np.abs(rest).max())))
 
