@@ -124,7 +124,8 @@ def _converted(rig: Rig, options: FreezeOptions, report: Report) -> Rig:
         )
     rotation = np.array([quarter, 0.0, 0.0, HALF if quarter else 1.0])
     report.added.append({"type": "conversion", "up": new_up, "metres": new_metres})
-    return convert(rig, Conversion(new_up, new_metres, rotation, metres / new_metres))
+    scale = 1.0 if new_metres == metres else metres / new_metres
+    return convert(rig, Conversion(new_up, new_metres, rotation, scale))
 
 
 def _joints(rig: Rig) -> Booleans:

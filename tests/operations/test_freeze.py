@@ -279,6 +279,7 @@ def test_a_unit_of_no_size_is_not_converted(unit: str, tmp_path: Path) -> None:
     text = (SAMPLES / "biped.usda").read_text("utf-8")
     source.write_text(re.sub("metersPerUnit = .*", f"metersPerUnit = {unit}", text), "utf-8")
     assert "Set it above 0" in cli("freeze", source, "-o", tmp_path / "o.usda", "--unit", "1", code=5).stderr
+    cli("freeze", source, "-o", tmp_path / "o.usda", "--up-axis", "z", code=0)  # no size changes
 
 
 def test_gltf_has_one_unit_and_one_up_axis(tmp_path: Path) -> None:

@@ -147,6 +147,22 @@ def test_more_twist_joints_along_a_bone_find_new_places_at_rest_and_in_clips(
         )
 
 
+def test_twist_joints_whose_driver_lost_its_keys_hold_one_pose(samples: Path, tmp_path: Path) -> None:
+    once, still, again = (tmp_path / f"{name}.glb" for name in ("once", "still", "again"))
+    edit(samples / "biped.glb", once, lambda rig, report: add_twist(rig, limbs="auto", report=report))
+    gltf, binary = glb_parts(once)
+    hand = [node["name"] for node in gltf["nodes"]].index("hand_L")
+    for clip in gltf["animations"]:
+        clip["channels"] = [channel for channel in clip["channels"] if channel["target"]["node"] != hand]
+    still.write_bytes(glb_bytes(gltf, binary))
+    edit(still, again, lambda rig, report: add_twist(rig, limbs="auto", report=report))
+    rig = read(again).rig
+    assert off_notes(rig) < 1e-3
+    twist = rig.labels.index("forearm_L_twist_1")
+    (track,) = (track for track in rig.clips[0].tracks if track.node == twist)
+    assert_allclose(track.values, np.broadcast_to(track.values[0], track.values.shape), atol=1e-7)
+
+
 @pytest.mark.ci
 def test_joints_keep_their_axes_beside_twist_joints_of_a_skin_without_bind_matrices(tmp_path: Path) -> None:
     gltf, binary = glb_parts(SAMPLES / "biped.glb")

@@ -55,15 +55,15 @@ def keyed(rig: Rig, twists: Sequence[TwistJoint]) -> tuple[Rig, list[Found]]:
         for number in tracks.clips((twist.node, *twist.path)):
             clip, old = rig.clips[number], tracks.of(number, (twist.node,), "rotation")
             driving = tracks.of(number, twist.path, "rotation")
-            if not driving:
-                for track in old:
-                    tracks.set(number, track, None)
+            if not (driving or old):
                 continue
             part = tuple(replace(t, node=place[t.node]) for t in tracks.of(number, twist.path))
-            track, off = _Follower(local, small, replace(clip, tracks=part)).track(
-                driving, fixed=clip.fixed_times
-            )
-            found[clip.name or f"#{number}"] = off, not clip.fixed_times
+            follower = _Follower(local, small, replace(clip, tracks=part))
+            if driving:
+                track, off = follower.track(driving, fixed=clip.fixed_times)
+                found[clip.name or f"#{number}"] = off, not clip.fixed_times
+            else:  # Its driver has keys no more: a joint that had some keeps them, for one pose.
+                track = follower.still(old[0].times)
             track = replace(track, node=twist.node)
             if not old:
                 tracks.set(number, None, track)
@@ -80,7 +80,7 @@ class _TracksOfNodes:
         self._rig = rig
         # By node and clip, each with its place among the tracks of the clip.
         self._found: dict[int, dict[int, list[tuple[int, Track]]]] = {node: {} for node in nodes}
-        self._changed: dict[int, dict[int, Track | None]] = {}
+        self._changed: dict[int, dict[int, Track]] = {}
         for number, clip in enumerate(rig.clips):
             for place, track in enumerate(clip.tracks):
                 if track.node in self._found:
@@ -97,15 +97,14 @@ class _TracksOfNodes:
         )
         return [track for _, track in placed if path in (None, track.path)]
 
-    def set(self, number: int, old: Track | None, new: Track | None) -> None:
-        """Put a track in the place of an old one; without an old one at the end, None takes it out."""
-        node = (old or new).node  # type: ignore[union-attr]
+    def set(self, number: int, old: Track | None, new: Track) -> None:
+        """Put a track in the place of an old one; without an old one at the end."""
+        node = new.node
         mine, changed = self._found[node].setdefault(number, []), self._changed.setdefault(number, {})
         here = [place for place, track in mine if track is old]
         place = here[0] if here else len(self._rig.clips[number].tracks) + len(changed)
         changed[place] = new
-        left = [each for each in mine if each[0] != place]
-        self._found[node][number] = left if new is None else [*left, (place, new)]
+        self._found[node][number] = [*(each for each in mine if each[0] != place), (place, new)]
 
     def rig(self) -> Rig:
         """The rig with all changes."""
@@ -114,7 +113,7 @@ class _TracksOfNodes:
         clips = list(self._rig.clips)
         for number, changed in self._changed.items():
             placed = {**dict(enumerate(clips[number].tracks)), **changed}
-            tracks = tuple(track for _, track in sorted(placed.items(), key=itemgetter(0)) if track)
+            tracks = tuple(track for _, track in sorted(placed.items(), key=itemgetter(0)))
             clips[number] = replace(clips[number], tracks=tracks)
         return replace(self._rig, clips=tuple(clips))
 
@@ -146,6 +145,10 @@ class _Follower:
             times = _halved(times, bad)
             turns, off = self._off(times)
         return Track(-1, "rotation", "LINEAR", times, make_continuous(turns)), float(off.max(initial=0.0))
+
+    def still(self, times: Floats) -> Track:
+        """A track of keys that all hold what the joint has while nothing turns its driver."""
+        return Track(-1, "rotation", "LINEAR", times, self.at(times))
 
     def _off(self, times: Floats) -> tuple[Floats, Floats]:
         """Rotations at times, (k, 4), and how far the interpolation is off in each interval, (k − 1,), if
