@@ -141,6 +141,7 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
     # Who crouches with the arms ahead has such limbs, too: along no axis of the file, below a trunk that is.
     rise = (limbs if four else legs.starts - legs.ends).unit
     crouches = loose and on_axis(rise, _LEANS) is rise and on.dot(seat) > _LEANING
+    crouches = crouches and (four or rise.dot(on) > _ASIDE)
     loose = loose and not crouches
     if loose and (four or (abs(down.dot(on)) < _LEANING and has_tail(tree, legs, arms, on))):
         return [(on_axis(rise, _LEANS), _OTHER_UP)]
@@ -155,7 +156,7 @@ def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
         return [(standing, 1.0)]
     ahead = (on - standing * on.dot(standing)).unit
     trails = down.dot(ahead) < -_ASIDE and out.dot(ahead) < -_BEHIND
-    if trails and on.dot(standing) < _LEVEL and on.dot(seat) > _LEANS:
+    if trails and on.dot(standing) < _LEVEL and on.dot(seat) > _LEANS and seat.dot(standing) == 0.0:
         # Neither feet nor hands are below a trunk that lies, so as the file has it the body falls.
         return [(seat, _OTHER_UP)]
     # Legs of a body that sits go as far ahead as down, by 45°, and its trunk up, or it leans over arms that
