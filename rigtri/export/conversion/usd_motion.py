@@ -17,13 +17,13 @@ import numpy as np
 from pxr import UsdGeom
 
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
-from rigtri.evaluation.sampling import sorted_unique
+from rigtri.evaluation.sampling import between_keys, sorted_unique
 from rigtri.export.conversion.usd_clips import EVEN, unevenness
 from rigtri.formats.usd.composition.stage import quiet
-from rigtri.formats.usd.reading.sampled_xforms import matrices_at, turning_ops
+from rigtri.formats.usd.reading.sampled_xforms import along_arcs, matrices_at, turning_ops
 from rigtri.formats.usd.reading.xform_hierarchy import read_transform, value_numbers
 from rigtri.maths.matrices import SKEW, compose, decompose, skew
-from rigtri.maths.quaternions import angle_between, make_continuous, norm, normalise, slerp, unit
+from rigtri.maths.quaternions import angle_between, from_axes, make_continuous, norm, normalise, slerp, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Track
 from rigtri.text import and_more
@@ -43,13 +43,15 @@ class PrimMotion:
     """Where prims are at any time. prims: by node; codes: by node, pairs of seconds and time codes of keys.
 
     sheared: nodes whose ops go through shear, which no translation, rotation and scale show. uneven: how far,
-    in radians, OpenUSD turns those with orient ops beside the arcs, by node.
+    in radians, OpenUSD turns those with orient ops beside the arcs, by node; rounded: the same of those
+    of half floats.
     """
 
     prims: dict[int, Any] = field(default_factory=dict)
     codes: dict[int, tuple[Floats, Floats]] = field(default_factory=dict)
     sheared: set[int] = field(default_factory=set)
     uneven: dict[int, float] = field(default_factory=dict)
+    rounded: dict[int, float] = field(default_factory=dict)
 
     def follow(self, prims: Mapping[int, Any], tracks: Sequence[Track], sizes: Floats) -> list[Track]:
         """The tracks of prims, by node, with keys between the samples where ops go other ways than tracks.
@@ -61,10 +63,14 @@ class PrimMotion:
             mine = [track for track in tracks if track.node == node]
             if mine[0].interpolation != "STEP":
                 self.prims[node] = prim
-                self.uneven[node] = max(map(_unevenness, _turning(prim)), default=0.0)
+                turning = _turning(prim)
+                halves = [op for op in turning if op.GetPrecision() == UsdGeom.XformOp.PrecisionHalf]
+                self.uneven[node] = max((_unevenness(op) for op in turning if op not in halves), default=0.0)
+                self.rounded[node] = max(map(_rounding, halves), default=0.0)
                 if read_transform(prim, node, mine[0].interpolation) is None:
                     mine = self._sampled(prim, mine, float(sizes[node]))
-            found += mine
+            # Ops turn, and never scale, whatever their quaternions' length.
+            found += unit_rotations(mine)[0]
         return found
 
     def _sampled(self, prim: Any, tracks: list[Track], most: float) -> list[Track]:
@@ -124,6 +130,12 @@ class PrimMotion:
                 f"how OpenUSD plays slow rotations of {and_more(slow, 3)}, less than 0.51° between samples: "
                 f"up to {max(self.uneven.values()):.1e} rad off their arcs, which are written"
             )
+        coarse = sorted(f"<{labels[node]}>" for node, off in self.rounded.items() if off > EVEN)
+        if coarse:
+            yield (
+                f"how OpenUSD plays rotations of {and_more(coarse, 3)} in half floats (quath): up to "
+                f"{max(self.rounded.values()):.1e} rad off the arcs between their samples, which are written"
+            )
 
     def note(self, track: Track, seconds: Floats) -> None:
         """Keep which time codes are which seconds."""
@@ -161,3 +173,15 @@ def _unevenness(op: Any) -> float:
     values = (op.Get(time) for time in op.GetTimeSamples())
     rows = np.array([value_numbers(value) for value in values if value is not None])  # the others are blocked
     return unevenness(make_continuous(unit(rows))) if len(rows) and np.isfinite(rows).all() else 0.0
+
+
+def _rounding(op: Any) -> float:
+    """How far OpenUSD plays an orient op of half floats off its arcs, at and between samples, in radians."""
+    times = between_keys(np.array(op.GetTimeSamples()))
+    shown, meant = (
+        np.array([of(time) for time in times.tolist()], dtype=np.float64)
+        for of in (op.GetOpTransform, lambda time: along_arcs(op, time))
+    )
+    known = np.isfinite(shown).all(axis=(1, 2)) & np.isfinite(meant).all(axis=(1, 2))
+    turns = (from_axes(each[known, :3, :3]) for each in (shown, meant))
+    return float(angle_between(*turns).max(initial=0.0))

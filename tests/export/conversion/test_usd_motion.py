@@ -82,6 +82,28 @@ def test_rotations_that_openusd_plays_unevenly_go_along_arcs_and_are_listed(
     assert angles == pytest.approx([0.25 * degrees, 1.75 * degrees], abs=1e-5)
 
 
+def test_half_float_rotations_go_along_the_arcs_of_what_they_mean_and_are_listed(tmp_path: Path) -> None:
+    """Before, refused with 6: OpenUSD rounds what lies between samples to half floats, which are not unit."""
+    stage, moved = _stage(tmp_path / "in.usda")
+    op = moved.AddOrientOp(UsdGeom.XformOp.PrecisionHalf)
+    turns = [Gf.Rotation(Gf.Vec3d(1, 0.4, 0.3), 20 + 3 * code).GetQuat() for code in (0, 10, 20)]
+    for code, turn in zip((0, 10, 20), turns, strict=True):
+        op.Set(Gf.Quath(turn), code)
+    stage.Save()
+    outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
+    lost = [notice.text for notice in outcome.report.warnings if notice.code == "lost"]
+    assert len(lost) == 1
+    assert "how OpenUSD plays rotations of </set/moved> in half floats (quath): up to 2.5e-03 rad" in lost[0]
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-6
+    rig = rigtri.read(tmp_path / "out.glb")
+    one, other = (Gf.Quatd(Gf.Quath(turn)).GetNormalized() for turn in turns[:2])
+    for share in (0.0, 0.3, 0.5, 1.0):
+        there = Motion(rig, rig.clips[0]).locals_at(np.array([share * 10.0 / 24.0]))
+        meant = np.array(Gf.Matrix4d().SetRotate(Gf.Slerp(share, one, other).GetNormalized()))
+        assert np.abs(there[0, rig.find("moved")] - meant).max() < 1e-6
+
+
 def test_a_blocked_sample_of_an_orient_op_is_no_rotation(tmp_path: Path) -> None:
     """Before, a traceback."""
     stage, moved = _stage(tmp_path / "in.usda")

@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from pxr import Gf, UsdGeom
+from pxr import Gf, Usd, UsdGeom
 
 from rigtri.evaluation.sampling import sample
 from rigtri.formats.usd.composition.time_samples import ops_times
@@ -81,7 +81,8 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
 def matrices_at(xformable: Any, times: Iterable[float]) -> Floats:
     """The matrices of a prim, (f, 4, 4), at time codes. What its orient ops turn goes along arcs.
 
-    UsdGeomXformable bends slow arcs, and takes small angles from a cosine (docs/usd.md).
+    UsdGeomXformable bends slow arcs, takes small angles from a cosine, and rounds what lies between samples
+    of half floats to half floats (docs/usd.md).
     """
     if not turning_ops(xformable):
         return np.array([xformable.GetLocalTransformation(time) for time in times], dtype=np.float64)
@@ -89,7 +90,7 @@ def matrices_at(xformable: Any, times: Iterable[float]) -> Floats:
     for time in times:
         matrix = Gf.Matrix4d(1.0)
         for op in xformable.GetOrderedXformOps():
-            matrix = _along_arcs(op, time) * matrix
+            matrix = along_arcs(op, time) * matrix
         found.append(matrix)
     return np.array(found, dtype=np.float64)
 
@@ -101,13 +102,29 @@ def turning_ops(xformable: Any) -> list[Any]:
     return [op for op in ops if op.GetOpType() == kind and op.GetNumTimeSamples() > 1]
 
 
-def _along_arcs(op: Any, time: float) -> Any:
+def along_arcs(op: Any, time: float) -> Any:
     """The matrix of an op at a time code; quaternions between two samples lie on their arc."""
     turn = op.Get(time) if op.GetOpType() == UsdGeom.XformOp.TypeOrient else None
     if turn is None:
         return op.GetOpTransform(time)
-    matrix = Gf.Matrix4d().SetRotate(Gf.Quatd(turn).GetNormalized())
+    matrix = Gf.Matrix4d().SetRotate(_arc_of_halves(op, time) or Gf.Quatd(turn).GetNormalized())
     return matrix.GetInverse() if op.IsInverseOp() else matrix
+
+
+def _arc_of_halves(op: Any, time: float) -> Any:
+    """Where the arc between two samples of half floats is at a time code, as a Quatd; None elsewhere."""
+    attribute = op.GetAttr()
+    held = attribute.GetStage().GetInterpolationType() == Usd.InterpolationTypeHeld
+    if held or op.GetPrecision() != UsdGeom.XformOp.PrecisionHalf:
+        return None
+    start, end = attribute.GetBracketingTimeSamples(time) or (time, time)
+    if not start < time < end:
+        return None
+    one, other = attribute.Get(start), attribute.Get(end)
+    if one is None or other is None:  # a blocked sample
+        return None
+    sides = (Gf.Quatd(side).GetNormalized() for side in (one, other))
+    return Gf.Slerp((time - start) / (end - start), *sides).GetNormalized()
 
 
 def notice_shear(
