@@ -43,8 +43,7 @@ class AxisStyle:
             return "every frame parallel to the world"
         source = {"plane": "the hinge", "pole": "towards the bend"}.get(self.up_from)
         above = self.up_from.removeprefix("world:").removeprefix("+")
-        hinge = self.up.removeprefix("-") if self.up.startswith("-") else f"-{self.up}"
-        held = f"{hinge} the hinge; where there is none, {self.up} towards the world's {above}"
+        held = f"{self.hinge} the hinge; where there is none, {self.up} towards the world's {above}"
         return f"{self.aim} along the bone, " + (f"{self.up} {source}" if source else held)
 
     def with_axes(self, options: Any) -> AxisStyle:
@@ -52,7 +51,26 @@ class AxisStyle:
         given: dict[str, Any] = {
             name: _lower(getattr(options, name)) for name in AXES if getattr(options, name) is not None
         }
+        if self.held and given.get("up_from") == "plane":
+            given.setdefault("up", reversed_axis(self.up))  # where the hinge is by this style
         return replace(self, **given, held=self.held and "up_from" not in given)
+
+    @property
+    def hinge(self) -> str:
+        """The axis about which a positive rotation flexes a joint that has a hinge.
+
+        >>> [PRESETS[name].hinge for name in ("article", "maya", "mgear", "cmt", "talk")]
+        ['y', '-y', '-z', '-z', 'z']
+        """
+        if self.held:
+            return reversed_axis(self.up)
+        if self.up_from != "pole":
+            return self.up
+        # The aim, the side of the bend and the hinge follow one another as x, y and z do, or the other way.
+        aim, bend = self.aim[-1], self.up[-1]
+        (across,) = set("xyz") - {aim, bend}
+        signs = [aim + bend in ("xy", "yz", "zx"), self.aim.startswith("-"), self.up.startswith("-")]
+        return across if sum(signs) % 2 == 0 else f"-{across}"
 
     def checked(self) -> AxisStyle:
         """This style, or UsageError for letters that make no frame."""
@@ -66,6 +84,15 @@ class AxisStyle:
         except ValueError as error:
             raise UsageError(str(error)) from error
         return self
+
+
+def reversed_axis(axis: str) -> str:
+    """The axis that points the other way.
+
+    >>> reversed_axis("y"), reversed_axis("-z")
+    ('-y', 'z')
+    """
+    return axis.removeprefix("-") if axis.startswith("-") else f"-{axis}"
 
 
 def _lower(text: str) -> str:

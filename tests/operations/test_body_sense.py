@@ -192,6 +192,33 @@ def test_which_way_one_straight_finger_closes_is_a_guess_where_arms_are_raised_a
     assert ["raised ahead" in notice.text for notice in notices] == [forward > 45]
 
 
+@pytest.mark.parametrize("preset", HINGES)
+def test_the_remedy_for_a_guess_gives_the_hinge_in_every_preset(preset: str) -> None:
+    """Before, the vector went to the up axis: in `maya` the hinge reversed, in `talk` another axis."""
+    pose = Pose("mixamo", thumb=False, fingers=1, curl=0.0, arms=90.0, forward=80.0)
+    body, report = posed_body(pose).rig, Report()
+    orient_joints(body, preset=preset, report=report)
+    (said,) = (notice.text for notice in report.warnings if notice.code == "unsure-hand")
+    up = said.split('up="')[1].split('"')[0]
+    hand = body.find("mixamorig:LeftHand")
+    finger = next(k for k in range(len(body)) if body.parents[k] == hand)
+    vector = "vector:0,1,0"
+    out = orient_joints(body, preset=preset, up=up, up_from=vector, joints=[body.names[finger]])
+    assert hinge_axes(out, HINGES[preset])[finger] @ (0, 1, 0) > 0.9
+
+
+@pytest.mark.parametrize("preset", ["maya", "unreal-editor", "mgear", "blender"])
+def test_the_plane_beside_a_preset_is_its_own_plane(preset: str) -> None:
+    """Before, --up-from plane reversed the hinges of `maya`."""
+    rig = read(SAMPLES / "biped.glb")
+    leg = ["thigh_L", "shin_L"]
+    alone = orient_joints(rig, preset=preset, joints=leg)
+    beside = orient_joints(rig, preset=preset, up_from="plane", joints=leg)
+    of_chain = orient_joints(rig, preset=preset, chain=[{"start": leg[0], "end": leg[1], "up_from": "plane"}])
+    assert np.abs(beside.world - alone.world).max() < 1e-6
+    assert np.abs(of_chain.world - alone.world).max() < 1e-6
+
+
 @pytest.mark.parametrize(
     ("elbow", "turned", "width", "is_sure"),
     [

@@ -39,10 +39,10 @@ def up() -> Any:
 
 # Where up comes from without joints or nodes.
 WITHOUT_JOINTS = {
-    "plane": "the hinge: the normal of the plane that the limb bends in",
+    "plane": "the hinge: the normal of the plane that the limb bends in; -y is it beside --preset maya",
     "pole": "towards the bend, as a pole vector",
     "world:+y": "an axis of the world: +x, -x, +y …",
-    "vector:x,y,z": "a direction of the world",
+    "vector:x,y,z": "a direction of the world, to which the up axis points",
 }
 _SOURCES = WITHOUT_JOINTS | {
     "node:NAME": "towards the position of a node",

@@ -18,6 +18,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import reversed_axis
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.joint_selection import warn_held, warn_unread
 from rigtri.operations.option_kinds import Selection
@@ -141,9 +142,14 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
         unsure = [joint for joint in outcome.targets.joints if ups.source[joint] == rule]
         if rule == AS_ARMS_SWING:
             unsure = _not_shown_by_skin(outcome.targets, unsure)
-        names = [rig.title(joint) for joint in unsure]
-        if names:
-            say = "If it closes elsewhere, say --chain START END --up-from vector:x,y,z."
+        by_hinge: dict[str, list[str]] = {}
+        for joint in unsure:
+            by_hinge.setdefault(_hinge_axis(outcome.targets, joint), []).append(rig.title(joint))
+        for axis, names in by_hinge.items():
+            say = (
+                f"If it closes elsewhere, say --chain START END --up {axis} --up-from vector:x,y,z with the "
+                f"direction of its hinge: a positive turn about its {axis} closes it."
+            )
             report.warn("unsure-hand", f"{and_more(names, 3)}: {text}. {say}", geometry=True, names=names)
     _warn_thumbs(outcome, report)
     for joint in (joint for joint in outcome.targets.joints if ups.step[joint] >= 7):
@@ -155,6 +161,12 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
                 joint=name,
                 geometry=True,
             )
+
+
+def _hinge_axis(targets: Targets, joint: int) -> str:
+    """The axis of a joint that is along its hinge; left-handed axes turn about it the other way."""
+    hinge = targets.styles[joint].hinge
+    return reversed_axis(hinge) if targets.mirrored[joint] else hinge
 
 
 def _not_shown_by_skin(targets: Targets, joints: Sequence[int]) -> list[int]:
