@@ -3,8 +3,9 @@
 USD's units are those of photography: apertures and focal lengths in tenths of the scene's unit, of which
 only the ratio matters in a perspective. With ``normalize`` a sphere's intensity is its power over all
 directions, so a point light of one candela has 4: π r² of the 4 π r² of its surface are seen. Both are of the
-scene's unit, in which light spreads: a lamp has the more of it, the smaller the unit is. Source:
-UsdGeomCamera, UsdLux.
+scene's unit, in which light spreads: a lamp has the more of it, the smaller the unit is. A distant light's
+is in lux with ``normalize``, and else in nits, of which a surface gets as much as its disk in the sky is
+large. Source: UsdGeomCamera, UsdLux (LightAPI, inputs:normalize).
 """
 
 from __future__ import annotations
@@ -118,6 +119,8 @@ def read_light(prim: Any, scene: Scene) -> Light | None:
         scene.lose(f"exposure of light '{name}'")
     colour = red / most, green / most, blue / most
     if prim.IsA(UsdLux.DistantLight):
+        if not rest_value(api.GetNormalizeAttr()):
+            intensity *= _disk(float(rest_value(UsdLux.DistantLight(prim).GetAngleAttr())))
         return Light(name, "directional", colour, intensity)
     if not rest_value(api.GetNormalizeAttr()):
         radius = float(rest_value(UsdLux.SphereLight(prim).GetRadiusAttr()))
@@ -130,3 +133,11 @@ def read_light(prim: Any, scene: Scene) -> Light | None:
     soft = float(rest_value(shaping.GetShapingConeSoftnessAttr()) or 0.0)
     outer = float(cone) / DEGREES
     return Light(name, "spot", colour, intensity / CANDELA, outer * (1.0 - min(soft, 1.0)), outer)
+
+
+def _disk(angle: float) -> float:
+    """The lux that a surface gets of each nit of a distant light; angle: its diameter in degrees."""
+    if not angle > 0.0:
+        return 1.0
+    sine, cosine = (float(x) for x in sin_cos(np.array(min(angle, 360.0) / DEGREES / 2.0)))
+    return float(np.pi) * (sine**2 if cosine >= 0.0 else 2.0 - sine**2)

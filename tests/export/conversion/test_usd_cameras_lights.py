@@ -161,6 +161,7 @@ def test_colours_above_1_are_intensity_and_a_sphere_that_is_not_normalised_has_i
 
 def test_a_temperature_gives_a_light_its_colour_where_it_is_enabled(scene: Scene) -> None:
     prim = UsdLux.DistantLight.Define(stage(), "/l")
+    prim.CreateNormalizeAttr(True)
     prim.CreateIntensityAttr(2.0)
     prim.CreateColorAttr(Gf.Vec3f(0.5, 1.0, 1.0))
     prim.CreateColorTemperatureAttr(3000.0)
@@ -177,6 +178,30 @@ def test_a_temperature_gives_a_light_its_colour_where_it_is_enabled(scene: Scene
     prim.CreateColorTemperatureAttr(np.nan)
     assert read_light(prim.GetPrim(), scene) == plain
     assert scene.lost == ["colour temperature of light 'l'"]
+
+
+@pytest.mark.parametrize(
+    ("normalise", "angle", "lux"),
+    [
+        (False, None, 50000 * np.pi * np.sin(np.radians(0.265)) ** 2),  # 3.36: that of UsdLux's defaults
+        (False, 180.0, 50000 * np.pi),
+        (False, 300.0, 50000 * np.pi * 1.75),
+        (False, 360.0, 50000 * np.pi * 2.0),
+        (False, 0.0, 50000.0),
+        (True, 10.0, 50000.0),
+    ],
+)
+def test_a_distant_light_is_in_nits_unless_it_is_normalised(
+    normalise: bool, angle: float | None, lux: float, scene: Scene
+) -> None:
+    """Before, all were taken for lux."""
+    prim = UsdLux.DistantLight.Define(stage(), "/l")
+    prim.CreateNormalizeAttr(normalise)
+    if angle is not None:
+        prim.CreateAngleAttr(angle)
+    light = read_light(prim.GetPrim(), scene)
+    assert light is not None
+    assert light.intensity == pytest.approx(lux, rel=1e-6)
 
 
 def test_a_lamp_is_as_bright_in_whatever_unit_its_stage_is(scene: Scene) -> None:
