@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,14 @@ import rigtri
 from rigtri import add_controls, bake
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.pose_readers import PoseReader, Target, weights
+from rigtri.formats import read
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, multiply
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal
 from rigtri.operations.add_posereader.targets import ReaderFrame, named_goals
 from rigtri.report import Report
+from rigtri.verification.checks import check
 
 Z = np.array([0.0, 0.0, 1.0])
 
@@ -174,5 +177,44 @@ def test_a_joint_that_its_control_moves_is_not_driven(turn: float) -> None:
     if not turn:
         assert rigtri.add_posereader(made, **given, joint=(("up", "toe_L", "rz=15"),)).find("toe_L") >= 0
         return
-    with pytest.raises(GeometryError, match="controls move 'toe_L' in clip 'tap'"):
+    with pytest.raises(GeometryError, match="'toe_L_ctl' moves 'toe_L' in clip 'tap'"):
         rigtri.add_posereader(made, **given, joint=(("up", "toe_L", "rz=15"),))
+
+
+@pytest.mark.parametrize(("control", "turn"), [("toe_L_ctl", 0.3), ("toe_L_ctl", 0.0), ("foot_L_ctl", 0.3)])
+def test_bake_and_check_tell_of_keys_that_the_control_of_a_driven_joint_has(
+    control: str, turn: float, tmp_path: Path
+) -> None:
+    """The reader takes the place of that motion; before, nothing told of it."""
+    made = rigtri.add_controls(replace(rigtri.read(SAMPLES / "biped.glb"), clips=()), whole_character=True)
+    given: dict[str, Any] = {"driver": "upper_arm_R", "target": ("up=0,1,0.2",), "name": "lift"}
+    driven = rigtri.add_posereader(made, **given, joint=(("up", "toe_L", "rz=15"),))
+    times = np.array([0.0, 1.0])
+    tracks = (
+        Track(driven.find(control), "rotation", "LINEAR", times, from_axis_angle(Z, np.array([0.0, turn]))),
+        Track(driven.find("upper_arm_R_ctl"), "rotation", "LINEAR", times, from_axis_angle(Z, times)),
+    )
+    keyed = replace(driven, clips=(Clip("tap", tracks),))
+    document = read(SAMPLES / "biped.glb")
+    document.write(keyed, tmp_path / "keyed.glb", tmp_path / "keyed.glb")
+    report = Report()
+    bake(keyed, to="joints", report=report)
+    told = [notice.text for notice in report.warnings if notice.code == "driven-twice"]
+    told += [each.message for each in check(tmp_path / "keyed.glb") if each.id == "gltf.note.driven-twice"]
+    wins = control == "toe_L_ctl" and turn > 0
+    assert len(told) == (2 if wins else 0)
+    assert all("'lift' drives 'toe_L', which 'toe_L_ctl' moves in clip 'tap'" in text for text in told)
+
+
+def test_controls_that_have_the_motion_of_a_reader_are_not_told_of() -> None:
+    """As `bake --to controls` leaves them: they say the same."""
+    made = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
+    still = [t for t in made.clips[0].tracks if t.node != made.find("toe_L")]
+    made = replace(made, clips=(replace(made.clips[0], tracks=tuple(still)),))
+    given: dict[str, Any] = {"driver": "upper_arm_R", "target": ("up=0,1,0.2",)}
+    driven = rigtri.add_posereader(made, **given, joint=(("up", "toe_L", "rz=15"),))
+    led = bake(driven, to="controls")
+    assert any(track.node == led.find("toe_L_ctl") for track in led.clips[0].tracks)
+    report = Report()
+    bake(led, to="joints", report=report)
+    assert "driven-twice" not in {notice.code for notice in report.warnings}

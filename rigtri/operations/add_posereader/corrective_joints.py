@@ -23,10 +23,15 @@ from rigtri.model.animation import PATHS, Interpolation, Path, Track, key_values
 from rigtri.model.constraints import Constraint, constraints_of
 from rigtri.model.metadata import CHANNELS, OutputRecord, PoseReaderRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.options.bake import BETWEEN
+from rigtri.report import Report
+from rigtri.text import and_more
 
 _DEGREE = np.pi / 180.0
 # Keys that differ from rest by less are the rounding of float32.
 _SAME = 1e-5
+# Radians, or a share of the largest: three times what a bake leaves between samples; thinned keys add to it.
+_BAKED = 3 * BETWEEN
 _STILL = {"t": 0.0, "r": 0.0, "s": 1.0}
 
 
@@ -121,8 +126,11 @@ def refuse_moving(rig: Rig, record: PoseReaderRecord, before: PoseReaderRecord |
                 f"'{rig.title(rule.child)}' follows a constraint, which a pose reader would replace; drive "
                 "another joint, for example a child of it"
             )
-    if rig.nodes_of("control"):
-        _refuse_controlled(rig, new)
+    for node, control, where in controlled(rig, new) if rig.nodes_of("control") else ():
+        raise GeometryError(
+            f"'{rig.title(control)}' moves '{rig.title(node)}' in clip '{where}', which a pose reader would "
+            "replace; drive a joint without a control, for example a child of it"
+        )
     for clip in rig.clips:
         for track in clip.tracks:
             own = driven.get(track.node, set()) - mine.get(track.node, set())
@@ -133,34 +141,68 @@ def refuse_moving(rig: Rig, record: PoseReaderRecord, before: PoseReaderRecord |
                 )
 
 
-def _refuse_controlled(rig: Rig, new: Mapping[int, set[Path]]) -> None:
-    """GeometryError where controls move a joint in a clip in what is to be driven of it."""
+def controlled(rig: Rig, driven: Mapping[int, set[Path]]) -> Iterator[tuple[int, int, str]]:
+    """The joints that controls move in clips in what pose readers drive of them, each with the control and
+    the name of the first such clip.
+
+    Not where that is what their own keys do, as once `bake` has given controls the motion of joints.
+    """
     # The solver of controls, which a character without them does not import.
     from rigtri.evaluation.active_controls import controls_at_work
     from rigtri.evaluation.solver import Solver
     from rigtri.evaluation.zero_pose import ControlsAtZero
 
     zero = ControlsAtZero(rig)
-    led = {*zero.fk}.union(*(limb.chain for limb in zero.limbs))
-    joints = [node for node, paths in new.items() if paths and node in led]
-    for timeline in timelines(rig) if joints else ():
+    led = {*zero.fk}.union(*((*limb.chain, limb.toe) for limb in zero.limbs))
+    left = {node for node, paths in driven.items() if paths and node in led}
+    for timeline in timelines(rig) if left else ():
         working = controls_at_work(rig, timeline)
         solver = Solver(rig, working, zero)
-        moved = {fk.joint for fk in zero.fk.values() if fk.control in working}
-        moved = moved.union(*(ik.limb.chain for ik in solver.limbs))
-        if not (both := [node for node in joints if node in moved]):
+        moved = {fk.joint: fk.control for fk in zero.fk.values() if fk.control in working}
+        for ik in solver.limbs:
+            own = (ik.limb.control, *ik.limb.pivots, ik.limb.pole)
+            control = next((node for node in own if node in working), ik.limb.control)
+            moved |= dict.fromkeys(ik.sets, control)
+        if not (both := sorted(left & set(moved))):
             continue
-        posed = solver.run(sample_parts(rig, timeline.clip, key_times(timeline.clip)))
+        parts = sample_parts(rig, timeline.clip, key_times(timeline.clip))
+        posed, own_keys = solver.run(parts), PoseCache(rig, parts)
         for node in both:
-            if not all(_is_rest(rig, node, path, posed.part(node)[PATHS.index(path)]) for path in new[node]):
-                raise GeometryError(
-                    f"controls move '{rig.title(node)}' in clip '{timeline.name}', which a pose reader would "
-                    "replace; drive a joint without a control, for example a child of it"
-                )
+            for path in sorted(driven[node]):
+                values, kept = (cache.part(node)[PATHS.index(path)] for cache in (posed, own_keys))
+                if not _is_rest(rig, node, path, values) and not _is_same(values, kept, path):
+                    left.discard(node)
+                    yield node, moved[node], timeline.name
+                    break
+
+
+def warn_controlled(rig: Rig, report: Report) -> None:
+    """Warn of motion of controls that pose readers take the place of; rig: with the keys of these."""
+    readers = rig.records(PoseReaderRecord)
+    driven = driven_joints(rig) if readers and rig.nodes_of("control") else {}
+    for node, control, clip in controlled(rig, driven) if driven else ():
+        text = f"{in_words(rig, node, control, clip)}, and the reader takes the place of that motion"
+        report.warn("driven-twice", f"{text}: take the control's keys out, or the joint out of the reader")
+
+
+def in_words(rig: Rig, node: int, control: int, clip: str) -> str:
+    """Which pose readers drive a joint that a control moves, too."""
+    readers = rig.records(PoseReaderRecord).items()
+    names = [f"'{rig.title(k)}'" for k, record in readers if node in driven_paths(record, rig)]
+    verb = "drives" if len(names) == 1 else "drive"
+    joint, moves = rig.title(node), rig.title(control)
+    return f"{and_more(names, 3)} {verb} '{joint}', which '{moves}' moves in clip '{clip}'"
 
 
 def _at_rest(rig: Rig, track: Track) -> bool:
     return _is_rest(rig, track.node, track.path, key_values(track))
+
+
+def _is_same(values: Floats, kept: Floats, path: Path) -> bool:
+    """Whether values of a control are those of a joint's keys, within what a bake leaves between these."""
+    if path == "rotation":
+        return bool(angle_between(values, kept).max() <= _BAKED)
+    return bool(np.abs(values - kept).max() <= _BAKED * max(1.0, float(np.abs(kept).max())))
 
 
 def _is_rest(rig: Rig, node: int, path: Path, values: Floats) -> bool:

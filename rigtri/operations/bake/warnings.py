@@ -21,6 +21,7 @@ from rigtri.model.animation import Track, key_values
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader.corrective_joints import warn_controlled
 from rigtri.operations.options.bake import BakeOptions
 from rigtri.operations.solver_warnings import lost_notices
 from rigtri.report import Notice, Report
@@ -42,6 +43,7 @@ def warn_of_result(rig: Rig, options: BakeOptions, report: Report) -> None:
     report.extend(lost_notices(rig))
     if options.to == "joints":
         warn_outside(rig, report)
+        warn_controlled(rig, report)
 
 
 def _warn_undersampled(rig: Rig, report: Report, most: float) -> None:
