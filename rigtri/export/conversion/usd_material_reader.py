@@ -38,6 +38,8 @@ _SHARED_WITH = {
 }
 # The markers before the size and the channels of a JPEG.
 _FRAMES = (0xC0, 0xC1, 0xC2)
+# Has the colour type of a PNG with three colours, by themselves or in a palette.
+_RGB = 2
 
 
 class MaterialReader:
@@ -234,14 +236,18 @@ class MaterialReader:
             mine[asset.path] = texture, [wrap == "black" for wrap in wraps]
         scales = tuple(self._value(node, "scale", (1.0,) * 4))
         self._bias(node, name, channel, scales)
-        self._colour_space(node, name, material, channel)
+        self._colour_space(node, name, material, channel, image)
         return texture, scales, channel
 
-    def _colour_space(self, node: Any, name: str, material: str, channel: str) -> None:
+    def _colour_space(self, node: Any, name: str, material: str, channel: str, image: Image) -> None:
         """Report values that a stage demands in another space than glTF has them in; alpha has none."""
         given, due = value_of(node, "sourceColorSpace"), "sRGB" if name in _COLOURS else "raw"
-        if channel != "a" and given in ("raw", "sRGB") and given != due:
-            what = f"that the texture of {name} of material '{material}' is {given}"
+        why = ""
+        if given not in ("raw", "sRGB"):  # the auto of UsdPreviewSurface, which it is where nothing is said
+            given = "sRGB" if _is_rgb_of_8_bits(image) else "raw"
+            why = f" (sourceColorSpace auto, {'' if given == 'sRGB' else 'not '}8-bit RGB)"
+        if channel != "a" and given != due:
+            what = f"that the texture of {name} of material '{material}' is {given}{why}"
             self._scene.lose(f"{what}: glTF reads it as {due}")
 
     def _bias(self, node: Any, name: str, channel: str, scales: tuple[float, ...]) -> None:
@@ -297,6 +303,14 @@ def _is_grey(image: Image) -> bool:
             return content[at + 9] == 1
         at += 2 + int.from_bytes(content[at + 2 : at + 4], "big")
     return False
+
+
+def _is_rgb_of_8_bits(image: Image) -> bool:
+    """Whether a PNG or JPEG decodes to 8 bits of three colours, with or without alpha."""
+    content = image.content
+    if content.startswith(b"\x89PNG"):
+        return content[24] <= 8 and bool(content[25] & _RGB)
+    return not _is_grey(image)
 
 
 def _leaves(texture: Texture, coordinates: Any, along: Sequence[bool]) -> bool:

@@ -12,7 +12,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 
 import rigtri
 from rigtri.export.conversion.scene import Image
-from rigtri.export.conversion.usd_material_reader import _is_grey
+from rigtri.export.conversion.usd_material_reader import _is_grey, _is_rgb_of_8_bits
 
 _TYPES = Sdf.ValueTypeNames
 
@@ -84,6 +84,7 @@ _MAP = (
     " float2 inputs:st.connect = <{at}/uv.outputs:result>\n float3 outputs:rgb\n float outputs:r\n"
     " float outputs:g\n float outputs:b\n float outputs:a\n}}\n"
 )
+_RAW = 'token inputs:sourceColorSpace = "raw"\n '
 
 
 def _map(name: str, file: str = " = @./rgb.png@", more: str = "", at: str = "/m/look") -> str:
@@ -145,18 +146,39 @@ def test_a_bias_is_listed_where_gltf_has_none(
         ("diffuseColor = rgb", "sRGB", False),
         ("roughness = g", "sRGB", True),
         ("roughness = g", "raw", False),
-        ("roughness = g", "auto", False),
+        ("roughness = g", "auto", True),
+        ("roughness = g", None, True),  # which is auto
+        ("diffuseColor = rgb", "auto", False),
+        ("opacity = a", "auto", False),
     ],
 )
 def test_a_colour_space_is_listed_where_gltf_has_another(
-    taken: str, space: str, lost: bool, tmp_path: Path
+    taken: str, space: str | None, lost: bool, tmp_path: Path
 ) -> None:
     """Before, colours came out darker or roughness other, without a word."""
     name, channel = taken.split(" = ")
     kind = "color3f" if channel == "rgb" else "float"
     link = f"{kind} inputs:{name}.connect = </m/look/map.outputs:{channel}>"
-    found = _look(tmp_path, link, _map("map", more=f'token inputs:sourceColorSpace = "{space}"'))[1]
-    assert any(f"of material 'look' is {space}: glTF reads it as" in text for text in found) is lost
+    said = "" if space is None else f'token inputs:sourceColorSpace = "{space}"'
+    found = _look(tmp_path, link, _map("map", more=said))[1]
+    shown = f"is {space}" if space in ("raw", "sRGB") else "is sRGB (sourceColorSpace auto, 8-bit RGB)"
+    assert any(f"of material 'look' {shown}: glTF reads it as" in text for text in found) is lost
+
+
+@pytest.mark.parametrize(
+    ("content", "takes"),
+    [
+        (b"\x89PNG" + bytes(20) + b"\x08\x02", True),
+        (b"\x89PNG" + bytes(20) + b"\x10\x02", False),  # 16 bits
+        (b"\x89PNG" + bytes(20) + b"\x08\x06", True),
+        (b"\x89PNG" + bytes(20) + b"\x04\x03", True),  # a palette
+        (b"\x89PNG" + bytes(20) + b"\x08\x00", False),
+        (b"\xff\xd8\xff\xc0\x00\x11\x08\x00\x01\x00\x01\x03", True),
+        (b"\xff\xd8\xff\xc0\x00\x0b\x08\x00\x01\x00\x01\x01", False),
+    ],
+)
+def test_auto_takes_three_colours_of_8_bits_for_srgb(content: bytes, takes: bool) -> None:
+    assert _is_rgb_of_8_bits(Image("a", content)) is takes
 
 
 def test_tiles_of_a_texture_are_listed_as_such(tmp_path: Path) -> None:
@@ -201,7 +223,8 @@ def test_roughness_and_metallic_share_a_texture_as_gltf_has_them(tmp_path: Path)
     rough = "float inputs:roughness.connect = </m/look/t.outputs:{}>\n"
     metal = "float inputs:metallic{}\n"
     linked = ".connect = </m/look/t.outputs:{}>"
-    body = _map("t", more="float4 inputs:scale = (1, 0.5, 0.25, 1)") + _map("other", " = @./grey.png@")
+    body = _map("t", more=_RAW + "float4 inputs:scale = (1, 0.5, 0.25, 1)")
+    body += _map("other", " = @./grey.png@")
     for inputs, metallic, words in (
         (rough.format("g") + metal.format(linked.format("b")), 0.25, ""),
         (rough.format("g"), 0.0, ""),  # a texture of roughness makes nothing a metal
@@ -258,6 +281,8 @@ def test_what_textures_have_that_gltf_cannot_say_is_listed(tmp_path: Path) -> No
     assert lost == {
         "the texture './gone.png' is missing",
         "the texture of opacity of material 'look': glTF has it in alpha of the texture of colour",
+        "that the texture of opacity of material 'look' is sRGB (sourceColorSpace auto, 8-bit RGB): "
+        "glTF reads it as raw",
         "emissiveColor of material 'look', which </m/look/noise> gives",
         "prims of type Noise (</m/look/noise>)",
     }
