@@ -99,7 +99,7 @@ def _hand(draft: Draft, arm: Found) -> None:
     chains = [ordered for chain in chains if (ordered := _ordered(draft, arm.joints[2], chain))]
     way = [arm.joints[2]]
     moves, names = draft.poses.moves_points, tree.rig.names
-    called = {k[0] for k in chains if _names_finger(names[k[0]]) or _is_called_finger(draft, k[0])}
+    called = {k[0] for k in chains if _names_finger(names[k[0]]) or _is_called_finger(draft, k)}
     # What is held moves no points, and is a single joint beside five fingers.
     chains = [k for k in chains if any(map(moves, k)) or k[0] in called] or chains
     if len(chains) > len(FINGERS):
@@ -153,18 +153,19 @@ def finger_chains(draft: Draft, hand: int, size: float) -> list[list[int]]:
     long = {child: tree.bone[child] + tree.reach[child] for child in below}
     usual = sorted(long.values())[len(long) // 2] if len(long) > 2 else 0.0
     for child in below:
+        path = [*tree.paths[child]]
         if len([k for k in tree.below[child] if tree.reach[k] > 0 or tree.bone[k] > 0]) > 1:
             found += finger_chains(draft, child, size)
-        elif long[child] < _LONG * max(size, usual) or not size > 0 or _is_called_finger(draft, child):
-            found.append(_without_end(draft, [*tree.paths[child]]))
+        elif long[child] < _LONG * max(size, usual) or not size > 0 or _is_called_finger(draft, path):
+            found.append(_without_end(draft, path))
     return found
 
 
-def _is_called_finger(draft: Draft, node: int) -> bool:
-    """Whether a name, or the file's own map of bones, says that a joint is of a finger."""
-    bones = (bone for bone, joint in draft.known_bones.items() if joint == node)
+def _is_called_finger(draft: Draft, chain: Sequence[int]) -> bool:
+    """Whether a name, or a map of bones, which may lack its metacarpal, says that a chain is a finger."""
+    bones = (bone for bone, joint in draft.known_bones.items() if joint in chain)
     called = any(finger in bone for bone in bones for finger in FINGERS)
-    return called or bool(finger_in_name(draft.tree.rig.names[node]))
+    return called or any(finger_in_name(draft.tree.rig.names[k]) for k in chain)
 
 
 def _without_end(draft: Draft, chain: list[int]) -> list[int]:

@@ -117,6 +117,15 @@ def test_what_a_hand_holds_is_no_finger(named: bool) -> None:
     assert hands == {"hand.L", "hand.R"}
 
 
+@pytest.mark.parametrize("names", ["index0.L index1.L index2.L", "palm.L index1.L index2.L"])
+def test_one_long_finger_is_called_so_by_any_of_its_joints(names: str) -> None:
+    """Before, the first joint alone counted, which may be a metacarpal: the finger was a held thing."""
+    finger = line(names, "hand.L", (0.75, 1.45, 0), (0.9, 1.45, 0), (1.1, 1.45, 0))
+    rig = rig_with([*TRUNK, *both([*ARM, *finger, *LEG])])
+    fingers = [chain for chain in recognise(rig).chains if chain.kind == "finger"]
+    assert [rig.names[chain.joints[-1]] for chain in fingers] == ["index2.L", "index2.R"]
+
+
 @pytest.mark.parametrize("apart", ["wing", "a"])
 def test_who_has_wings_sits_at_no_wheel(apart: str) -> None:
     """Humerus, radius and carpus are of arms and of front legs, which no up makes surely arms."""
