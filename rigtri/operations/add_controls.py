@@ -195,6 +195,7 @@ class _Builder:
 
         Not of what an earlier step has warned of: joints and controls have axes by the same rules.
         """
+        self.report.extend(self.axes.illegible)
         if self.options.whole_character:
             earlier = self.report.earlier
             self.report.extend(k for k in self.axes.unknown if (k.code, k.joint) not in earlier)
@@ -431,7 +432,7 @@ class _Builder:
             int(self.rig.parents[control]),
         )
         record = self.rig.records(OffsetRecord).get(offset)
-        turned = record is not None and stored_style(record) != self.axes.styles.get((joint, kind))
+        turned = record is not None and stored_style(self.rig, record) != self.axes.styles.get((joint, kind))
         self.rig = draw_anew(self.rig, control, drawing, requested, self.report, turned=turned)
 
     def _drawing(

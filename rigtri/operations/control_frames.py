@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import GeometryError
+from rigtri.errors import GeometryError, RigtriError
 from rigtri.frames.skeleton import Skeleton
 from rigtri.maths.matrices import nearest_rotation, transform_directions
 from rigtri.maths.quaternions import (
@@ -31,6 +31,7 @@ from rigtri.maths.triangle import axis_of, frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.metadata import ControlKind, OffsetRecord
+from rigtri.model.rig import Rig
 from rigtri.model.skin import moving_points
 from rigtri.operations.aim_targets import EYES
 from rigtri.operations.axis_presets import AxisStyle
@@ -39,7 +40,7 @@ from rigtri.operations.options.add_controls import AddControlsOptions
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints.orient import FramePlan, plan_frames
 from rigtri.operations.orient_joints.unknown_bodies import Wording, warn_unsure
-from rigtri.operations.orient_joints.up_direction import PRESENT, STATED
+from rigtri.operations.orient_joints.up_direction import PRESENT, STATED, UpSource
 from rigtri.recognition.recognise import recognised_as
 from rigtri.report import Notice, Report
 
@@ -51,6 +52,8 @@ SAME_AXES = 2e-6
 _WORLD, _MIRRORED = "world", "mirrored"
 _AXES = {sign + axis for sign in ("", "+", "-") for axis in "xyz"}
 MIRRORED = AxisStyle("", "", _MIRRORED)
+# Of a control whose record nobody can read: it keeps its axes and its record.
+KEPT = AxisStyle("", "", "kept")
 # How add-controls says what is not known of a body: its bones alone aim controls, too.
 _WORDING = Wording(
     "controls",
@@ -65,7 +68,7 @@ class ControlAxes:
     """What the controls of one run are aimed by, and their axes. moved: see `moved_controls`.
 
     styles, frames: by joint and kind, (3, 3) rows in the world at rest; of others those of their joints.
-    unknown: what is not known of the body that they are aimed by.
+    unknown: what is not known of the body that they are aimed by. illegible: records that cannot be used.
     """
 
     def __init__(self, tree: Skeleton, options: AddControlsOptions, moved: frozenset[int]) -> None:
@@ -74,6 +77,7 @@ class ControlAxes:
         self.styles: dict[Control, AxisStyle] = {}
         self.frames: dict[Control, Floats] = {}
         self.unknown: list[Notice] = []
+        self.illegible: list[Notice] = []
         offsets = tree.rig.records(OffsetRecord)
         self._offsets = {(record.joint, record.kind): node for node, record in offsets.items()}
 
@@ -86,7 +90,7 @@ class ControlAxes:
                 groups.setdefault(style, []).append((joint, kind))
         for style, found in groups.items():
             self.styles |= dict.fromkeys(found, style)
-            if style == MIRRORED:
+            if style in (MIRRORED, KEPT):
                 self.frames |= {(joint, kind): self._mirrored(joint, kind) for joint, kind in found}
                 continue
             axes = self._aimed({joint for joint, _ in found}, style)
@@ -131,6 +135,8 @@ class ControlAxes:
     def described(self, joint: int, kind: ControlKind) -> dict[str, str]:
         """For the report: the axes of what a control has, and why it has those of its joint."""
         style = self.styles.get((joint, kind))
+        if style == KEPT:
+            return {}
         if kind == "root" or (style is not None and style.world):
             return {"frame": "world"}
         if style is not None:
@@ -145,7 +151,7 @@ class ControlAxes:
         """
         options, rig = self._options, self._tree.rig
         known = self._offsets.get((rig.address(joint), kind))
-        stored = None if known is None else stored_style(rig.records(OffsetRecord)[known])
+        stored = None if known is None else self._stored(known)
         if known is not None and not self._moved.isdisjoint(rig.children[known]):
             return stored
         if rig.address(joint) in options.axes:
@@ -155,6 +161,19 @@ class ControlAxes:
         if options.frame == "joint":
             return None
         return options.style or (None if joint in self._steady else AxisStyle())
+
+    def _stored(self, offset: int) -> AxisStyle | None:
+        """What the control below an offset was aimed by; warns where nobody can read that."""
+        rig = self._tree.rig
+        record = rig.records(OffsetRecord)[offset]
+        style = stored_style(rig, record)
+        if style == KEPT:
+            title = next(map(rig.title, rig.children[offset]), rig.title(offset))
+            said = ", ".join(f"{key} '{record.stored.get(key, '')}'" for key in ("aim", "up", "upFrom"))
+            text = f"'{title}' keeps its axes: what '{rig.title(offset)}' stores of them cannot be used"
+            text = f"{text} ({said}). --aim, --up and --up-from give it new ones"
+            self.illegible.append(Notice("style-illegible", text, title))
+        return style
 
     @cached_property
     def _steady(self) -> dict[int, str]:
@@ -231,16 +250,24 @@ def _request(style: AxisStyle) -> dict[str, Any]:
     return {"aim": style.aim, "up": style.up, "up_from": style.up_from}
 
 
-def stored_style(record: OffsetRecord) -> AxisStyle | None:
-    """What a control was aimed by; None where it has the axes of its joint."""
+def stored_style(rig: Rig, record: OffsetRecord) -> AxisStyle | None:
+    """What a control was aimed by; None where it has the axes of its joint; `KEPT`: nobody can read it."""
+    if not (record.aim or record.up or record.up_from):
+        return None
     if record.up_from in (_WORLD, _MIRRORED):
         return AxisStyle(world=True) if record.up_from == _WORLD else MIRRORED
     if not {record.aim, record.up} <= _AXES or record.aim[-1:] == record.up[-1:]:
-        return None  # or nobody can read what; damaged ones may name one axis twice
+        return KEPT  # damaged ones may name one axis twice
+    try:
+        UpSource.read(rig, record.up_from)
+    except RigtriError:
+        return KEPT
     return AxisStyle(record.aim, record.up, record.up_from, held=record.held)
 
 
 def with_style(record: OffsetRecord, style: AxisStyle | None) -> OffsetRecord:
     """A record that says what its control is aimed by."""
+    if style == KEPT:
+        return record
     style = AxisStyle("", "", "") if style is None else AxisStyle("", "", _WORLD) if style.world else style
     return replace(record, aim=style.aim, up=style.up, up_from=style.up_from, held=style.held)

@@ -21,7 +21,7 @@ from rigtri.maths.matrices import nearest_rotation
 from rigtri.model.metadata import ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS
-from rigtri.operations.control_frames import stored_style
+from rigtri.operations.control_frames import KEPT, stored_style
 from rigtri.operations.mirror.symmetry_check import asymmetry
 from rigtri.report import Report
 
@@ -217,9 +217,28 @@ def test_controls_below_a_mirrored_root_close_as_all_others_do(preset: str) -> N
 
 
 @pytest.mark.parametrize(("aim", "up", "told"), [("x", "-y", True), ("x", "-x", False), ("x", "w", False)])
-def test_stored_axes_that_are_no_two_are_those_of_the_joint(aim: str, up: str, told: bool) -> None:
+def test_stored_axes_that_are_no_two_stay_as_they_are(aim: str, up: str, told: bool) -> None:
+    rig = rig_with(MAN)
     record = OffsetRecord(kind="fk", joint="a", aim=aim, up=up, up_from="plane")
-    assert (stored_style(record) is not None) == told
+    assert (stored_style(rig, record) != KEPT) == told
+    assert stored_style(rig, OffsetRecord(kind="fk", joint="a")) is None
+
+
+@pytest.mark.parametrize("up_from", ["", "zzz", "node:nobody", "vector:nan", "noderot:w:hips", "world:"])
+def test_controls_whose_stored_up_nobody_can_read_stay_as_they_are(up_from: str) -> None:
+    """They keep their axes and their record, with a warning that names them; the others go on as before."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True, preset="blender")
+    offset = rig.find("forearm_L_ctl_offset")
+    stored = {**rig.metadata[offset], "upFrom": up_from}
+    if not up_from:
+        del stored["upFrom"]
+    rig = replace(rig, metadata={**rig.metadata, offset: stored})
+    report = Report()
+    again = rigtri.add_controls(rig, whole_character=True, report=report)
+    (notice,) = [one for one in report.warnings if one.code == "style-illegible"]
+    assert notice.joint == "forearm_L_ctl"
+    assert again.metadata == rig.metadata
+    np.testing.assert_allclose(again.world, rig.world, atol=1e-6)
 
 
 def test_offsets_stand_on_joints_whose_quaternions_rounding_has_made_longer() -> None:

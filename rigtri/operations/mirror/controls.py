@@ -109,7 +109,7 @@ def _frame(rig: Rig, node: int, before: int | None, joint: str, options: MirrorO
     offset = rig.record(int(rig.parents[node]))
     if not isinstance(offset, OffsetRecord):
         return {}
-    if stored_style(offset) is None and offset.axes is None:
+    if stored_style(rig, offset) is None and offset.axes is None:
         return {"frame": "joint"}
     axes = mirrored_axes(orthonormal_axes(unposed(rig, node)), options.mode, options.across)
     if before is not None:

@@ -14,6 +14,7 @@ framing", 1995 (step 7).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from rigtri.maths.ranking import axis_across
 from rigtri.maths.triangle import STRAIGHT_SINE, axis_of
 from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import cross, length, normalise
+from rigtri.model.rig import Rig
 from rigtri.operations.option_kinds import vector
 from rigtri.operations.orient_joints.bend_planes import BendPlanes, UpDirections
 from rigtri.operations.orient_joints.joints_to_orient import Targets
@@ -180,32 +182,58 @@ def _stated(targets: Targets, joint: int) -> Floats | None:
     In the world, (3,), of any length. None for ``plane``, ``pole``, ``parent`` and ``child``.
     Raises UsageError for anything else.
     """
-    source, up_axis = targets.styles[joint].up_from, targets.styles[joint].up
-    kind, _, rest = source.partition(":")
-    rig, ref = targets.tree.rig, targets.ref
-    try:
-        if kind == "world" and rest:
-            letter, sign = axis_of(rest)
+    ref = targets.ref
+    source = UpSource.read(targets.tree.rig, targets.styles[joint].up_from)
+    if source.kind == "keep":
+        source = source._replace(axis=axis_of(targets.styles[joint].up), node=joint)
+    letter, sign = source.axis
+    match source.kind:
+        case "world":
             return np.asarray(np.eye(3)[letter] * sign)
-        if kind == "vector":
-            return np.array(vector(rest))
-        if kind == "node" and rest:
-            return ref.position(rig.find(rest, "node")) - ref.position(joint)
-        if kind == "noderot":
-            letter, sign = axis_of(rest.partition(":")[0])
-            node = rig.find(rest.partition(":")[2], "node")
-            return np.asarray(normalise(ref.world[node, letter, :3]) * sign)
-    except ValueError as error:
-        raise UsageError(f"--up-from {source}: {error}") from error
-    if source == "keep":
-        letter, sign = axis_of(up_axis)
-        return np.asarray(ref.world[joint, letter, :3] * sign)
-    if source in ("plane", "pole", "parent", "child"):
-        return None
-    raise UsageError(
-        f"--up-from {source} is none of plane, pole, world:AXIS, vector:X,Y,Z, node:NAME, "
-        "noderot:AXIS:NAME, parent, child, keep"
-    )
+        case "vector":
+            return np.array(source.vector)
+        case "node":
+            return ref.position(source.node) - ref.position(joint)
+        case "noderot":
+            return np.asarray(normalise(ref.world[source.node, letter, :3]) * sign)
+        case "keep":
+            return np.asarray(ref.world[joint, letter, :3] * sign)
+    return None
+
+
+class UpSource(NamedTuple):
+    """Where an up direction comes from, read. kind: its first word.
+
+    axis: its index and sign, of ``world:`` and ``noderot:``. node: of ``node:`` and ``noderot:``.
+    """
+
+    kind: str
+    axis: tuple[int, float] = (0, 1.0)
+    vector: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    node: int = -1
+
+    @classmethod
+    def read(cls, rig: Rig, text: str) -> UpSource:
+        """A value of ``--up-from``. Raises UsageError for none, NameNotFoundError for an unknown node."""
+        kind, _, rest = text.partition(":")
+        try:
+            if kind == "world" and rest:
+                return cls(kind, axis_of(rest))
+            if kind == "vector":
+                return cls(kind, vector=vector(rest))
+            if kind == "node" and rest:
+                return cls(kind, node=rig.find(rest, "node"))
+            if kind == "noderot":
+                axis, _, name = rest.partition(":")
+                return cls(kind, axis_of(axis), node=rig.find(name, "node"))
+        except ValueError as error:
+            raise UsageError(f"--up-from {text}: {error}") from error
+        if text in ("plane", "pole", "parent", "child", "keep"):
+            return cls(text)
+        raise UsageError(
+            f"--up-from {text} is none of plane, pole, world:AXIS, vector:X,Y,Z, node:NAME, "
+            "noderot:AXIS:NAME, parent, child, keep"
+        )
 
 
 def crossing(up: Floats, aim: Floats) -> Booleans:
