@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import cast
 
@@ -14,12 +14,12 @@ from rigtri.evaluation.bind_pose import placed_bind, with_unit_rotations
 from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.evaluation.old_rest import with_old_rest
 from rigtri.evaluation.rig_space import shearing_node
-from rigtri.maths.matrices import local, multiply
+from rigtri.maths.matrices import SKEW, local, multiply, skew
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.ranking import first_largest, largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, distance, length
-from rigtri.model.animation import PATHS
+from rigtri.model.animation import PATHS, Clip
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.body_pose import posed, sure_bones
@@ -74,6 +74,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         _refuse_uneven(rig, list(parts), uneven)
     taken, moved = at_rest(rig, parts, _least(rig))
     _refuse(rig, moved)
+    sheared = {node for node in moved if rig.has_matrix[node] and skew(rig.local[node]) > SKEW}
     if rig.clips:  # which get keys of them, and no clip can move a matrix
         rig, taken = rig.with_parts(moved), taken.with_parts(moved)
     for node in moved:
@@ -82,6 +83,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         return rig
     report.rekeyed = True
     clips = tuple(with_old_rest(clip, rig, taken, moved) for clip in rig.clips)
+    _refuse_sheared(rig, clips, sheared)
     taken = replace(taken, clips=clips)
     if rig.nodes_of("control"):
         # With the solver of controls, which a character without them does not import.
@@ -295,6 +297,18 @@ def _refuse_other_axes(rig: Rig, like: Rig, theirs: Mapping[int, int]) -> None:
             f"(by {turned[worst]:.0f}°), in which its rest rotations are another pose. Give these joints its "
             "axes first: rigtri orient-joints --like FILE"
         )
+
+
+def _refuse_sheared(rig: Rig, clips: Sequence[Clip], sheared: set[int]) -> None:
+    """GeometryError for joints of a sheared rest pose of which a clip would have to get keys."""
+    for was, clip in zip(rig.clips, clips, strict=True):
+        fresh = {track.node for track in clip.tracks[len(was.tracks) :]}
+        if names := [f"'{rig.title(node)}'" for node in sorted(fresh & sheared)]:
+            raise GeometryError(
+                f"The rest pose of {and_more(names, 4)} is sheared, and clip '{clip.name}' shows it, for it "
+                "has no keys there. No keys can hold a shear: give that clip keys there, or take the shear "
+                "out of the rest pose, in the program that wrote the file"
+            )
 
 
 def _refuse(rig: Rig, moved: list[int]) -> None:

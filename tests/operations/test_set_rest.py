@@ -211,6 +211,22 @@ def test_the_scale_that_shears_is_named_and_not_the_noise_above_it() -> None:
         rigtri.set_rest(replace(rig, scale=scale, source=None), pose="tpose")
 
 
+def test_a_sheared_rest_that_a_clip_shows_is_refused_by_name() -> None:
+    """USD: what has no keys rests. Before, a key of it was written, and the comparison refused the file."""
+    rig = rigtri.read(SAMPLES / "biped.usda")
+    node = rig.find("forearm_L")
+    matrix, has_matrix = rig.matrix.copy(), rig.has_matrix.copy()
+    matrix[node], has_matrix[node] = rig.local[node], True
+    matrix[node, 0] += 0.5 * matrix[node, 1]
+    clips = tuple(replace(c, tracks=tuple(t for t in c.tracks if t.node != node)) for c in rig.clips)
+    sheared = replace(rig, matrix=matrix, has_matrix=has_matrix, clips=clips, source=None)
+    with pytest.raises(
+        GeometryError, match=r"The rest pose of 'forearm_L' is sheared, and clip '.*' shows it"
+    ):
+        rigtri.set_rest(sheared, pose="bind")
+    rigtri.set_rest(replace(sheared, clips=()), pose="bind")
+
+
 @pytest.mark.parametrize("path", real_files())
 def test_real_files_play_as_before(path: Path, tmp_path: Path) -> None:
     out, again = tmp_path / f"o{path.suffix}", tmp_path / f"a{path.suffix}"
