@@ -107,6 +107,11 @@ def test_rotations_off_unit_length_are_named_where_usd_shows_them(keyed: bool) -
     said = " Rotations of 'b' are off unit length by up to 5e-05"
     assert why_not_unit(raw, 4.6e-5).startswith(said)
     assert why_near(raw, turned(raw, 1), result(4.6e-5), 1e-5).startswith(said)
+    assert (" (the key at 0 in clip 'walk')" in why_not_unit(raw, 4.6e-5)) == keyed
+    merged = turned(raw, 1)
+    merged = replace(merged, pending=replace(merged.pending, weight_limit=4))
+    assert why_near(raw, merged, result(4.6e-5), 1e-5).startswith(said)
+    assert why_near(raw, merged, result(0.5), 1e-5).startswith(" Other weights move the skin")
     assert why_not_unit(raw, 0.5) == why_not_unit(rig, 4.6e-5) == ""
 
 

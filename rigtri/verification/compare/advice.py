@@ -36,7 +36,9 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
     if result.lost or result.different:
         return ""
     allow = f"allow more with --tolerance {_rounded_up(result.largest_deviation):g}"
-    if after.pending.joint_merges or after.pending.weight_limit is not None:
+    largest = result.largest_deviation
+    not_unit = why_not_unit(before, largest)
+    if not not_unit and (after.pending.joint_merges or after.pending.weight_limit is not None):
         return f" Other weights move the skin: {allow}"
     if rough := rough_scales(before, after, result.largest_deviation):
         names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
@@ -44,9 +46,8 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
             f" A SkelAnimation holds scales as 16-bit numbers, which cannot say the new ones of {names} "
             f"closely enough. {_other_scales(before, rough)}or {allow}"
         )
-    largest = result.largest_deviation
-    if words := why_not_unit(before, largest):
-        return why_far(before, result) or words
+    if not_unit:
+        return why_far(before, result) or not_unit
     near = largest < 10 * tolerance
     noisy = nearly_uniform(before, after, tolerance if near else largest)
     if noisy:
@@ -89,17 +90,24 @@ def why_not_unit(rig: Rig, shown: float) -> str:
     if not rig.rules.raw_quaternions:
         return ""
     off = {node: off_unit(rig.rotation[node]) for node in np.flatnonzero(~rig.has_matrix).tolist()}
+    worst = max(off.values(), default=0.0)
+    place = ""
     for clip in rig.clips:
         for track in clip.tracks:
             if track.path == "rotation" and track.node >= 0:
-                off[track.node] = max(off.get(track.node, 0.0), off_unit(key_values(track)))
+                values = key_values(track)
+                found = off_unit(values)
+                off[track.node] = max(off.get(track.node, 0.0), found)
+                if found > worst:
+                    time = max(zip(map(off_unit, values), track.times, strict=True))[1]
+                    worst, place = found, f" (the key at {time:g} in clip '{clip.name}')"
     most = max(off.values(), default=0.0)
     if not most > max(UNIT, _BLAME * shown):
         return ""
     names = and_more([f"'{rig.title(node)}'" for node in sorted(off) if off[node] > _BLAME * most], 4)
     return (
-        f" Rotations of {names} are off unit length by up to {most:.2g}, of which USD makes scaled and "
-        "sheared axes. Normalise them in the program that wrote the file"
+        f" Rotations of {names} are off unit length by up to {most:.2g}{place}, of which USD makes scaled "
+        "and sheared axes. Normalise them in the program that wrote the file"
     )
 
 
