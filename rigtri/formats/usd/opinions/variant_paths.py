@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, tokens_of, why_locked
+from rigtri.formats.usd.composition.variant_choices import VariantSet
 from rigtri.formats.usd.composition.variants import SkeletonVariants, VariantState, why_unselected
+from rigtri.formats.usd.opinions.edits import Edit, Setting
 from rigtri.formats.usd.opinions.instance_edits import instance_of
+from rigtri.formats.usd.reading.animation_reader import PROPERTIES
 from rigtri.formats.usd.reading.xform_hierarchy import OPS
+from rigtri.report import Notice
 
 
 def place_in_variants(attribute: Any, state: VariantState, variants: SkeletonVariants) -> Any:
@@ -50,6 +55,50 @@ def inside_variants(prim: Any, sets: set[Any], state: VariantState, variants: Sk
                         "variant a file of its own."
                     )
     return path
+
+
+def keys_of_new_joints(variants: SkeletonVariants, edits: Sequence[Edit]) -> tuple[list[Edit], list[Notice]]:
+    """The edits of an animation that gets new joints, in the variants that decide its arrays; notices."""
+    animation = Sdf.Path(variants.animation)
+    arrays = [animation.AppendProperty(name) for name in ("joints", *PROPERTIES)]
+    sets = set[VariantSet]().union(*(variants.depends.get(path, ()) for path in arrays))
+    if not sets:
+        return list(edits), []
+    selected = selected_names(variants, sets)
+    text = (
+        f"Keys of new joints of <{variants.skeleton}> are written in the variant {selected} "
+        f"alone, for it decides what <{animation}> holds. In others these joints stay at rest"
+    )
+    return [inside(each, animation, sets, variants) for each in edits], [Notice("variant-keys", text)]
+
+
+def inside(value: Edit, animation: Any, sets: set[VariantSet], variants: SkeletonVariants) -> Edit:
+    """An edit of an animation within variants, and any other as it is."""
+    if value.prim != animation:
+        return value
+    if not isinstance(value, Setting):
+        raise FileError(
+            f"<{animation}> would be new in every variant. Bind an animation to <{variants.skeleton}> first "
+            "(skel:animationSource), or give each variant a file of its own."
+        )
+    refuse_shared(variants.source, value)
+    every = sets | variants.depends.get(value.path, set())
+    return replace(value.at(inside_variants(animation, every, variants.states[0], variants)), prim=animation)
+
+
+def refuse_shared(stage: Any, value: Setting) -> None:
+    """FileError where an opinion that all variants share would hide that of one."""
+    for spec in shared_opinions(stage, value.path):
+        raise FileError(
+            f"<{value.path}> of {spec.layer.identifier} lies outside of the variants, and hides keys in one. "
+            "Give each variant a file of its own, or put a shot above the file and the variants there."
+        )
+
+
+def selected_names(variants: SkeletonVariants, sets: Iterable[VariantSet]) -> str:
+    """The variants that are selected in some sets, in words."""
+    selected = variants.states[0].selected
+    return " and ".join(f"'{selected[s]}' of the variant set '{s[1]}' on <{s[0]}>" for s in sorted(sets))
 
 
 def own_place(prim: Any) -> Any:

@@ -20,13 +20,12 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.composition.variant_choices import VariantSet
 from rigtri.formats.usd.composition.variants import (
     VALUES,
-    SkeletonVariants,
     deciding_sets,
     variants_of,
     why_decided,
 )
 from rigtri.formats.usd.opinions.edits import Edit, Setting
-from rigtri.formats.usd.opinions.variant_paths import inside_variants, own_place, shared_opinions
+from rigtri.formats.usd.opinions.variant_paths import inside, own_place, refuse_shared, selected_names
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import PROPERTIES
 from rigtri.formats.usd.reading.node_keys import kind
@@ -82,34 +81,14 @@ def _confine(
         animation = Sdf.Path(variants.animation)
         if any(not animation.HasPrefix(prim) for prim, _ in sets):
             raise FileError(f"Keys cannot be set in <{animation}>: {_why(followed)}")
-        edit.prepared = [_inside(each, animation, sets, variants) for each in edit.prepared]
-        edit.opinions = [_inside(each, animation, sets, variants) for each in edit.opinions]
+        edit.prepared = [inside(each, animation, sets, variants) for each in edit.prepared]
+        edit.opinions = [inside(each, animation, sets, variants) for each in edit.opinions]
     text = (
-        f"Keys of <{skeleton.path}> are written in the variant {_selected(variants, sets)} "
+        f"Keys of <{skeleton.path}> are written in the variant {selected_names(variants, sets)} "
         "alone, for it decides what controls do. To bake another variant, select it and run again"
     )
     edit.notices.append(Notice("variant-keys", text))
     return True
-
-
-def confine_new_joints(edit: UsdEdit, variants: SkeletonVariants, edits: Sequence[Edit]) -> list[Edit]:
-    """The edits of an animation that gets new joints, in the variants that decide its arrays."""
-    animation = Sdf.Path(variants.animation)
-    arrays = [animation.AppendProperty(name) for name in ("joints", *PROPERTIES)]
-    sets = set[VariantSet]().union(*(variants.depends.get(path, ()) for path in arrays))
-    if not sets:
-        return list(edits)
-    text = (
-        f"Keys of new joints of <{variants.skeleton}> are written in the variant {_selected(variants, sets)} "
-        f"alone, for it decides what <{animation}> holds. In others these joints stay at rest"
-    )
-    edit.notices.append(Notice("variant-keys", text))
-    return [_inside(each, animation, sets, variants) for each in edits]
-
-
-def _selected(variants: SkeletonVariants, sets: Iterable[VariantSet]) -> str:
-    selected = variants.states[0].selected
-    return " and ".join(f"'{selected[s]}' of the variant set '{s[1]}' on <{s[0]}>" for s in sorted(sets))
 
 
 def _why(decided: Decided) -> str:
@@ -136,29 +115,6 @@ def _refuse_controls(
             raise FileError(f"<{value.prim}> cannot get keys: {_why(motion)}")
 
 
-def _inside(value: Edit, animation: Any, sets: set[VariantSet], variants: SkeletonVariants) -> Edit:
-    """An edit of an animation within variants, and any other as it is."""
-    if value.prim != animation:
-        return value
-    if not isinstance(value, Setting):
-        raise FileError(
-            f"<{animation}> would be new in every variant. Bind an animation to <{variants.skeleton}> first "
-            "(skel:animationSource), or give each variant a file of its own."
-        )
-    _refuse_shared(variants.source, value)
-    every = sets | variants.depends.get(value.path, set())
-    return replace(value.at(inside_variants(animation, every, variants.states[0], variants)), prim=animation)
-
-
-def _refuse_shared(stage: Any, value: Setting) -> None:
-    """FileError where an opinion that all variants share would hide that of one."""
-    for spec in shared_opinions(stage, value.path):
-        raise FileError(
-            f"<{value.path}> of {spec.layer.identifier} lies outside of the variants, and hides keys in one. "
-            "Give each variant a file of its own, or put a shot above the file and the variants there."
-        )
-
-
 def _confine_props(edit: UsdEdit) -> None:
     """Route the keys of prims that are not rigtri's into the variants that alone have these."""
     stage = edit.source.stage
@@ -170,7 +126,7 @@ def _confine_props(edit: UsdEdit) -> None:
     def moved(value: Edit) -> Edit:
         if value.prim not in places or not isinstance(value, Setting):
             return value
-        _refuse_shared(stage, value)
+        refuse_shared(stage, value)
         return replace(value.at(places[value.prim]), prim=value.prim)
 
     edit.opinions = [moved(value) for value in edit.opinions] if places else edit.opinions

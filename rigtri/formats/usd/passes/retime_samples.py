@@ -23,7 +23,7 @@ from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.composition.variants import SkeletonVariants
 from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, free_path, set_tokens
 from rigtri.formats.usd.opinions.skeleton_edits import check_no_spline, set_array
-from rigtri.formats.usd.passes.confine_keys import confine_new_joints
+from rigtri.formats.usd.opinions.variant_paths import keys_of_new_joints
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, moves_as_before, resting
 from rigtri.formats.usd.reading.animation_reader import HELD, NOTHING, PROPERTIES, Animation, Property
 from rigtri.formats.usd.reading.node_keys import parts
@@ -73,7 +73,8 @@ def _within_variants(edit: UsdEdit, plan: _Plan) -> list[Edit]:
     if moves_as_before(plan.source, plan.rig, plan.users, plan.animation):
         edit.extended.add(plan.animation.path)
         for variants in plan.variants:
-            edits = confine_new_joints(edit, variants, edits)
+            edits, said = keys_of_new_joints(variants, edits)
+            edit.notices += said
     return edits
 
 
