@@ -99,6 +99,17 @@ def test_what_is_animated_on_one_of_two_characters_comes_home_to_it(shot: Rig) -
             assert np.abs(now.values - was.values).max() == pytest.approx(far, abs=1e-6)
 
 
+def test_motion_that_either_character_could_have_is_refused_with_how_to_name_one(tmp_path: Path) -> None:
+    """Before: "they move 'a', 'b', 'c', and RIG has 'a', 'b', 'c'"."""
+    save(tmp_path, scene(skeleton(), animation(), MESH), "hero.usda")
+    one = (
+        '#usda 1.0\n(\n    upAxis = "Y"\n)\ndef Xform "W"\n{\ndef "C" (references = @./hero.usda@)\n{\n}\n}\n'
+    )
+    edited = read(save(tmp_path, one, "one.usda")).rig
+    with pytest.raises(GeometryError, match=r"several characters .*'a'.* Name it with character=: A, B$"):
+        take_clips(two_of(tmp_path, tmp_path / "hero.usda"), from_=edited)
+
+
 def further(rig: Rig, end: int) -> Rig:
     """The rig with a node moved along x in every clip."""
     clips = []

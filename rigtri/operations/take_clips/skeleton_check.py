@@ -34,8 +34,9 @@ from rigtri.operations.take_clips.proportions import (
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.standard_rest import SAME_AXES, standard_rest
 from rigtri.operations.take_clips.standing import stood_up
+from rigtri.recognition.one_character import titles
 from rigtri.report import Report
-from rigtri.text import list_names
+from rigtri.text import and_more, list_names
 
 # Of the size: so far bind poses may be apart beside turn, size and place, while bones still point alike.
 # Joints then move as in EDITED about RIG's own bind pose. Beyond half of the size no joint is near its own
@@ -81,6 +82,12 @@ def _refuse_other_nodes(both: Counterparts, every: Sequence[Taken]) -> None:
             list_names(rig.names[n] for n in nodes)
             for rig, nodes in ((both.other, sorted(driven)), (both.rig, np.flatnonzero(both.rig.is_joint)))
         )
+        known = titles(both.rig)
+        if len(known) > 1 and any(both.other.names[node] in both.rig.names for node in driven):
+            raise GeometryError(
+                f"RIG has several characters with the nodes that EDITED's clips move, {names}, so it is not "
+                f"clear which of them is meant. Name it with --character: {and_more(known, 6)}"
+            )
         raise GeometryError(
             f"EDITED's clips move nothing that RIG has: they move {names}, and RIG has {ours}. "
             "Is one an export of the other?"
