@@ -160,14 +160,14 @@ def named(names: tuple[str, ...]) -> Named:
     return before
 
 
-def addresses_of(wanted: Addresses, by_name: Mapping[str, Sequence[int]]) -> Addresses:
+def addresses_of(new: Addresses, by_name: Mapping[str, Sequence[int]]) -> Addresses:
     """What the nodes of a rig are called, found from what is known of rigs before."""
     known = [each for one in _known if (each := one()) is not None]
-    fitting = (each for each in known if each.begins(wanted))
+    fitting = (each for each in known if each.begins(new))
     before = max(fitting, key=lambda each: len(each.names), default=None)
-    if before is None or len(before.names) < len(wanted.names):
-        wanted.find(by_name, before)
-        _known[:] = map(ref, [*known, wanted][-_KEPT:])
-        before = wanted
+    if before is None or len(before.names) < len(new.names):
+        new.find(by_name, before)
+        _known[:] = map(ref, [*known, new][-_KEPT:])
+        before = new
     _last[:] = [before]
     return before

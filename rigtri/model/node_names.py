@@ -72,8 +72,8 @@ class NodeNames(Hierarchy, ABC):
     @cached_property
     def _addresses(self) -> Addresses:
         """What the nodes are called beside their names, but for VRM bones."""
-        wanted = Addresses(self.names, self.labels, self.parents, self.is_joint, self.holders)
-        return addresses_of(wanted, self._by_name)
+        addresses = Addresses(self.names, self.labels, self.parents, self.is_joint, self.holders)
+        return addresses_of(addresses, self._by_name)
 
     def after(self, before: NodeNames) -> Self:
         """This rig, which begins as one that may be gone soon: what nodes are called follows from that."""

@@ -169,10 +169,10 @@ def _places_of_legs(draft: Draft, found: Sequence[Found]) -> dict[int, str]:
         ahead = sorted(legs, key=lambda each: at[each.joints[0]].dot(draft.facing))
         if {each.side for each in ahead[:2]} == {"left", "right"}:
             return {id(each): "front " if k > 1 else "hind " for k, each in enumerate(ahead)}
-    said = {id(each): {draft.words.get(k, NO_WORDS).place for k in each.joints} for each in legs}
+    places_of = {id(each): {draft.words.get(k, NO_WORDS).place for k in each.joints} for each in legs}
     if len(legs) == 2 and sides["left"] and not any(words.place == "hind" for words in draft.words.values()):
         return {}  # a body on two legs, which some call front left and front right
-    return {leg: "front " for leg, places in said.items() if places == {"front"}}
+    return {leg: "front " for leg, places in places_of.items() if places == {"front"}}
 
 
 def _in_a_row(draft: Draft, legs: Sequence[Found]) -> dict[int, str]:

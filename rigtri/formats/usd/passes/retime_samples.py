@@ -73,8 +73,8 @@ def _within_variants(edit: UsdEdit, plan: _Plan) -> list[Edit]:
     if moves_as_before(plan.source, plan.rig, plan.users, plan.animation):
         edit.extended.add(plan.animation.path)
         for variants in plan.variants:
-            edits, said = keys_of_new_joints(variants, edits)
-            edit.notices += said
+            edits, notices = keys_of_new_joints(variants, edits)
+            edit.notices += notices
     return edits
 
 
