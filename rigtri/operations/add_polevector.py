@@ -39,7 +39,7 @@ from rigtri.operations.rigtri_nodes import (
     with_record,
 )
 from rigtri.operations.skin_joints import add_joint, is_joint_kind, move_joint, skin_sibling_parent
-from rigtri.recognition.bend_direction import CLEAR, SOURCE_TEXT, Bend, crossings
+from rigtri.recognition.bend_direction import SOURCE_TEXT, Bend, crossings
 from rigtri.recognition.body_hinges import bodies, warn_both
 from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.limb_bends import NO_PLANE, LimbBends
@@ -173,24 +173,20 @@ def _bend(limb_bends: LimbBends, limb: Limb, given: Floats | None, report: Repor
             f"--bend {rig.title(limb.middle)}: the direction runs along the limb; give one across it"
         )
     if found is not None and limb_bends.facing is not None:
-        _warn_unheard(rig, limb, found, report)
+        _warn_unheard(limb_bends, limb, found, report)
     return found
 
 
-def _warn_unheard(rig: Rig, limb: Limb, found: Bend, report: Report) -> None:
+def _warn_unheard(limb_bends: LimbBends, limb: Limb, found: Bend, report: Report) -> None:
     """Warn where ``--facing`` has no say in how a limb bends."""
-    title = _title(rig, limb)
+    title, why = _title(limb_bends.rig, limb), limb_bends.why_unheard(limb, found)
     if not limb.kind:
-        why = "nothing says whether it is an arm or a leg; say --bend"
+        why += "; say --bend"
     elif found.source == "given":
         why = "--bend goes before it"
-    elif found.source == "facing" or found.sine < CLEAR:
-        return
-    elif found.source == "pose":
-        why = "it is clearly bent, and bends where it does"
-    else:
-        why = f"it bends clearly in {SOURCE_TEXT[found.source]}"
-    report.warn("facing-unused", f"--facing does not change the pole vector of {title}: {why}.", joint=title)
+    if why:
+        text = f"--facing does not change the pole vector of {title}: {why}."
+        report.warn("facing-unused", text, joint=title)
 
 
 def _pole_position(

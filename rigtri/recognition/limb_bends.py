@@ -36,6 +36,8 @@ from rigtri.report import Report
 # A small bend is accepted within this of the natural side (a cosine), from the second on where its twin
 # is so near to the mirror image.
 NATURAL, MIRRORED = cosine_below(60), cosine_below(30)
+# A bend is against a direction where it is farther from it than a right angle (a cosine).
+AGAINST = -cosine_below(90)
 # A knee that bends aside by less than this (a sine) may be the shape of a leg.
 BANDY = sine_below(30)
 # Below this sine (0.1°) a bend plane is float32 noise.
@@ -88,6 +90,21 @@ class LimbBends:
             return natural
         posed = self._in_pose(limb)
         return posed if posed.sine >= NO_PLANE else None
+
+    def why_unheard(self, limb: Limb, found: Bend) -> str:
+        """Why the facing direction has no say in how a limb bends, in words; "" where it has."""
+        if not limb.kind:
+            return "nothing says whether it is an arm or a leg"
+        if found.source in ("facing", "given") or found.sine < CLEAR:
+            return ""
+        if found.source == "pose":
+            return "it is clearly bent, and bends where it does"
+        return f"it bends clearly in {SOURCE_TEXT[found.source]}"
+
+    def is_against_facing(self, limb: Limb, found: Bend) -> bool:
+        """Whether a limb bends to another side than knees and elbows do where the body faces."""
+        natural = self._natural(limb, self._facing_of(limb))
+        return natural is not None and bool(dot(found.direction, natural.direction) < AGAINST)
 
     def _facing_of(self, limb: Limb) -> Floats | None:
         """Where the body looks as a limb has it, unit, (3,)."""

@@ -417,6 +417,16 @@ def test_facing_that_changes_nothing_is_reported() -> None:
     assert all("clearly bent" in text for text in unused)
 
 
+def test_limbs_that_bend_against_facing_are_reported() -> None:
+    """Before, orient-joints turned hips and head alone, without a word."""
+    body = posed_body(Pose(elbow=40.0)).rig
+    for facing, count in (("-z", 2), ("+z", 0)):
+        report = Report()
+        orient_joints(body, facing=facing, report=report)
+        unused = [notice.text for notice in report.warnings if notice.code == "facing-unused"]
+        assert ["clearly bent" in text and "Arm" in text for text in unused] == [True] * count
+
+
 def test_facing_turns_the_poles_of_straight_limbs() -> None:
     body = posed_body(Pose())
     ahead, back = (add_polevector(body.rig, limbs="auto", facing=facing) for facing in ("+z", "-z"))

@@ -113,6 +113,8 @@ def bend_planes(
         found = limb_bends.of(limb, report)
         if found is not None:
             _set_bend(planes.normals, members, found)
+            if facing is not None:
+                _warn_unheard(limb_bends, limb, found, report)
         known |= dict.fromkeys(members)
     chains = _chains(targets, taken)
     lines = [_line(targets, chain) for chain in chains]
@@ -132,6 +134,19 @@ def bend_planes(
     if not per_joint:
         _set_body(planes, targets, bodies)
     return planes
+
+
+def _warn_unheard(limb_bends: LimbBends, limb: Limb, found: Bend, report: Report) -> None:
+    """Warn where a limb bends against what ``--facing`` says, which has no say there."""
+    why = limb_bends.why_unheard(limb, found)
+    if why and limb_bends.is_against_facing(limb, found):
+        title = " - ".join(limb_bends.rig.title(node) for node in limb.triple)
+        report.warn(
+            "facing-unused",
+            f"--facing does not change the hinge of {title}: {why}, against it. If it is to bend where "
+            "--facing says, name the hinge: --chain START END --up-from.",
+            joint=title,
+        )
 
 
 def _unsure_limbs(targets: Targets) -> list[Limb]:
