@@ -17,6 +17,7 @@ from rigtri.errors import GeometryError, NameNotFoundError, NoLimbError, UsageEr
 from rigtri.evaluation.pole_lean import ON_LINE
 from rigtri.evaluation.zero_pose import moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference
+from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.ranking import first_largest
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle, bend_direction, bend_sine, frame, pole_position
 from rigtri.maths.trigonometry import Floats
@@ -296,6 +297,8 @@ def _placed(
     node = find(rig, PoleVectorRecord, chain=record.chain)
     name = options.name or f"{_called(rig, limb)}_pole"
     if node is not None:
+        if options.orientation is None:  # what an animator sees and keys, and mirrored where `mirror` made it
+            axes = orthonormal_axes(unposed(rig, node))
         joint = is_joint_kind(rig, node, options.as_)
         if joint and options.name is not None and rig.names[node] != rig.rules.valid_name(options.name):
             raise UsageError(f"--name {options.name}: the joint '{rig.title(node)}' keeps its name")

@@ -22,6 +22,7 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
+from rigtri.operations.mirror.mirror import MirrorOptions, mirror
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
@@ -261,6 +262,18 @@ def test_a_pole_vector_that_ik_counts_from_keeps_its_side_whatever_clips_show_by
     assert_allclose(again.world[pole, 3, :3], rig.world[pole, 3, :3], atol=1e-6)
     far = add_polevector(worked, options=AddPolevectorOptions(limbs="auto", reach=1.0))
     assert_allclose(far.world[pole, 3, :3] - again.world[pole, 3, :3], [0, 0, -0.265], atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_pole_vector_keeps_its_axes_unless_others_are_said(name: str) -> None:
+    """Before, those that `mirror` had mirrored were turned to the world's."""
+    auto = {"limb": (), "limbs": "auto"}
+    rig = mirror(placed(read(SAMPLES / name).rig, **auto), options=MirrorOptions())
+    again, world = placed(rig, **auto), placed(rig, **auto, orientation="world")
+    pole = rig.find("shin_R_pole")
+    assert_allclose(rig.world[pole, :3, :3], np.diag([1.0, -1.0, -1.0]), atol=1e-6)
+    assert_allclose(again.world[pole], rig.world[pole], atol=1e-6)
+    assert_allclose(world.world[pole, :3, :3], np.eye(3), atol=1e-6)
 
 
 def rotated_into(rig: Rig, joint: str, turn: Floats) -> Floats:

@@ -55,9 +55,9 @@ class PlacementOptions(OneCharacter):
         help="What --reach multiplies: the length of both bones, or the distance from root to end.",
         rare=True,
     )
-    orientation: Literal["world", "limb", "aim"] = option(
-        "world",
-        help="Axes of the pole vector's locator.",
+    orientation: Literal["world", "limb", "aim"] | None = option(
+        None,
+        help="Axes of the pole vector's locator. [its own where it is there already, else world]",
         values={
             "world": "the world's",
             "limb": "those of the limb's root joint, as in the article",
