@@ -243,14 +243,6 @@ class Rig(NodeNames):
         made = {node for node in self.metadata if self.type_of(node) in ADDED}
         if not made:
             return frozenset()
-        drawings = (
-            child
-            for node in made
-            for child in self.children[node]
-            if self.names[child].endswith(DRAWING)
-            and self.attachment[child] == child
-            and not self.children[child]
-        )
         # A skeleton that holds none but joints of ours is a prim between them and the group.
         between = (
             child
@@ -268,7 +260,20 @@ class Rig(NodeNames):
             and self.attachment[node] < 0
             and not self.children[node]
         )
-        return frozenset(made.union(drawings, between, switches))
+        return frozenset(made.union(self.drawings, between, switches))
+
+    @cached_property
+    def drawings(self) -> frozenset[int]:
+        """Nodes that show the lines of what rigtri has added, each below it: USD has them so."""
+        return frozenset(
+            child
+            for node in self.metadata
+            if self.type_of(node) in ADDED
+            for child in self.children[node]
+            if self.names[child].endswith(DRAWING)
+            and self.attachment[child] == child
+            and not self.children[child]
+        )
 
     def subset(self, nodes: Sequence[int]) -> tuple[Rig, dict[int, int]]:
         """Some nodes alone, parents first as here, with the tracks that drive them; and their new indices.

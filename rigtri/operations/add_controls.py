@@ -327,7 +327,7 @@ class _Builder:
         self.new = NewNodes(self.rig)
 
     def _stand(self, control: int, place: Floats, axes: Floats) -> None:
-        """Stand the offset of a control in the world; what is below the control stays where it is."""
+        """Stand the offset of a control in the world; what is below the control stays, but for its lines."""
         before, offset = self.rig, int(self.rig.parents[control])
         if offset not in before.records(OffsetRecord):  # somebody's node, perhaps a joint
             text = f"'{before.names[control]}' has no offset group above it any more and stays where it is"
@@ -339,7 +339,7 @@ class _Builder:
         if self.rig is not before and not np.array_equal(before.local[offset], self.rig.local[offset]):
             refuse_carried(before, offset, control)
             for node in before.children[control]:
-                if node in before.own:
+                if node in before.own - before.drawings:
                     there = unposed(before, node)
                     self.rig = stand(self.rig, node, there[3, :3], orthonormal_axes(there))
             self.new.stood(self.rig)

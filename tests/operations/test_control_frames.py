@@ -108,6 +108,22 @@ def test_a_second_run_keeps_what_controls_are_aimed_by(tmp_path: Path) -> None:
     assert not any(record.axes or record.aim for record in records if record.kind == "fk")
 
 
+def test_the_lines_of_a_control_go_with_it_where_usd_has_them_as_prims(tmp_path: Path) -> None:
+    """Before, they stayed where the root control had been, which no writer could say: it was refused."""
+    built, again = tmp_path / "built.usda", tmp_path / "again.usda"
+    rigtri.write(rigtri.add_controls(rigtri.read(SAMPLES / "biped.usda"), whole_character=True), built)
+    rig = rigtri.read(built)
+    root = next(node for node, record in rig.records(OffsetRecord).items() if record.kind == "root")
+    translation = rig.translation.copy()
+    translation[root] += (0.0, 0.04, 0.0)  # as high as the lowest joint, where it stood before
+    rigtri.write(replace(rig, translation=translation), again)
+    rig = rigtri.read(again)
+    rigtri.write(rigtri.add_controls(rig, whole_character=True), tmp_path / "out.usda")
+    first, last = rigtri.read(built), rigtri.read(tmp_path / "out.usda")
+    np.testing.assert_allclose(last.world, first.world, atol=1e-6)
+    assert first.drawings
+
+
 def test_a_skeleton_that_may_not_change_gets_aimed_controls(tmp_path: Path) -> None:
     """VRM 0.x: no joint may have axes of its own."""
     path = avatar_0(1).glb(tmp_path / "avatar.vrm")
