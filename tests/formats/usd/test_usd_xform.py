@@ -134,6 +134,21 @@ def test_animated_translate_and_orient_are_tracks_before_and_after(tmp_path: Pat
     assert result.passes(1e-9), result.describe()
 
 
+def test_half_float_rotations_turn_with_what_is_around_them(tmp_path: Path) -> None:
+    """Before, refused with 6: they are never unit, and were taken for axes that are scaled and sheared."""
+    halves = "{1: (0.96582, 0.247925, 0, 0.0743408), 9: (0.866211, 0.479004, 0, 0.143677)}"
+    text = MOVES.replace("quatf", "quath").replace("{1: (1, 0, 0, 0), 9: (0, 1, 0, 0)}", halves)
+    text = text.replace('Xform "tip"', 'Cube "tip"').replace("\ndef", '\ndef Xform "Top" {\ndef') + "}\n"
+    source, out = save(tmp_path, text), tmp_path / "out.usda"
+    cli("freeze", source, "--root", "/Top/Rig", "--up-axis", "z", "-o", out, code=0)
+    up = compose([0, 0, 0], from_axis_angle([1, 0, 0], np.pi / 2), [1, 1, 1])
+    before, after = places(source), places(out)
+    assert before.keys() == after.keys()
+    for at, place in before.items():
+        if at[0] == "/Top/Rig/tip":
+            assert_allclose(after[at][3], (place @ up)[3], atol=1e-12)
+
+
 def test_one_sample_of_an_op_that_a_track_stands_for_is_a_key_and_survives_a_bake(tmp_path: Path) -> None:
     one, two, three = (tmp_path / f"{name}.usda" for name in ("rigged", "keyed", "baked"))
     cli("auto", SAMPLES / "arm.usda", "-o", one, "--root", "/arm", code=0)

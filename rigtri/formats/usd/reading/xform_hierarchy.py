@@ -21,7 +21,7 @@ from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.sampled_xforms import notice_shear, sampled_tracks
 from rigtri.maths.matrices import SKEW, decompose, inverse, skew
-from rigtri.maths.quaternions import IDENTITY, multiply, off_unit, rotate, to_axes
+from rigtri.maths.quaternions import IDENTITY, multiply, norm, normalise, off_unit, rotate, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
 from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
@@ -213,6 +213,7 @@ def read_transform(
         stands = _first(op, NOTHING[path])
         if not np.isfinite(stands).all():
             return None
+        stands = _turning(stands) if path == "rotation" else stands
         rest[path] = _folded(path, stands * size, outer, inner)
         keys = [] if op is None else [(time, op.Get(time)) for time in op.GetTimeSamples()]
         if any(value is None for _, value in keys):
@@ -223,12 +224,22 @@ def read_transform(
                 return None
             if path == "scale" and _uneven(values) and not _onto_axes(inner):
                 return None
+            values = _turning(values) if path == "rotation" else values
             values = _folded(path, values * size, outer, inner)
             times = np.array([time for time, _ in keys])
             tracks.append(Track(node, path, interpolation, times, values))
     if _uneven(rest["scale"]) and not _onto_axes(inner):
         return None
     return rest, tracks
+
+
+def _turning(rotations: Floats) -> Floats:
+    """Rotations, (..., 4), that are unit but for rounding: ops turn, and never scale, whatever their length.
+
+    Half floats are never unit, so they would shear what the constant rotations around them turn.
+    """
+    off = np.abs(norm(rotations) - 1.0) > _UNIT
+    return np.where(off[..., np.newaxis], normalise(rotations), rotations)
 
 
 def _folded(path: Path, values: Floats, outer: Floats, inner: Floats) -> Floats:
