@@ -40,6 +40,8 @@ _SHARED_WITH = {
 _FRAMES = (0xC0, 0xC1, 0xC2)
 # Has the colour type of a PNG with three colours, by themselves or in a palette.
 _RGB = 2
+# Where the colour type is in a PNG, which may be cut off before it.
+_COLOUR_TYPE = 25
 
 
 class MaterialReader:
@@ -295,8 +297,8 @@ def _specs(material: Any) -> str:
 def _is_grey(image: Image) -> bool:
     """Whether a PNG or JPEG says that all its channels are one."""
     content = image.content
-    if content.startswith(b"\x89PNG"):
-        return content[25] in (0, 4)
+    if content.startswith(b"\x89PNG") and len(content) > _COLOUR_TYPE:
+        return content[_COLOUR_TYPE] in (0, 4)
     at = 2
     while content[at : at + 1] == b"\xff" and at + 9 < len(content):
         if content[at + 1] in _FRAMES:
@@ -308,8 +310,8 @@ def _is_grey(image: Image) -> bool:
 def _is_rgb_of_8_bits(image: Image) -> bool:
     """Whether a PNG or JPEG decodes to 8 bits of three colours, with or without alpha."""
     content = image.content
-    if content.startswith(b"\x89PNG"):
-        return content[24] <= 8 and bool(content[25] & _RGB)
+    if content.startswith(b"\x89PNG") and len(content) > _COLOUR_TYPE:
+        return content[24] <= 8 and bool(content[_COLOUR_TYPE] & _RGB)
     return not _is_grey(image)
 
 
