@@ -30,7 +30,7 @@ def summary(report: Report) -> str:
     text = f"{limbs} limbs to {matched[0]['to']}; their joints stay within {far:.2g} of the size"
     elsewhere = max(entry["elsewhere"] for entry in matched)
     if elsewhere > max(far, NEAR):
-        text += f"; at other times of the clip they move by up to {elsewhere:.2g}"
+        text += f"; at other times of the clip these joints move by up to {elsewhere:.2g}"
     return text
 
 

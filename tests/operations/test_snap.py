@@ -238,7 +238,7 @@ def test_what_moves_at_other_times_of_a_limb_that_ik_drives_already_is_reported(
     assert entry["deviation"] < BOUND
     assert apart(rig, done, "walk@1.0") > 0.01
     assert entry["elsewhere"] > 0.01
-    assert "at other times of the clip they move by up to" in summary(report)
+    assert "at other times of the clip these joints move by up to" in summary(report)
 
 
 def test_an_end_joint_that_a_constraint_turns_once_fk_takes_over_is_reported() -> None:
