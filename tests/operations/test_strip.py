@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_parts
-from places import USD, files_of_all_kinds, leave_out_refused
+from places import SAMPLES, USD, files_of_all_kinds, leave_out_refused
 from pxr import Usd, UsdGeom
 from second_opinions import khronos_errors
 from vrm_files import vrm_1
 
+import rigtri
 from rigtri import diff, verify
 from rigtri.errors import DeviationError, FileError, GeometryError
 from rigtri.formats import ReadOptions, read
@@ -217,3 +218,17 @@ def test_an_over_that_only_held_controls_goes_with_them(samples: Path, tmp_path:
     assert 'over "' in (tmp_path / "built.usda").read_text()
     edit(tmp_path / "built.usda", tmp_path / "bare.usda", stripped)
     assert (tmp_path / "bare.usda").read_bytes() == shot.read_bytes()
+
+
+@pytest.mark.parametrize("step", ["strip", "add-twist"])
+def test_a_twist_joint_with_weight_that_was_turned_at_rest_is_named(step: str, tmp_path: Path) -> None:
+    """Before, the comparison refused it without a reason, and advised to allow more."""
+    path = tmp_path / "turned.glb"
+    split = rigtri.add_twist(rigtri.read(SAMPLES / "biped.glb"), limbs="auto", split_weights=True)
+    rotation = split.rotation.copy()
+    rotation[split.find("upper_arm_L_twist_1")] = 0.0, 0.6, 0.0, 0.8
+    rigtri.write(replace(split, rotation=rotation), path, verify=False)
+    rig = rigtri.read(path)
+    rig = rigtri.strip(rig) if step == "strip" else rigtri.add_twist(rig, limbs="auto")
+    with pytest.raises(DeviationError, match=r"bones: 'upper_arm_L_twist_1' \(along 'upper_arm_L'\)"):
+        rigtri.write(rig, tmp_path / "out.glb")

@@ -9,10 +9,11 @@ from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.half_scales import rounding
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.limits import TOLERANCE
-from rigtri.maths.matrices import SKEW, skew
+from rigtri.maths.matrices import SKEW, multiply, skew
 from rigtri.maths.quaternions import off_unit
+from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
-from rigtri.model.metadata import ControlRecord
+from rigtri.model.metadata import ControlRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.text import and_more
 from rigtri.verification.compare.compare import Comparison
@@ -37,6 +38,8 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         return ""
     allow = f"allow more with --tolerance {_rounded_up(result.largest_deviation):g}"
     largest = result.largest_deviation
+    if words := why_displaced(before, largest):
+        return words
     not_unit = why_not_unit(before, largest)
     if not not_unit and (after.pending.joint_merges or after.pending.weight_limit is not None):
         return f" Other weights move the skin: {allow}"
@@ -67,6 +70,37 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
         f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
         f"named with --exclude, or {allow}"
+    )
+
+
+def why_displaced(rig: Rig, shown: float) -> str:
+    """The twist joints with weight that somebody has moved or turned at rest, so that it may be all of
+    ``shown``; else "". Their bones, to which their weight goes back, are bound elsewhere against them.
+    """
+    records, names = rig.records(TwistRecord), dict[str, None]()
+    extent = float(length(np.ptp(rig.world[rig.is_joint, 3, :3], axis=0))) if records else 0.0
+    for skin in (skin for skin in rig.skins if records and skin.weigh is not None):
+        rows = {joint: row for row, joint in enumerate(skin.joints.tolist())}
+        weighted = set(skin.joints[skin.weighted].tolist())
+        for node, record in records.items():
+            bone = rig.known(record.joint)
+            if (
+                bone is None
+                or not {node, bone} <= rows.keys()
+                or node not in weighted
+                or record.standing is not None
+            ):
+                continue  # else an operation has changed its rest pose, which the record says
+            mine, its = (multiply(skin.inverse_bind[rows[k]], rig.world[k]) for k in (node, bone))
+            # A turn of its axes by so much, or a way that is such a share of the size.
+            off = max(np.abs(mine - its)[:3, :3].max(), np.abs(mine - its)[3].max() / (extent or 1.0))
+            if off > max(TOLERANCE, _BLAME * shown):
+                names[f"'{rig.title(node)}' (along '{rig.title(bone)}')"] = None
+    if not names:
+        return ""
+    return (
+        f" Twist joints with weight do not rest as they are bound to their bones: {and_more(list(names), 4)}"
+        ". Put them back in the program that moved or turned them, or a node above them"
     )
 
 
