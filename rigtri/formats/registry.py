@@ -65,12 +65,18 @@ def check_content(path: Path) -> None:
         raise FileError(f"{path} is no {suffix} file inside; rename it to {path.stem}{found}")
 
 
+# Where systems have streams as files, those of shells (``<(…)``) among them.
+_STREAMS = ("/dev", "/dev/fd", "/proc/self/fd")
+
+
 def unknown_format(path: Path) -> FileError:
     """The error for a file of another format, with the way to one that rigtri reads."""
     suffix = path.suffix.lower()
     known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
     way = f". {_WAYS[suffix]}" if suffix in _WAYS else ""
     what = f"'{suffix}' is not a format that rigtri reads" if suffix else "the name has no suffix"
+    if path.parent.as_posix() in _STREAMS:
+        what = f"{what}, and with it no format; what comes by a stream is read from standard input, as -"
     return FileError(f"{path}: {what}. rigtri reads: {known}{way}")
 
 

@@ -23,6 +23,7 @@ from rigtri.cli.option_types import Bytes
 from rigtri.errors import RigtriError, kind_name
 from rigtri.files.worker_process import CrashError
 from rigtri.formats import read
+from rigtri.formats.registry import unknown_format
 
 run = partial(cli, code=0)
 
@@ -208,6 +209,7 @@ def test_errors_and_warnings_name_what_the_user_gave(samples: Path, tmp_path: Pa
         shutil.copy(biped, copy)
     told = run("orient-joints", inside, "-o", tmp_path / "out.gltf", code=2).stderr
     assert "wrong.gltf is .glb inside" in told
+    assert "is read from standard input, as -. rigtri" in str(unknown_format(Path("/dev/stdin")))
     assert "bare: the name has no suffix" in run("convert", bare, "-o", tmp_path / "o.usda", code=3).stderr
     told = run("explain", biped, "--limb", "forearm_L", "--at", "walk@7", code=0).stderr
     assert "Clip 'walk' has keys from 0 to 1; at 7 it holds the nearest pose" in told
