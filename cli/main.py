@@ -13,7 +13,7 @@ import click
 from rigtri._version import __version__
 from rigtri.errors import FileError, RigtriError
 
-from . import COMPLETION, failures, ignore_interrupts, raise_interrupts, streams
+from . import COMPLETION, failures, ignore_interrupts, raise_interrupts, streams, terminal_text
 from .catalogue import COMMANDS, GROUPS, similar_commands
 
 
@@ -61,6 +61,11 @@ class Program(click.Group):
         except SystemExit as ended:
             if not ended.code and streams.lost():
                 # As of any file that cannot be written; 1 is an answer of check and mirror.
+                if "--json" in sys.argv:  # of text who reads a part of it wants no more
+                    terminal_text.echo_message(
+                        "rigtri: standard output was closed before all of the report was written; "
+                        "files are written all the same"
+                    )
                 sys.exit(FileError.exit_code)
             raise
         finally:

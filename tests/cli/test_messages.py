@@ -145,16 +145,25 @@ def test_a_constraint_that_does_nothing_is_warned_of(
 def test_output_that_nobody_reads_is_no_answer() -> None:
     """1 of check means errors, and of mirror --check something that is not symmetric."""
     rigtri = str(Path(sys.executable).parent / "rigtri")
-    for words in (["check", BIPED], ["check", "--list"], ["inspect", BIPED], ["--help"], ["bake", "--help"]):
+    for words in (
+        ["check", BIPED],
+        ["check", "--list"],
+        ["inspect", BIPED],
+        ["check", BIPED, "--json"],
+        ["--help"],
+        ["bake", "--help"],
+    ):
         reader, writer = os.pipe()
         os.close(reader)  # before anything is written
         try:
             run = subprocess.run(
-                [rigtri, *map(str, words)], check=False, stdout=writer, stderr=subprocess.DEVNULL
+                [rigtri, *map(str, words)], check=False, stdout=writer, stderr=subprocess.PIPE
             )
         finally:
             os.close(writer)
         assert run.returncode == 3, words
+        # Who reads a part of a text wants no more; a report in JSON is not whole.
+        assert (b"standard output was closed" in run.stderr) == ("--json" in words), words
 
 
 @pytest.mark.parametrize("name", ["#3", "/hips/socket", "vrm:head"])
