@@ -156,7 +156,15 @@ def _joints(rig: Rig, options: RootMotionOptions) -> tuple[int, int]:
     above = [node for node in rig.path_to_root(hips)[1:] if rig.is_joint[node]]
     root = rig.find(options.to) if options.to is not None else (above or [-1])[0]
     if root < 0 or root not in rig.path_to_root(hips)[1:]:
-        raise GeometryError(f"'{rig.title(hips)}' has no root joint above it: add one with rigtri add-root")
+        text = f"'{rig.title(hips)}' has no root joint above it"
+        if rig.skins:
+            raise GeometryError(f"{text}: add one with rigtri add-root")
+        parent = int(rig.parents[hips])
+        its = f" (its parent is '{rig.title(parent)}')" if parent >= 0 else ""
+        raise GeometryError(
+            f"{text}, for no skin here lists joints: name the node above it that is to move with --to{its}, "
+            "or take the clips to their character (rigtri take-clips) and move its root"
+        )
     if (between := int(rig.parents[hips])) != root:
         raise GeometryError(
             f"'{rig.title(hips)}' is not a child of '{rig.title(root)}': '{rig.title(between)}' is "

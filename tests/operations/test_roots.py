@@ -285,6 +285,16 @@ def test_of_several_characters_the_hips_are_asked_for(tmp_path: Path) -> None:
         rigtri.root_motion(rig)
 
 
+def test_without_a_skin_the_node_above_the_hips_is_advised() -> None:
+    """Before, add-root, which refuses files without a skin."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    bare = replace(rig, skins=())
+    with pytest.raises(
+        GeometryError, match=r"no skin here lists joints: .* \(its parent is 'biped'\), or take"
+    ):
+        rigtri.root_motion(bare, hips="hips")
+
+
 def test_a_somersault_keeps_its_heading_and_a_second_run_changes_no_byte(tmp_path: Path) -> None:
     """Before, the root faced ahead for a key where hips stand on their head, and a second run was refused."""
     rooted, source, out, again = (tmp_path / f"{name}.glb" for name in ("rooted", "source", "out", "again"))
