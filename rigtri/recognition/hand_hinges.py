@@ -39,6 +39,9 @@ CURLED = radians_below(20)
 LONE_CURLED = radians_below(10)
 # Fingers whose first bones are folded over the palm by more than this (radians); no finger bends so far back.
 FOLDED, BENT_BACK = radians_below(45), radians_below(35)
+# A finger that bends by less than this part of what the most bent one does shows how it is spread, not how it
+# closes: its metacarpal stands aside of it.
+HARDLY = 0.25
 # Of fingers whose own hinges agree to this part the common one counts.
 AGREEMENT = 0.7
 # No finger bends more than 60° aside of the line of the knuckles (a cosine): what looks so is noise.
@@ -317,8 +320,8 @@ class _PosedHand:
 
     @cached_property
     def curl(self) -> Curl:
-        """What the fingers show; those that are straight have no vote."""
-        at, normals, most = self.at, [], []
+        """What the fingers show; those that are straight, or nearly so beside bent ones, have no vote."""
+        at, planes, most = self.at, list[Floats](), list[float]()
         for finger in self.fingers:
             triples = list(zip(finger, finger[1:], finger[2:], strict=False))
             if triples:
@@ -326,8 +329,9 @@ class _PosedHand:
                 if len(self.fingers) < 2 and is_set_aside(a, b, c):
                     a, b, c = a[1:], b[1:], c[1:]
                 most.append(float(bend_angle(a, b, c).max()))
-                if most[-1] > SHOWN:
-                    normals.append(normalise(cross(b - a, c - b).cumsum(axis=0)[-1]))
+                planes.append(normalise(cross(b - a, c - b).cumsum(axis=0)[-1]))
+        least = max(SHOWN, HARDLY * max(most, default=0.0))
+        normals = [plane for plane, bend in zip(planes, most, strict=True) if bend > least]
         if not normals:
             return Curl(np.full(3, np.nan))
         common = np.nan_to_num(np.array(normals)).cumsum(axis=0)[-1]
