@@ -132,6 +132,19 @@ def test_a_prop_of_one_variant_follows_in_that_one_alone(tmp_path: Path) -> None
     assert "is written inside the variant /Root{props=sword}Prop" in error
 
 
+def test_a_constraint_whose_prop_the_selected_variant_lacks_is_found_by_check(tmp_path: Path) -> None:
+    """Before, nothing was wrong where another character of the shot had a prop of that name."""
+    tied, shot = tmp_path / "tied.usda", tmp_path / "shot.usda"
+    source = save(tmp_path, with_set(scene(skeleton(), animation(), MESH, PROPS), "props", "sword"))
+    cli("constrain", source, "--type", "parent", "--child", "Prop", "--driver", "a", "-o", tied, code=0)
+    one = 'def "{}" (references = @./tied.usda@\nvariants = {{ string props = "{}" }}) {{}}\n'
+    shot.write_text(f'#usda 1.0\ndef Xform "W" {{\n{one.format("A", "none")}{one.format("B", "axe")}}}\n')
+    printed = cli("check", shot, code=0).output
+    assert "it points at </W/A/Prop>, which is not there with the variants that are selected" in printed
+    assert printed.count("usd.note.broken") == 1
+    assert "usd.note.broken" not in cli("check", tied, code=0).output
+
+
 def test_keys_of_a_prop_are_refused_where_all_variants_share_what_it_moves_by(tmp_path: Path) -> None:
     shared = 'over "Prop"\n{\ndouble3 xformOp:translate = (1, 2, 3)\n}'
     turned = 'def Xform "Prop"\n{\nuniform token[] xformOpOrder = ["xformOp:translate"]\n}'

@@ -14,7 +14,7 @@ from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition.stage import open_file, quiet
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.joint_tokens import unsplit
-from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
+from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, TARGET, read_joints, read_prim
 from rigtri.model.rig import Rig
 from rigtri.verification.checks import metadata_check
 from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
@@ -117,6 +117,7 @@ def _check_notes(scene: Scene, prim: Any) -> None:
         why, newer = (
             (metadata_check.broken(note, is_joint), metadata_check.unknown(note)) if note else ("", "")
         )
+        why = why or (_gone(prim) if note and not newer else "")
     except (ValueError, TypeError, AttributeError) as error:
         why, newer = f"it cannot be read: {error}", ""
     if why or newer:
@@ -135,6 +136,16 @@ def _joint_paths(skeleton: str, tokens: Iterable[str]) -> Iterable[str]:
             above = above.rpartition("/")[0]
         found[token] = f"{found.get(above, skeleton)}/{name}"
     return found.values()
+
+
+def _gone(prim: Any) -> str:
+    """Which prim that metadata points at is not there, though another may have its name; "" where all are."""
+    for relation in prim.GetRelationships():
+        if relation.GetName().startswith("rigtri:") and relation.GetName().endswith(TARGET):
+            for target in relation.GetTargets():
+                if not prim.GetStage().GetPrimAtPath(target.GetPrimPath()):
+                    return f"it points at <{target}>, which is not there with the variants that are selected"
+    return ""
 
 
 def _with_unsplit(scene: Scene, path: str) -> set[str]:
