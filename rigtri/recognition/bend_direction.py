@@ -45,7 +45,7 @@ SOURCE_TEXT: Mapping[str, str] = {
     "other pose": "the other pose of the file",
     "other side": "the limb of the other side",
     "facing": "the facing direction",
-    "given": "the command line",
+    "given": "what was given",
 }
 
 

@@ -507,3 +507,14 @@ def test_mirror_tells_of_controls_that_were_there_and_take_a_pose(samples: Path)
     again = Report()
     mirror(out, options=MirrorOptions(from_side="left"), report=again)
     assert not [each for each in again.warnings if each.code == "mirror-moves"]
+
+
+def test_a_straight_limb_bends_as_its_twin_without_a_warning(samples: Path) -> None:
+    """Before, one said that its bend direction is from the command line."""
+    arm = ("upper_arm_L", "forearm_L", "hand_L")
+    rig = add_controls(read(samples / "tpose.glb").rig, options=AddControlsOptions(ik=(arm,)))
+    report = Report()
+    rig = mirror(rig, options=MirrorOptions(), report=report)
+    left, right = (rig.world[rig.find(f"forearm_{side}_pole"), 3, :3] for side in "LR")
+    assert_allclose(right, left * [-1.0, 1.0, 1.0], atol=1e-6)
+    assert "straight" not in {notice.code for notice in report.warnings}

@@ -81,6 +81,7 @@ def _control(
     before = find(rig, ControlRecord, kind=record.kind, joint=there.joint)
     drawn = before is not None and rig.records(ControlRecord)[before].shape == record.shape
     shapes: Any = {record.kind: record.shape} if record.shape and not drawn else {}
+    bends = _bends(rig, record, there, options) if record.kind == "ik" else {}
     frame = _frame(rig, node, before, there.joint, options)
     if record.kind == "fk":
         made = AddControlsOptions(joints=(there.joint,), shape=shapes, **frame)
@@ -89,13 +90,16 @@ def _control(
             ik=(given(rig, *there.chain),),
             shape=shapes,
             **frame,
-            bend=_bends(rig, record, there, options),
+            bend=bends,
             as_=None if before is not None else "joint" if rig.is_joint[node] else "locator",
             soft=record.soft or 0.0,
             stretch=bool(record.stretch),
             foot_roll=find(rig, ControlRecord, kind="ball", chain=record.chain) is not None or None,
         )
+    known = len(report.warnings)
     rig = add_controls(rig, options=made, report=report)
+    if bends:  # as on this side: nobody has said it, and there is no doubt
+        report.warnings[known:] = [one for one in report.warnings[known:] if one.code != "straight"]
     found = find(rig, ControlRecord, kind=record.kind, joint=there.joint)
     if found is None or rig.is_joint[found]:
         return rig  # a joint has no offset above it: it stands where the limb ends
