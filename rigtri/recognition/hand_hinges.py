@@ -21,7 +21,7 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.bend_direction import facing_along
 from rigtri.recognition.finger_bends import SHOWN, Curl, is_set_aside, mean_of_pair, shown_by_all
 from rigtri.recognition.hands_feet import BY_PLACE
-from rigtri.recognition.layout import Chain
+from rigtri.recognition.layout import PHALANGES, Chain
 from rigtri.recognition.thumb_bends import (
     ALIKE,
     BENT,
@@ -39,8 +39,8 @@ CURLED = radians_below(20)
 LONE_CURLED = radians_below(10)
 # Fingers whose first bones are folded over the palm by more than this (radians); no finger bends so far back.
 FOLDED, BENT_BACK = radians_below(45), radians_below(35)
-# A finger that bends by less than this part of what the most bent one does shows how it is spread, not how it
-# closes: its metacarpal stands aside of it.
+# A finger with a metacarpal that bends by less than this part of what the most bent one does shows how it is
+# spread, not how it closes.
 HARDLY = 0.25
 # Of fingers whose own hinges agree to this part the common one counts.
 AGREEMENT = 0.7
@@ -320,8 +320,8 @@ class _PosedHand:
 
     @cached_property
     def curl(self) -> Curl:
-        """What the fingers show; those that are straight, or nearly so beside bent ones, have no vote."""
-        at, planes, most = self.at, list[Floats](), list[float]()
+        """What the fingers show; those that are straight, or only spread, have no vote."""
+        at, shown, most = self.at, list[tuple[Floats, bool]](), list[float]()
         for finger in self.fingers:
             triples = list(zip(finger, finger[1:], finger[2:], strict=False))
             if triples:
@@ -329,9 +329,14 @@ class _PosedHand:
                 if len(self.fingers) < 2 and is_set_aside(a, b, c):
                     a, b, c = a[1:], b[1:], c[1:]
                 most.append(float(bend_angle(a, b, c).max()))
-                planes.append(normalise(cross(b - a, c - b).cumsum(axis=0)[-1]))
+                plane = normalise(cross(b - a, c - b).cumsum(axis=0)[-1])
+                shown.append((plane, len(finger) > len(PHALANGES)))
         least = max(SHOWN, HARDLY * max(most, default=0.0))
-        normals = [plane for plane, bend in zip(planes, most, strict=True) if bend > least]
+        normals = [
+            plane
+            for bend, (plane, has_metacarpal) in zip(most, shown, strict=True)
+            if bend > (least if has_metacarpal else SHOWN)
+        ]
         if not normals:
             return Curl(np.full(3, np.nan))
         common = np.nan_to_num(np.array(normals)).cumsum(axis=0)[-1]

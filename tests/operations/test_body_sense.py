@@ -403,6 +403,18 @@ def test_open_fingers_with_metacarpals_have_no_vote_beside_bent_ones() -> None:
         assert axes[rig.find(name)] @ (0, 0, -1) > 0.95, name
 
 
+def test_open_fingers_without_metacarpals_vote_beside_bent_ones() -> None:
+    """They have no joint that shows how they are spread; without them the bent ones alone would decide."""
+    fingers: list[tuple[str, str, tuple[float, float, float]]] = []
+    for finger, aside in (("index", 0.03), ("middle", 0.01), ("ring", -0.01), ("little", -0.03)):
+        down, to = (0.03, -0.018) if finger in ("ring", "little") else (0.004, 0.0)
+        places = ((0.79, 1.45, aside), (0.83, 1.45, aside), (0.86, 1.45 - down, aside + to))
+        fingers += line(" ".join(f"{finger}{k}.L" for k in range(3)), "hand.L", *places)
+    rig = rig_with([*TRUNK, *both([*ARM, *fingers, *LEG])])
+    axes = hinge_axes(orient_joints(rig), "+y")
+    assert axes[rig.find("index1.L")] @ (0, 0, -1) > 0.93
+
+
 def orient_reported(rig: Rig, report: Report) -> Rig:
     return orient_joints(rig, report=report)
 
