@@ -3,7 +3,8 @@
     python -m carried ../samples/biped.glb ../samples/biped.usda     # in the folder tests
 
 prints a table for each file: rows are the edits, columns what is built, cells the largest difference in
-motion, as a share of the size, or the edit's refusal. ``--write`` replaces the tables of docs/carrying.md.
+motion, as a share of the size, or the edit's refusal. Without files, it measures the tables of
+docs/carrying.md and writes them there, for which it needs the real files (RIGTRI_ASSETS).
 
 `THINGS` builds into any character what rigtri can build, `EDITS` has an entry for each operation, `carried`
 measures one pair. Motion is compared by how far each node of a name has moved a cube around it from where it
@@ -28,6 +29,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent / "builders"))
 
 import builds
+from places import NO_ASSETS, SAMPLES, asset_files
 
 import rigtri
 from rigtri.errors import GeometryError, RigtriError
@@ -404,6 +406,21 @@ def _morphs(before: Rig, after: Rig, clip: Any, same: Any, times: Floats, withou
     return float(max([*off, *(np.inf for name in mine if name not in theirs)], default=0.0))
 
 
+# Those of docs/carrying.md: the files, and what is built into each.
+_MOST = ("controls", "constraint: spaces", "pose reader: joint", "twist joints")
+TABLES = (
+    ("addon_Example_vrm1.vrm", _MOST),
+    ("Godette_v4.vrm", _MOST),
+    ("biped.glb", _MOST),
+    (
+        "biped.glb",
+        ("constraint: parent", "constraint: orient", "constraint: aim", "constraint: pole vector", "rivet"),
+    ),
+    ("usdwg_CesiumMan.usdz", ("controls", "constraint: spaces")),
+    ("biped.usda", _MOST),
+)
+
+
 def row(path: Path, thing: str, folder: Path, edits: Iterable[str] = EDITS) -> Mapping[str, float | str]:
     """By the edit what it comes to: a deviation, or why it refuses."""
     found: dict[str, float | str] = {}
@@ -433,19 +450,29 @@ def table(path: Path, things: Iterable[str], folder: Path) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("files", nargs="+", type=Path)
+    parser.add_argument("files", nargs="*", type=Path, help="[those of docs/carrying.md, which is written]")
     parser.add_argument("--thing", action="append", choices=THINGS, help="only this; repeatable")
-    parser.add_argument("--write", action="store_true", help="replace the tables of docs/carrying.md")
     arguments = parser.parse_args()
+    if arguments.thing and not arguments.files:
+        parser.error("--thing goes with files")
+    asked = [(path, arguments.thing or THINGS) for path in arguments.files]
     with tempfile.TemporaryDirectory() as folder:
         tables = []
-        for path in arguments.files:
-            tables.append(table(path, arguments.thing or THINGS, Path(folder)))
+        for path, things in asked or ((_file(name), things) for name, things in TABLES):
+            tables.append(table(path, things, Path(folder)))
             print(tables[-1], flush=True)
-    if arguments.write:
+    if not arguments.files:
         text = PAGE.read_text("utf-8")
         head = text[: text.index(MARK) + len(MARK)]
         PAGE.write_text(head + "\n\n" + "\n".join(tables), "utf-8", newline="\n")
+
+
+def _file(name: str) -> Path:
+    """A sample, or a real file, by its name."""
+    for path in (SAMPLES / name, *asset_files(".vrm", ".usdz")):
+        if path.name == name and path.is_file():
+            return path
+    raise SystemExit(f"{name}: {NO_ASSETS}")
 
 
 if __name__ == "__main__":
