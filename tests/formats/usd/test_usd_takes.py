@@ -145,6 +145,21 @@ def test_a_constraint_whose_prop_the_selected_variant_lacks_is_found_by_check(tm
     assert "usd.note.broken" not in cli("check", tied, code=0).output
 
 
+def test_bake_moves_no_other_prim_of_the_name_of_a_prop_that_the_selected_variant_lacks(
+    tmp_path: Path,
+) -> None:
+    tied, shot, out = tmp_path / "tied.usda", tmp_path / "shot.usda", tmp_path / "out.usda"
+    source = save(tmp_path, with_set(scene(skeleton(), animation(), MESH, PROPS), "props", "sword"))
+    cli("constrain", source, "--type", "parent", "--child", "Prop", "--driver", "a", "-o", tied, code=0)
+    one = 'def "A" (references = @./tied.usda@\nvariants = { string props = "none" }) {}\n'
+    other = (
+        'def Xform "Prop"\n{\ndouble3 xformOp:translate = (5, 5, 5)\n'
+        'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n'
+    )
+    shot.write_text(f'#usda 1.0\ndef Xform "W" {{\n{one}{other}}}\n')
+    assert "nothing to bake" in cli("bake", shot, "--to", "joints", "-o", out, code=5).output
+
+
 def test_keys_of_a_prop_are_refused_where_all_variants_share_what_it_moves_by(tmp_path: Path) -> None:
     shared = 'over "Prop"\n{\ndouble3 xformOp:translate = (1, 2, 3)\n}'
     turned = 'def Xform "Prop"\n{\nuniform token[] xformOpOrder = ["xformOp:translate"]\n}'

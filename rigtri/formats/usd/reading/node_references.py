@@ -36,7 +36,7 @@ def resolved(rig: Rig, stage: Any) -> Rig:
         targets = read_targets(prim) if prim else {}
         if prim and _shows_again(prim, targets):
             targets[_CHILD] = [None]
-        metadata[node] = with_references(stored, _Meaning(found, node, targets))
+        metadata[node] = with_references(stored, _Meaning(found, stage, node, targets))
     return replace(rig, metadata=metadata)
 
 
@@ -86,16 +86,18 @@ def _at(paths: Sequence[str | None], index: Any) -> str | None:
 class _Meaning:
     """The addresses that the references of one node mean. targets: what `read_targets` gives of it."""
 
-    def __init__(self, finder: _Finder, node: int, targets: Mapping[str, Sequence[str | None]]) -> None:
-        self.finder, self.node, self.targets = finder, node, targets
+    def __init__(
+        self, finder: _Finder, stage: Any, node: int, targets: Mapping[str, Sequence[str | None]]
+    ) -> None:
+        self.finder, self.stage, self.node, self.targets = finder, stage, node, targets
 
     def __call__(self, place: Place, name: str) -> str:
         attribute, number = attribute_name(place)
         paths = self.targets.get(attribute, ())
         # One prim is what all references mean.
         path = paths[0] if len(paths) == 1 else _at(paths, number)
-        if path is None:  # whatever has its name here is another one
-            return name + _ELSEWHERE
+        if path is None or (path and not self.stage.GetPrimAtPath(path)):
+            return name + _ELSEWHERE  # whatever has its name here is another one
         found = self.finder.at(path, name)
         if found is None:
             found = self.finder.rig.known(name)
