@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from rigtri.recognition.arms_legs import AGREED, Found
 from rigtri.recognition.body_shape import lowest
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.shape_doubts import ENDS_LOW
 
 # A trunk lies that goes up by less than this from the hips to the shoulders (a cosine, 30°).
@@ -47,6 +48,14 @@ def arm_below_a_lying_trunk(draft: Draft, each: Found, found: Sequence[Found]) -
         if rises or at[each.joints[2]].dot(up) > at[end].dot(up) + ENDS_LOW * size:
             return ""
     return "it ends as low as the legs, below a trunk that lies, so it may be a front leg"
+
+
+def arm_called_front(draft: Draft, each: Found) -> str:
+    """An arm of which a joint is called a front one: people have none behind."""
+    words = (draft.words.get(joint, NO_WORDS) for joint in each.joints)
+    if each.kind == "arm" and any(word.place == "front" for word in words):
+        return "its names say that it is in front, as a front leg is"
+    return ""
 
 
 def arm_on_the_ground(draft: Draft, each: Found) -> str:

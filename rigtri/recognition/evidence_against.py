@@ -6,7 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rigtri.recognition.arms_legs import AGREED, Found
-from rigtri.recognition.arms_on_the_ground import arm_as_front_leg, arm_below_a_lying_trunk, arm_on_the_ground
+from rigtri.recognition.arms_on_the_ground import (
+    arm_as_front_leg,
+    arm_below_a_lying_trunk,
+    arm_called_front,
+    arm_on_the_ground,
+)
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.guessed_hierarchy import (
     called_end,
@@ -358,11 +363,14 @@ _OF_NAMES = (
     named_twice,
     arm_below_a_lying_trunk,
     arm_as_front_leg,
+    *_alone(arm_called_front),
 )
 _OF_SHAPES = (
     upside_down,
     arm_as_leg,
     arm_as_front_leg,
+    arm_below_a_lying_trunk,
+    *_alone(arm_called_front),
     *_alone(_named_to_bend_elsewhere, _misnamed, other_bend, no_hand, split_bone, only_things, of_machine),
     *_alone(
         further_part,

@@ -35,6 +35,7 @@ _STANDS, _CARRIES = 0.5, 0.7
 _SPREAD, _DOWN, _LONG = 0.5, 0.5, 0.4
 # Of a body one of these names alone does not tell: planes have tails.
 _HEADS = frozenset(["skull", "tail"])
+_ALONE = _HEADS | {"body"}
 # A clavicle is at most so long a part of the upper arm.
 _CLAVICLE = 0.6
 
@@ -73,10 +74,13 @@ def trunk_names(draft: Draft) -> list[str]:
 
 
 def has_trunk(draft: Draft) -> bool:
-    """Whether names tell of a trunk: a head or a tail alone do not; scales have a head, and planes a tail."""
+    """Whether names tell of a trunk: a head, a tail or a body alone do not.
+
+    Scales have a head, planes a tail, and drones, grills and pianos a body.
+    """
     names = trunk_names(draft)
-    heads = [name for name in names if not _HEADS.isdisjoint(roles_in_name(name))]
-    return len(names) > min(1, len(heads))
+    alone = [name for name in names if not _ALONE.isdisjoint((*roles_in_name(name), *parse_name(name).words))]
+    return len(names) > min(1, len(alone))
 
 
 def has_hips_or_spine(draft: Draft) -> bool:

@@ -13,7 +13,7 @@ from recognition_bodies.skeletons import FINGERS, FLAT, HORSE, MAN, TRUNK, Joint
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition import recognise as module
 from rigtri.recognition.arms_legs import AGREED, Found
-from rigtri.recognition.arms_on_the_ground import arm_below_a_lying_trunk
+from rigtri.recognition.arms_on_the_ground import arm_below_a_lying_trunk, arm_called_front
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.guessed_hierarchy import lost_third, out_of_order
 from rigtri.recognition.joint_tree import Tree, segments_of
@@ -116,6 +116,13 @@ def test_arms_that_end_as_low_as_legs_below_a_trunk_that_lies_may_be_front_legs(
     leg = limb(draft, "leg", "thigh.L shin.L foot.L")
     assert bool(arm_below_a_lying_trunk(draft, arm, [arm, leg])) == doubt
     assert not arm_below_a_lying_trunk(draft, leg, [arm, leg])
+
+
+@pytest.mark.parametrize(("end", "doubt"), [("front_paw.L", True), ("hand.L", False)])
+def test_an_arm_of_which_a_joint_is_called_a_front_one_may_be_a_front_leg(end: str, *, doubt: bool) -> None:
+    """Before, front legs of a lizard were sure arms, at 0.94, where noise had lost its hind legs."""
+    draft = drafted([(n.replace("hand.L", end), above.replace("hand.L", end), at) for n, above, at in HORSE])
+    assert bool(arm_called_front(draft, limb(draft, "arm", f"upper_arm.L forearm.L {end}"))) == doubt
 
 
 @pytest.mark.parametrize(("other", "doubt"), [("leg_c_1_L", True), ("leg_c_1_R", False), ("leg_c_4_L", 0)])

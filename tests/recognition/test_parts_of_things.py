@@ -42,6 +42,14 @@ THINGS: dict[str, list[Joint]] = {
         ("head", "clock_body", (0, 2, 0.1)),
         ("face", "head", (0, 2, 0.2)),
     ),
+    "drone": on_legs(
+        "body",
+        "leg",
+        "leg_low",
+        "skid",
+        *both(line("front_motor.L front_rotor.L", "body", (0.5, 0.6, 0.5), (0.5, 0.7, 0.5))),
+    ),
+    "grill": on_legs("body", "leg", "leg_lower", "foot", ("lid", "body", (0.0, 0.9, 0.0))),
     "motorcycle": on_legs(
         "steering_neck",
         "fork_upper",
