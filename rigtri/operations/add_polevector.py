@@ -24,6 +24,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance, dot, length, normalise, project
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.controls_check import apart_in_clips, apart_in_words
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_polevector import AddPolevectorOptions as AddPolevectorOptions
 from rigtri.operations.rigtri_nodes import (
@@ -308,7 +309,7 @@ def _placed(
         rig = with_record(rig, node, record)
         moved = (move_joint if joint else stand)(rig, node, position, axes)
         if not np.array_equal(moved.local[node, 3], rig.local[node, 3]):
-            _warn_solved(rig, node, record, report)
+            _warn_solved(rig, moved, node, record, report)
         return moved, node
     if options.as_ == "joint":
         parent, like = skin_sibling_parent(rig, limb.start)
@@ -318,8 +319,11 @@ def _placed(
     return stand(rig, node, position, axes), node
 
 
-def _warn_solved(rig: Rig, pole: int, record: PoleVectorRecord, report: Report) -> None:
-    """Warn of the clips in which IK bends a limb towards its pole vector as that rests."""
+def _warn_solved(rig: Rig, moved: Rig, pole: int, record: PoleVectorRecord, report: Report) -> None:
+    """Warn of the clips in which IK bends a limb otherwise with its pole vector at its new place.
+
+    Also where the pole vector has keys: how far a limb stands off its pole is measured at rest.
+    """
     solvers = set(find_all(rig, ControlRecord, chain=record.chain))
     clips = []
     for clip in rig.clips:
@@ -327,9 +331,14 @@ def _warn_solved(rig: Rig, pole: int, record: PoleVectorRecord, report: Report) 
         places = (track.node == pole and track.path == "translation" for track in clip.tracks)
         if solvers & keyed and not any(places):
             clips.append(clip.name)
+    off = apart_in_clips(rig, moved, [rig.find(record.chain[1])]) if solvers and rig.clips else {}
+    much = f": {apart_in_words(rig, off)}" if off else ""
     if clips:
         text = f"'{rig.names[pole]}' has no keys in {and_more(clips, 6)}, where IK moves its limb"
-        report.warn("pole-moved", f"{text}: from its new place, the next bake gives other motion there")
+        report.warn("pole-moved", f"{text}: from its new place, the next bake gives other motion there{much}")
+    elif off:
+        text = f"From its new place at rest '{rig.names[pole]}' bends its limb otherwise in clips"
+        report.warn("pole-moved", f"{text}{much}")
 
 
 def _called(rig: Rig, limb: Limb) -> str:

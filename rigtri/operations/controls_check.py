@@ -7,7 +7,7 @@ the bend changes by the root of it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +28,9 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
 from rigtri.text import and_more
+
+# Radians: what stands a tenth of the size from a node that turns by less moves by less than the tolerance.
+_TURNED = 10.0 * TOLERANCE
 
 
 def refuse_other_axes(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable, tolerance: float) -> None:
@@ -198,4 +201,27 @@ def deviations(
         )
         most, turned = first_largest(far), first_largest(turn)
         found[node] = Apart(float(far[most]), float(times[most]), float(turn[turned]), float(times[turned]))
+    return found
+
+
+def apart_in_words(rig: Rig, apart: Mapping[int, Mapping[str, Apart]]) -> str:
+    """How far some nodes are moved and turned in clips at most, and when. apart: by clip, for each."""
+    every = [(rig.title(node), clip, each) for node, clips in apart.items() for clip, each in clips.items()]
+    words = []
+    name, clip, most = max(every, key=lambda row: row[2].far)
+    if most.far > TOLERANCE:
+        words.append(f"'{name}' by {most.far:.2g} of the size in {clip}@{most.far_at:g}")
+    name, clip, most = max(every, key=lambda row: row[2].turn)
+    if most.turn > _TURNED:
+        words.append(f"'{name}' turns by {np.degrees(most.turn):.2g}° in {clip}@{most.turn_at:g}")
+    return ", and ".join(words)
+
+
+def apart_in_clips(before: Rig, rig: Rig, nodes: Sequence[int]) -> dict[int, dict[str, Apart]]:
+    """How far nodes are apart in the clips of two rigs, by clip; those that move or turn otherwise."""
+    found = dict[int, dict[str, Apart]]()
+    for was, now in zip(timelines(before), timelines(rig), strict=True):
+        for node, apart in deviations((before, was), (rig, now), nodes).items():
+            if apart.far > TOLERANCE or apart.turn > _TURNED:
+                found.setdefault(node, {})[was.name] = apart
     return found

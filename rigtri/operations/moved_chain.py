@@ -7,17 +7,15 @@ measured at rest keeps its rest place, as its offset is measured anew.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.timelines import timelines
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
-from rigtri.limits import TOLERANCE
 from rigtri.maths.matrices import from_frame, inverse, nearest_rotation
 from rigtri.maths.matrices import multiply as product
 from rigtri.maths.quaternions import IDENTITY, angle_between, between, conjugate, from_axes, multiply, rotate
@@ -27,7 +25,7 @@ from rigtri.model.constraints import constraint_record, constraints_of
 from rigtri.model.metadata import ConstraintRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import offsets_apart, resting_offsets
-from rigtri.operations.controls_check import Apart, deviations
+from rigtri.operations.controls_check import apart_in_clips, apart_in_words
 from rigtri.operations.rigtri_nodes import stand, with_record
 from rigtri.operations.skin_joints import move_joint
 from rigtri.report import Report
@@ -37,8 +35,6 @@ from rigtri.text import and_more
 _SAME = 4e-6
 # Bones that differ by less, as parts of unit vectors, point along the same axis of their joints.
 _SAME_BONE = 1e-4
-# Radians: what stands a tenth of the size from a node that turns by less moves by less than the tolerance.
-_TURNED = 10.0 * TOLERANCE
 
 
 def move_chain(
@@ -161,7 +157,7 @@ def _tell_followers(
     held = {rule.child for node, rule in rules.items() if node not in rebuilt}
     apart = np.abs(before.world - rig.world).max(axis=(1, 2)) > _SAME * _size(rig)
     drivers = {driver for node, rule in rules.items() if node not in rebuilt for driver in rule.drivers}
-    off = _apart_in_clips(before, rig, sorted(held)) if changed or apart[sorted(drivers)].any() else {}
+    off = apart_in_clips(before, rig, sorted(held)) if changed or apart[sorted(drivers)].any() else {}
     groups = (
         (
             "offsets-measured-anew",
@@ -181,30 +177,7 @@ def _tell_followers(
             names = and_more([rig.title(node) for node in nodes], 6)
             text = f"{names} {verbs[len(nodes) > 1]}: {why}"
             apart = {node: off[node] for node in nodes if node in off}
-            report.warn(code, text + (f" It changes clips: {_in_words(rig, apart)}." if apart else ""))
-
-
-def _in_words(rig: Rig, apart: Mapping[int, Mapping[str, Apart]]) -> str:
-    """How far some nodes are moved and turned in clips at most, and when. apart: by clip, for each."""
-    every = [(rig.title(node), clip, each) for node, clips in apart.items() for clip, each in clips.items()]
-    words = []
-    name, clip, most = max(every, key=lambda row: row[2].far)
-    if most.far > TOLERANCE:
-        words.append(f"'{name}' by {most.far:.2g} of the size in {clip}@{most.far_at:g}")
-    name, clip, most = max(every, key=lambda row: row[2].turn)
-    if most.turn > _TURNED:
-        words.append(f"'{name}' turns by {np.degrees(most.turn):.2g}° in {clip}@{most.turn_at:g}")
-    return ", and ".join(words)
-
-
-def _apart_in_clips(before: Rig, rig: Rig, nodes: Sequence[int]) -> dict[int, dict[str, Apart]]:
-    """How far nodes are apart in the clips of two rigs, by clip; those that move or turn otherwise."""
-    found = dict[int, dict[str, Apart]]()
-    for was, now in zip(timelines(before), timelines(rig), strict=True):
-        for node, apart in deviations((before, was), (rig, now), nodes).items():
-            if apart.far > TOLERANCE or apart.turn > _TURNED:
-                found.setdefault(node, {})[was.name] = apart
-    return found
+            report.warn(code, text + (f" It changes clips: {apart_in_words(rig, apart)}." if apart else ""))
 
 
 def _size(rig: Rig) -> float:

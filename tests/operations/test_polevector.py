@@ -198,6 +198,21 @@ def test_clips_that_count_from_the_place_of_a_moved_pole_are_named() -> None:
     assert "'b_pole' has no keys in solved, where" in notice.text
 
 
+def test_clips_in_which_a_keyed_pole_bends_its_limb_otherwise_are_told_with_how_far() -> None:
+    """Before, an elbow that a pole beside its bend turned by 1.8° in a clip was not mentioned."""
+    nearly = chain((0, 0, 0), (3, 0.02, 0), (6, 0, 0))
+    limb = (given(nearly, "a", "b", "c"),)
+    rig = placed(nearly, limb=limb, bend={"b": (0.0, 0.0, 1.0)})
+    rig = add_controls(rig, options=AddControlsOptions(ik=limb))
+    keys = {node: rig.translation[[node, node]] for node in (rig.find("c_ik_ctl"), rig.find("b_pole"))}
+    keys[rig.find("c_ik_ctl")][1, 0] -= 2.0
+    tracks = tuple(Track(k, "translation", "LINEAR", np.arange(2.0), keys[k]) for k in keys)
+    rig, report = replace(rig, clips=(Clip("both", tracks),)), Report()
+    placed(rig, report, limb=limb, bend={"b": (0.0, 0.7, 0.7)})
+    (notice,) = (one for one in report.warnings if one.code == "pole-moved")
+    assert "'b_pole' bends its limb otherwise in clips: 'b' by" in notice.text
+
+
 def test_the_foot_of_a_flat_rig_need_not_be_parented_below_the_shin() -> None:
     points = np.array([[0, 0, 0], [0, 3, 0], [0, -1.5, 0.5], [0, 0, 0]], dtype=float)
     rig = rig_of(["root", "thigh", "shin", "foot"], [-1, 0, 1, 0], points)
