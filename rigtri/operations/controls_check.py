@@ -57,62 +57,53 @@ def refuse_other_rest(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
     loses = "a straight or folded IK limb amplifies what its bones are longer or shorter in another rest pose"
     command = "Bake --to joints and strip, change the rest pose"
     _refuse_other_motion(rig, after, noisy, scales, TOLERANCE, f"{loses}. {command}")
-    _refuse_other_zero(rig, after, moved)
-    _refuse_other_root(rig, after, moved)
+    was = ControlsAtZero(rig)
+    if free := set(moved) - set(was.fk):
+        _refuse_other_zero(rig, after, was, free)
+        _refuse_other_root(rig, after, was, free)
 
 
-def _refuse_other_zero(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
+def _refuse_other_zero(rig: Rig, after: Rig, was: ControlsAtZero, free: set[int]) -> None:
     """GeometryError where an IK limb moves otherwise as joints without controls above it rest otherwise.
 
     Joints with controls stand where their offsets are while controls are zero; any other stands as it rests,
     so that where a limb below it starts is counted from that rest.
     """
-    was, now = ControlsAtZero(rig), ControlsAtZero(after)
-    free = set(moved) - set(was.fk)
-    for limb in was.limbs if free else ():
+    now = ControlsAtZero(after)
+    for limb in was.limbs:
         counted = free & {k for joint in limb.chain for k in rig.path_to_root(joint)}
         apart = np.abs(was.local[list(limb.chain)] - now.local[list(limb.chain)]).max()
-        if not counted or apart <= SAME_POSITION * skeleton_size(rig):
-            continue
-        for one, other in zip(timelines(rig), timelines(after), strict=True):
-            if limb.control not in controls_at_work(rig, one):
-                continue
-            far, joint, time = _deviation((rig, one), (after, other), limb.chain)
-            if far > TOLERANCE:
-                names = and_more([f"'{rig.title(k)}'" for k in sorted(counted)], 6)
-                raise GeometryError(
-                    f"In clip '{one.name}' IK would move '{rig.title(joint)}' differently, by {far:.2g} of "
-                    f"the size at {time:g}: its limb counts from how {names} without a control rests. "
-                    "Add a control there (rigtri add-controls --joints NAME), or bake --to joints and "
-                    "strip, change the rest pose, and build the controls again"
-                )
+        if counted and not apart <= SAME_POSITION * skeleton_size(rig):
+            names = and_more([f"'{rig.title(k)}'" for k in sorted(counted)], 6)
+            why = f"its limb counts from how {names} without a control rests"
+            _refuse_moved(rig, after, limb.control, limb.chain, "IK", why)
 
 
-def _refuse_other_root(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
+def _refuse_other_root(rig: Rig, after: Rig, was: ControlsAtZero, free: set[int]) -> None:
     """GeometryError where a root control moves a body otherwise as its joint rests otherwise.
 
     A joint with an FK control stands where the offset of that is; any other that the root control carries is
     counted from how it rests.
     """
-    was = ControlsAtZero(rig)
-    free = set(moved) - set(was.fk)
-    roots = [root for root in was.roots if root.joint not in was.fk]
-    roots = [root for root in roots if free.intersection(rig.path_to_root(root.joint))]
-    for one, other in zip(timelines(rig), timelines(after), strict=True) if roots else ():
-        at_work = controls_at_work(rig, one)
-        for root in roots:
-            if root.control not in at_work:
-                continue
+    for root in was.roots:
+        if root.joint not in was.fk and free.intersection(rig.path_to_root(root.joint)):
             body = [root.joint, *(k for k in rig.below(root.joint) if rig.is_joint[k])]
-            far, joint, time = _deviation((rig, one), (after, other), body)
-            if far > TOLERANCE:
-                raise GeometryError(
-                    f"In clip '{one.name}' '{rig.title(root.control)}' would move '{rig.title(joint)}' "
-                    f"differently, by {far:.2g} of the size at {time:g}: it counts from how "
-                    f"'{rig.title(root.joint)}' without a control of its own rests. Add a control there "
-                    "(rigtri add-controls --joints NAME), or bake --to joints and strip, change the rest "
-                    "pose, and build the controls again"
-                )
+            why = f"it counts from how '{rig.title(root.joint)}' without a control of its own rests"
+            _refuse_moved(rig, after, root.control, body, f"'{rig.title(root.control)}'", why)
+
+
+def _refuse_moved(rig: Rig, after: Rig, control: int, joints: Sequence[int], mover: str, why: str) -> None:
+    """GeometryError where a control moves joints otherwise in a clip. mover, why: what of it is said."""
+    for one, other in zip(timelines(rig), timelines(after), strict=True):
+        if control not in controls_at_work(rig, one):
+            continue
+        far, joint, time = _deviation((rig, one), (after, other), joints)
+        if far > TOLERANCE:
+            raise GeometryError(
+                f"In clip '{one.name}' {mover} would move '{rig.title(joint)}' differently, by {far:.2g} of "
+                f"the size at {time:g}: {why}. Add a control there (rigtri add-controls --joints NAME), or "
+                "bake --to joints and strip, change the rest pose, and build the controls again"
+            )
 
 
 def seen_below(rig: Rig, nodes: Collection[int]) -> list[int]:
