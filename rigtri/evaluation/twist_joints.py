@@ -27,7 +27,7 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, normalise, triple
 from rigtri.model.dataclass import dataclass
-from rigtri.model.metadata import Triple, TwistRecord, references
+from rigtri.model.metadata import Triple, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.text import list_names
 
@@ -73,7 +73,7 @@ def twist_joints(rig: Rig) -> list[TwistJoint]:
 
 def twist_of(rig: Rig, node: int, record: TwistRecord) -> TwistJoint:
     """The twist joint ``node`` of a record. Raises as `twist_joints`."""
-    if lost := [name for name in dict.fromkeys(references(record.to_dict())) if rig.known(name) is None]:
+    if lost := rig.lost_by(record):
         raise GeometryError(
             f"The twist joint '{rig.title(node)}' takes its twist from {list_names(lost)}, and no one node "
             "is called so: was it renamed, or is there another of that name? Give the joint that name again"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import TypeVar
 from weakref import ref
 
 import numpy as np
@@ -119,16 +120,8 @@ class Addresses:
     def ways(self) -> list[str]:
         """All ways, in the order of the nodes."""
         fresh = Addresses(self.names, self.labels, self.parents, self.joints, self.holders)
-        by_name: dict[str, list[int]] = {}
-        for node, name in enumerate(self.names):
-            by_name.setdefault(name, []).append(node)
-        fresh.find(by_name)
+        fresh.find(named(self.names))
         return [*fresh._first]
-
-
-# Those of rigs in use, and the last one: what a rig is called is often asked when that before it is gone.
-_known: list[ref[Addresses]] = []
-_last: list[Addresses] = []
 
 
 class Named(dict[str, list[int]]):
@@ -144,30 +137,46 @@ class Named(dict[str, list[int]]):
         for name, nodes in grown.items():
             self[name] = [*self[name], *nodes] if name in self else nodes
 
+    def begins(self, names: tuple[str, ...]) -> bool:
+        """Whether the nodes of another rig begin with these, or are these."""
+        return self.names == names[: len(self.names)]
 
-# Of rigs in use.
+
+# Those of rigs in use.
 _named: list[ref[Named]] = []
+_known: list[ref[Addresses]] = []
+# The last one: what a rig is called is often asked when that before it is gone.
+_last: list[Addresses] = []
+
+T = TypeVar("T", Named, Addresses)
 
 
 def named(names: tuple[str, ...]) -> Named:
     """The nodes of each name, found from what is known of rigs before."""
-    known = [each for one in _named if (each := one()) is not None]
-    fitting = (each for each in known if each.names == names[: len(each.names)])
-    before = max(fitting, key=lambda each: len(each.names), default=None)
+    before = _longest(_named, lambda each: each.begins(names))
     if before is None or len(before.names) < len(names):
-        before = Named(names, before)
-        _named[:] = map(ref, [*known, before][-_KEPT:])
+        before = _kept(_named, Named(names, before))
     return before
 
 
 def addresses_of(new: Addresses, by_name: Mapping[str, Sequence[int]]) -> Addresses:
     """What the nodes of a rig are called, found from what is known of rigs before."""
-    known = [each for one in _known if (each := one()) is not None]
-    fitting = (each for each in known if each.begins(new))
-    before = max(fitting, key=lambda each: len(each.names), default=None)
+    before = _longest(_known, lambda each: each.begins(new))
     if before is None or len(before.names) < len(new.names):
         new.find(by_name, before)
-        _known[:] = map(ref, [*known, new][-_KEPT:])
-        before = new
+        before = _kept(_known, new)
     _last[:] = [before]
     return before
+
+
+def _longest(known: Iterable[ref[T]], begins: Callable[[T], bool]) -> T | None:
+    """Of what is still in use that of the most nodes with which another rig begins."""
+    fitting = (each for one in known if (each := one()) is not None and begins(each))
+    return max(fitting, key=lambda each: len(each.names), default=None)
+
+
+def _kept(known: list[ref[T]], new: T) -> T:
+    """What is new, which is known from now on."""
+    known.append(ref(new))
+    known[:] = [one for one in known if one() is not None][-_KEPT:]
+    return new

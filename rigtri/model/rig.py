@@ -7,7 +7,7 @@ nodes; matrices are row-vector matrices (`rigtri.maths.matrices`).
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
 from typing import Any, NoReturn, TypeVar
@@ -32,6 +32,7 @@ from rigtri.model.skin import Skin
 from rigtri.text import identifier
 
 R = TypeVar("R", bound=Record)
+T = TypeVar("T")
 
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 DRAWING = "shape"
@@ -39,11 +40,24 @@ DRAWING = "shape"
 _EXACT = 1e-6
 
 
-# Records by the id of what is stored, with that itself, which rigs made of one another share.
-_parsed: dict[int, tuple[Mapping[str, Any], Record]] = {}
-# And the addresses in what is stored.
-_references: dict[int, tuple[Any, list[str]]] = {}
 _MOST_PARSED = 10_000
+
+
+class _Parsed(dict[int, tuple[Any, T]]):
+    """What was made of stored metadata, which rigs made of one another share, by its id, with itself."""
+
+    def of(self, stored: Any, make: Callable[[Any], T]) -> T:
+        known = self.get(id(stored))
+        if known is None or known[0] is not stored:
+            if len(self) >= _MOST_PARSED:
+                self.clear()
+            known = self[id(stored)] = stored, make(stored)
+        return known[1]
+
+
+_parsed: _Parsed[Record] = _Parsed()
+# The addresses in what is stored.
+_references: _Parsed[list[str]] = _Parsed()
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,12 +186,12 @@ class Rig(NodeNames):
 
     def named_by(self, stored: Any) -> set[int]:
         """The nodes that stored metadata is about; of each address that there is one node for."""
-        known = _references.get(id(stored))
-        if known is None or known[0] is not stored:
-            if len(_references) >= _MOST_PARSED:
-                _references.clear()
-            known = _references[id(stored)] = stored, references(stored)
-        return {node for name in known[1] if (node := self.known(name)) is not None}
+        found = map(self.known, _references.of(stored, references))
+        return {node for node in found if node is not None}
+
+    def lost_by(self, record: Record) -> list[str]:
+        """What a record is about that no one node is: the addresses of none, or of several, each once."""
+        return [name for name in dict.fromkeys(references(record.to_dict())) if self.known(name) is None]
 
     def with_addresses(self) -> Rig:
         """This rig with metadata that call nodes by their `address`, as operations look them up.
@@ -218,12 +232,7 @@ class Rig(NodeNames):
         if kind is None:
             return None
         stored = self.metadata[node]
-        known = _parsed.get(id(stored))
-        if known is None or known[0] is not stored:
-            if len(_parsed) >= _MOST_PARSED:
-                _parsed.clear()
-            known = _parsed[id(stored)] = stored, kind.from_dict(stored)
-        record = known[1]
+        record = _parsed.of(stored, kind.from_dict)
         return None if record.problems else record
 
     def records(self, kind: type[R]) -> dict[int, R]:

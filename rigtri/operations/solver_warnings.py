@@ -24,7 +24,7 @@ from rigtri.maths.ranking import first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, dot, length
 from rigtri.model.animation import Track
-from rigtri.model.metadata import ConstraintRecord, ControlRecord, Record, damage, references
+from rigtri.model.metadata import ConstraintRecord, ControlRecord, Record, damage
 from rigtri.model.rig import Rig
 from rigtri.report import Notice
 from rigtri.text import list_names
@@ -64,7 +64,7 @@ def lost_notices(rig: Rig) -> Iterator[Notice]:
     """Notices of controls and constraints that move nothing: no one node is called what they name."""
     for kind, called in _DRIVING.items():
         for node, record in rig.records(kind).items():
-            lost = [name for name in dict.fromkeys(references(record.to_dict())) if rig.known(name) is None]
+            lost = rig.lost_by(record)
             if lost and not damage(rig.metadata[node]):
                 text = f"{called} '{rig.title(node)}' is left out, for no one node is {list_names(lost)}: "
                 text += "was it renamed, or is there another of that name?"
