@@ -78,9 +78,8 @@ class StagedOutput:
         self.placed: list[tuple[Path, Path | None]] = []
         self._folders: list[Path] = []  # those that were not there before
         self.beside: list[Path] = []  # all companions, also those that were there
-        self.copied: dict[
-            Path, Path
-        ] = {}  # of which file of the source one is a copy, whatever others put there
+        # Which file of the source each of them is a copy of, whatever others put there.
+        self.copied: dict[Path, Path] = {}
         self._followers: list[Path] = []
         self._backup = _backup_path(final, os.getpid())
 

@@ -14,7 +14,7 @@ from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.variants import SkeletonVariants, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, Setting, define, set_matrices, set_tokens, set_value
-from rigtri.formats.usd.reading.animation_reader import PROPERTIES, Property
+from rigtri.formats.usd.reading.animation_reader import Property, array_paths
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
@@ -68,8 +68,8 @@ def check_joints_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
 def check_motion_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
     """FileError where variants decide what moves the joints of a skeleton; change: what cannot be done."""
     for variants in variants_of(stage, skeleton.path, skeleton.animations):
-        arrays = [Sdf.Path(variants.animation).AppendProperty(name) for name in ("joints", *PROPERTIES)]
-        variants.refuse_dependent([Sdf.Path(skeleton.path).AppendProperty(SOURCE), *arrays], change)
+        source = Sdf.Path(skeleton.path).AppendProperty(SOURCE)
+        variants.refuse_dependent([source, *array_paths(variants.animation)], change)
 
 
 def bound_in(variants: SkeletonVariants) -> set[str]:
@@ -81,7 +81,7 @@ def bound_in(variants: SkeletonVariants) -> set[str]:
 
 def is_decided(stage: Any, skeletons: Iterable[str], animation: str) -> bool:
     """Whether variants decide what an animation of some Skeletons lists or holds."""
-    arrays = {Sdf.Path(animation).AppendProperty(name) for name in ("joints", *PROPERTIES)}
+    arrays = {*array_paths(animation)}
     return any(
         arrays & variants.depends.keys()
         for path in skeletons

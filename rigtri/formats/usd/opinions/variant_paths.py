@@ -14,7 +14,7 @@ from rigtri.formats.usd.composition.variant_choices import VariantSet
 from rigtri.formats.usd.composition.variants import SkeletonVariants, VariantState, why_unselected
 from rigtri.formats.usd.opinions.edits import Edit, Setting
 from rigtri.formats.usd.opinions.instance_edits import instance_of
-from rigtri.formats.usd.reading.animation_reader import PROPERTIES
+from rigtri.formats.usd.reading.animation_reader import array_paths
 from rigtri.formats.usd.reading.xform_hierarchy import OPS
 from rigtri.report import Notice
 
@@ -60,8 +60,7 @@ def inside_variants(prim: Any, sets: set[Any], state: VariantState, variants: Sk
 def keys_of_new_joints(variants: SkeletonVariants, edits: Sequence[Edit]) -> tuple[list[Edit], list[Notice]]:
     """The edits of an animation that gets new joints, in the variants that decide its arrays; notices."""
     animation = Sdf.Path(variants.animation)
-    arrays = [animation.AppendProperty(name) for name in ("joints", *PROPERTIES)]
-    sets = set[VariantSet]().union(*(variants.depends.get(path, ()) for path in arrays))
+    sets = set[VariantSet]().union(*(variants.depends.get(path, ()) for path in array_paths(animation)))
     if not sets:
         return list(edits), []
     selected = selected_names(variants, sets)

@@ -27,7 +27,7 @@ from rigtri.formats.usd.composition.variants import (
 from rigtri.formats.usd.opinions.edits import Edit, Setting
 from rigtri.formats.usd.opinions.variant_paths import inside, own_place, refuse_shared, selected_names
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
-from rigtri.formats.usd.reading.animation_reader import PROPERTIES
+from rigtri.formats.usd.reading.animation_reader import array_paths
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.report import Notice
@@ -55,11 +55,8 @@ def confine_keys(edit: UsdEdit) -> None:
         if decided and _confine(edit, skeleton, decided, mine, made):
             confined.add(skeleton.path)
     for variants in edit.retimed:
-        if variants.skeleton not in confined:
-            animation = Sdf.Path(variants.animation)
-            arrays = [animation.AppendProperty(name) for name in ("joints", *PROPERTIES)]
-            if variants.animation not in edit.extended:
-                variants.refuse_dependent(arrays, "Keys cannot be changed")
+        if variants.skeleton not in confined and variants.animation not in edit.extended:
+            variants.refuse_dependent(array_paths(variants.animation), "Keys cannot be changed")
     _confine_props(edit)
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from pxr import Usd
+from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, numbers, tokens_of
@@ -76,6 +76,11 @@ class Animation:
     properties: Mapping[str, Property]
     idle: bool = False
     lacks: tuple[str, ...] = ()
+
+
+def array_paths(animation: Any) -> list[Any]:
+    """The paths of the arrays of an animation: its joints, and what it has of each."""
+    return [Sdf.Path(animation).AppendProperty(name) for name in ("joints", *PROPERTIES)]
 
 
 def interpolation_of(stage: Any) -> Interpolation:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,8 @@ from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition.stage import open_file, quiet
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.joint_tokens import unsplit
-from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, TARGET, read_joints, read_prim
+from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
+from rigtri.formats.usd.reading.node_references import read_targets
 from rigtri.model.rig import Rig
 from rigtri.verification.checks import metadata_check
 from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
@@ -140,11 +142,9 @@ def _joint_paths(skeleton: str, tokens: Iterable[str]) -> Iterable[str]:
 
 def _gone(prim: Any) -> str:
     """Which prim that metadata points at is not there, though another may have its name; "" where all are."""
-    for relation in prim.GetRelationships():
-        if relation.GetName().startswith("rigtri:") and relation.GetName().endswith(TARGET):
-            for target in relation.GetTargets():
-                if not prim.GetStage().GetPrimAtPath(target.GetPrimPath()):
-                    return f"it points at <{target}>, which is not there with the variants that are selected"
+    for path in chain.from_iterable(read_targets(prim).values()):
+        if path and not prim.GetStage().GetPrimAtPath(path):
+            return f"it points at <{path}>, which is not there with the variants that are selected"
     return ""
 
 
