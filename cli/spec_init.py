@@ -41,10 +41,9 @@ from .terminal_text import plain
 @quiet_option
 @json_option
 def command(source: str, output: str, **values: Any) -> None:
-    from rigtri.files.input_stream import opened, title
-    from rigtri.formats import read
     from rigtri.pipeline.rigspec.load import need_libraries
-    from rigtri.pipeline.rigspec.spec_init import plain_values, starter
+    from rigtri.pipeline.rigspec.spec_init import plain_values, spec_init
+    from rigtri.report import Report
 
     need_libraries()
     suffix = Path(output).suffix.lower()
@@ -52,11 +51,9 @@ def command(source: str, output: str, **values: Any) -> None:
         raise UsageError(f"{output}: the spec is YAML or JSON; give it the suffix .yaml or .json")
     # With --json standard output has the spec, too: in JSON, and once.
     output_file.check_output(output, [source], values | {"as_json": False})
-    options = read_options(values)
-    with opened(source) as file:
-        document = read(file, options)
-        output_file.check_needed(output, document.needed())
-        text = starter(document.rig, title(source), options=options)
+    report = Report()
+    text = spec_init(source, options=read_options(values), report=report)
+    output_file.check_needed(output, report.sources)
     in_json = json.dumps(plain_values(text), indent=2, ensure_ascii=False)
     if values["as_json"]:
         click.echo(in_json)

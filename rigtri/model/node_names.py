@@ -65,6 +65,10 @@ class NodeNames(Hierarchy, ABC):
             return self.labels[node]
         return f"{name} ({self.labels[node]})" if len(self._by_name[name]) > 1 else name
 
+    def chain_title(self, nodes: Iterable[int]) -> str:
+        """A chain, or a limb, in a message: the titles of its nodes, from the root on."""
+        return " - ".join(map(self.title, nodes))
+
     @cached_property
     def _by_name(self) -> Mapping[str, list[int]]:
         return named(self.names)

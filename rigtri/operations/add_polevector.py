@@ -181,7 +181,7 @@ def _bend(limb_bends: LimbBends, limb: Limb, given: Floats | None, report: Repor
 
 def _warn_unheard(limb_bends: LimbBends, limb: Limb, found: Bend, report: Report) -> None:
     """Warn where ``--facing`` has no say in how a limb bends."""
-    title, why = _title(limb_bends.rig, limb), limb_bends.why_unheard(limb, found)
+    title, why = limb_bends.rig.chain_title(limb.triple), limb_bends.why_unheard(limb, found)
     if not limb.kind:
         why += "; say --bend"
     elif found.source == "given":
@@ -210,7 +210,8 @@ def _pole_position(
     )
     if not np.isfinite(position).all():
         raise GeometryError(
-            f"the root and end of the limb {_title(rig, limb)} are at one place: there is no root-to-end line"
+            f"the root and end of the limb {rig.chain_title(limb.triple)} are at one place: there is no "
+            "root-to-end line"
         )
     degrees = float(np.degrees(bend_angle(*points)))
     record = _pole_record(rig, limb, options, found, degrees)
@@ -264,7 +265,7 @@ def _pole_record(
 
 
 def _warn_bend(rig: Rig, limb: Limb, found: Bend, points: Floats, report: Report) -> None:
-    title, degrees = _title(rig, limb), float(np.degrees(bend_angle(*points)))
+    title, degrees = rig.chain_title(limb.triple), float(np.degrees(bend_angle(*points)))
     if found.source != "pose" and float(bend_sine(*points)) < STRAIGHT_SINE:
         report.warn(
             "straight",
@@ -279,10 +280,6 @@ def _warn_bend(rig: Rig, limb: Limb, found: Bend, points: Floats, report: Report
             joint=title,
             geometry=True,
         )
-
-
-def _title(rig: Rig, limb: Limb) -> str:
-    return " - ".join(rig.title(node) for node in limb.triple)
 
 
 def _placed(
@@ -371,12 +368,12 @@ def _clips(rig: Rig, limb: Limb) -> list[dict[str, Any]]:
 
 def _straight_message(rig: Rig, limbs: list[Limb], ref: ReferencePose, faces: Floats | None) -> str:
     worst = limbs[0]
-    points = ref.world[list(worst.triple), 3, :3]
+    title, points = rig.chain_title(worst.triple), ref.world[list(worst.triple), 3, :3]
     name = rig.names[worst.middle] or rig.labels[worst.middle]
     rest = f" So do {len(limbs) - 1} more." if len(limbs) > 1 else ""
     if not _has_chord(points):
         return (
-            f"The limb {_title(rig, worst)} has its root and end at one place, so no direction lies across "
+            f"The limb {title} has its root and end at one place, so no direction lies across "
             f"it.{rest} Leave it out: name the limbs that are to have a pole vector"
         )
     way = f"--bend '{name}=0,0,1'"
@@ -385,7 +382,7 @@ def _straight_message(rig: Rig, limbs: list[Limb], ref: ReferencePose, faces: Fl
     elif worst.kind:
         way += " or --facing +z"
     return (
-        f"The limb {_title(rig, worst)} is {straightness(float(np.degrees(bend_angle(*points))))}, and "
+        f"The limb {title} is {straightness(float(np.degrees(bend_angle(*points))))}, and "
         f"neither a clip, the other side nor its name says which way it bends.{rest} Say it with {way}."
     )
 

@@ -244,7 +244,7 @@ class LimbBends:
 
     def _warn(self, limb: Limb, doubted: Bend, natural: Bend, taken: Bend, report: Report) -> None:
         off = float(np.degrees(angle(doubted.direction, natural.direction)))
-        title = " - ".join(self.rig.title(node) for node in limb.triple)
+        title = self.rig.chain_title(limb.triple)
         if doubted.source == "pose":
             bent = f"{float(np.degrees(bend_angle(*self.world[list(limb.triple), 3, :3]))):.2g}°"
         else:
@@ -265,7 +265,7 @@ class LimbBends:
             return
         bent = float(np.degrees(bend_angle(*self.world[list(limb.triple), 3, :3])))
         off = float(np.degrees(angle(seen.direction, natural.direction)))
-        title = " - ".join(self.rig.title(node) for node in limb.triple)
+        title = self.rig.chain_title(limb.triple)
         what = (
             "but the foot points ahead: it is taken for the shape of the leg, and the knee bends forward. If "
             "it is a bend"

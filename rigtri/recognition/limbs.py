@@ -155,8 +155,7 @@ def unsure(rig: Rig) -> list[Chain]:
 
 def limb_title(rig: Rig, chain: Chain) -> str:
     """A recognised limb in a message: its name, its three joints, and how sure it is."""
-    joints = " - ".join(rig.title(node) for node in chain.bend)
-    return f"{chain.name} ({joints}; {chain.confidence:.2f})"
+    return f"{chain.name} ({rig.chain_title(chain.bend)}; {chain.confidence:.2f})"
 
 
 def built_limbs(rig: Rig) -> list[Limb]:

@@ -117,4 +117,4 @@ def _clearly(draft: Draft, bare: Draft, each: Found, found: Sequence[Found]) -> 
 
 
 def _titles(draft: Draft, joints: Sequence[int]) -> str:
-    return " - ".join(draft.tree.rig.title(joint) for joint in joints)
+    return draft.tree.rig.chain_title(joints)

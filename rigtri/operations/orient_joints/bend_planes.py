@@ -140,7 +140,7 @@ def _warn_unheard(limb_bends: LimbBends, limb: Limb, found: Bend, report: Report
     """Warn where a limb bends against what ``--facing`` says, which has no say there."""
     why = limb_bends.why_unheard(limb, found)
     if why and limb_bends.is_against_facing(limb, found):
-        title = " - ".join(limb_bends.rig.title(node) for node in limb.triple)
+        title = limb_bends.rig.chain_title(limb.triple)
         report.warn(
             "facing-unused",
             f"--facing does not change the hinge of {title}: {why}, against it. If it is to bend where "

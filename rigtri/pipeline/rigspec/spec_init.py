@@ -23,6 +23,7 @@ from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
 from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.limbs import recognise as recognised_limbs
 from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
 from rigtri.text import a, and_more
 
 # So many joints are shown as a comment; inspect shows all.
@@ -33,14 +34,18 @@ TWISTS, INFLUENCES = 2, 4
 REACHING = ("arm", "leg", "limb")
 
 
-def spec_init(path: Path | str, *, options: ReadOptions | None = None) -> str:
+def spec_init(path: Path | str, *, options: ReadOptions | None = None, report: Report | None = None) -> str:
     """A spec in YAML to start from, with steps for the joints of a file, as `rigtri spec-init` writes it.
 
-    path: the file; options: how it is read. Raises FileError where that cannot be, or where no joints are.
+    path: the file; options: how it is read; report: gets what else was read. Raises FileError where that
+    cannot be, or where no joints are.
     """
     options = options or ReadOptions()
     with opened(path) as file:
-        return starter(read(file, options).rig, title(path), options=options)
+        document = read(file, options)
+        if report is not None:
+            report.sources += document.needed()
+        return starter(document.rig, title(path), options=options)
 
 
 def starter(
