@@ -11,12 +11,13 @@ from dataclasses import replace
 from math import fsum, inf
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.body_shape import LEVEL, Body, has_tail, height, lowest
+from rigtri.recognition.body_shape import LEVEL, Body, height, lowest
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.up_of_legs import has_tail
 
 # Of front legs without joints in their feet so much of the height of the hips is missing at least, and where
 # there are fingers or toes nothing but what a step takes.
