@@ -14,6 +14,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from rigtri.evaluation.bind_pose import bind_worlds, placed_bind
 from rigtri.frames.skeleton import Skeleton, reference
 from rigtri.maths.matrices import (
     from_frame,
@@ -82,7 +83,8 @@ def rolling_toes(tree: Skeleton, limbs: Iterable[Limb]) -> dict[Limb, int | str]
 
     Where a paw without skin ends is not known: the shares of `_HEEL` and `_TIP` are those of people's feet.
     """
-    rig, standing, skin = tree.rig, reference(tree, None).world, SkinSections(tree)
+    rig, skin = tree.rig, SkinSections(tree)
+    standing = _standing(tree)
     feet = [
         (c, one) for one in recognise(rig).characters for c in one.chains if c.kind == "foot" and c.is_sure
     ]
@@ -116,7 +118,7 @@ def rolling_feet(
     known = {record.chain for record in rig.records(ControlRecord).values() if record.kind in PIVOTS}
     if options.foot_roll is False or not (options.foot_roll or known):
         return []
-    poses = reference(tree, "nodes").world, reference(tree, None).world
+    poses = reference(tree, "nodes").world, _standing(tree)
     found = list[Foot]()
     for limb, toe in rolling_toes(tree, limbs).items():
         if isinstance(toe, int) and (options.foot_roll or tuple(map(rig.address, limb.triple)) in known):
@@ -124,6 +126,24 @@ def rolling_feet(
         elif isinstance(toe, str) and options.foot_roll:
             title = rig.title(limb.end)
             report.warn("no-foot-roll", f"No pivots for '{title}' to roll about: {toe}", joint=title)
+    return found
+
+
+def _standing(tree: Skeleton) -> Floats:
+    """The worlds, (n, 4, 4), of the pose in which a character was bound, upright as it was bound.
+
+    A clip's first frame, which many files have at rest, leans and turns the topmost joint, too.
+    """
+    rig, world = tree.rig, reference(tree, None).world
+    found, held = world.copy(), set[int]()
+    stored = [number for number, skin in enumerate(rig.skins) if skin.stored and len(skin.joints)]
+    for number in sorted(stored, key=lambda number: -len(rig.skins[number].joints)):
+        bound, placed = bind_worlds(rig, rig.skins[number]), placed_bind(rig, number).world
+        top = int(rig.skins[number].joints.min())
+        body = [node for node in rig.below(top) if node not in held]
+        held.update(body)
+        if placed is not bound:
+            found[body] = multiply(world[body], multiply(inverse(bound[top]), placed[top]))
     return found
 
 

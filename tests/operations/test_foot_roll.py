@@ -20,7 +20,7 @@ from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
 from rigtri.frames.skeleton import skeleton
-from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.content import Content
@@ -130,6 +130,24 @@ def test_heel_and_tip_are_where_the_skin_ends_on_the_ground(rolling: Path) -> No
     assert places["tip"] @ ahead >= rig.world[rig.find("toe_L_end"), 3, :3] @ ahead - 1e-6
     ends = float((foot @ ahead).min()), float((foot @ ahead).max())
     assert [places["heel"] @ ahead, places["tip"] @ ahead] == pytest.approx(ends, abs=0.02 * np.ptp(ends))
+
+
+def test_pivots_are_on_the_sole_also_where_the_topmost_joint_leans_at_rest() -> None:
+    """As where the rest pose is a frame of a run. Before, the ground was taken from how that leaned."""
+    upright = read(SAMPLES / "biped.glb").rig
+    turned = upright.rotation.copy()
+    for name, degrees in {"hips": 35.0, "thigh_L": -50.0, "foot_L": 20.0}.items():
+        turn = from_axis_angle(np.array([1.0, 0.0, 0.0]), np.radians(degrees))
+        turned[upright.find(name)] = multiply(turned[upright.find(name)], turn)
+    found = []
+    for rig in (upright, replace(upright, rotation=turned)):
+        rolls = rigtri.add_controls(rig, whole_character=True, foot_roll=True)
+        here, foot, toe = pivots(rolls), rolls.find("foot_L"), rolls.find("toe_L")
+        above = {"heel": foot, "tip": toe, "ball": toe}
+        found.append({k: (rolls.world[n] @ np.linalg.inv(rolls.world[above[k]]))[3] for k, n in here.items()})
+    for kind in PIVOTS:
+        # In metres. Skin that the foot shares with the shin is bent otherwise.
+        assert found[1][kind] == pytest.approx(found[0][kind], abs=5e-4)
 
 
 @pytest.fixture(scope="module")
