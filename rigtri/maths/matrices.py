@@ -219,6 +219,21 @@ def decompose(m: ArrayLike) -> tuple[Floats, Floats, Floats]:
     return m[..., 3, :3].copy(), from_axes(orthonormal_axes(m)), scale
 
 
+def decompose_flat(m: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """Like `decompose`; an axis of length zero stands upright on the other two. NaN where two are zero.
+
+    >>> [part.tolist() for part in decompose_flat(np.diag([0.0, 2, 3, 1]))][1:]
+    [[0.0, 0.0, 0.0, 1.0], [0.0, 2.0, 3.0]]
+    """
+    whole, scale = as_matrices(m).copy(), length(as_matrices(m)[..., :3, :3])
+    for zero, one, other in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        upright = cross(whole[..., one, :3], whole[..., other, :3])
+        flat = (scale[..., zero] == 0)[..., np.newaxis]
+        whole[..., zero, :3] = np.where(flat, upright, whole[..., zero, :3])
+    translation, rotation, sized = decompose(whole)
+    return translation, rotation, np.where(scale == 0, 0.0, sized)
+
+
 def orthonormal_axes(m: ArrayLike) -> Floats:
     """The axes of matrices without scale, skew and mirroring, rows, (..., 4, 4) → (..., 3, 3).
 

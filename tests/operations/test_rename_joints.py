@@ -13,6 +13,7 @@ import pytest
 from gltf_files import glb_json, small
 from places import SAMPLES, every_other, real_files, slow
 from program import cli
+from pxr import Gf, Sdf, Usd, UsdGeom
 from recognition_bodies.skeletons import LEG, both, line, rig_with
 
 import rigtri
@@ -339,3 +340,48 @@ def test_names_that_would_give_a_joint_a_parent_are_refused(tmp_path: Path) -> N
     result = cli(*words, "--name", "spine 1=spine", code=3)
     assert "'hips/spine 1' is not a path of names, so it has no parent in UsdSkel" in result.stderr
     assert not (tmp_path / "out.usda").exists()
+
+
+def _prim(stage: Usd.Stage, name: str) -> Usd.Prim:
+    return next(prim for prim in stage.Traverse() if prim.GetName() == name)
+
+
+def test_ops_of_a_keyed_rivet_keep_their_values(tmp_path: Path) -> None:
+    """Its keys are as they were, so nothing of it is written: a flat scale has no rotation to write."""
+    source, out = tmp_path / "source.usda", tmp_path / "out.usda"
+    rig = rigtri.add_rivet(rigtri.read(SAMPLES / "biped.usda"), mesh="body", triangle=[0], name=["button"])
+    rigtri.write(rigtri.bake(rig), source)
+    stage = Usd.Stage.Open(str(source))
+    ridden = _prim(stage, "button")
+    UsdGeom.Xformable(ridden).AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(0, 30, 30))
+    stage.Save()
+    cli("rename-joints", source, "-o", out, "--to", "mixamo", code=0)
+    layers = [Sdf.Layer.FindOrOpen(str(path)) for path in (source, out)]
+    was, now = (
+        {
+            spec.name: (spec.default, layer.ListTimeSamplesForPath(spec.path))
+            for spec in layer.GetPrimAtPath(ridden.GetPath()).attributes
+        }
+        for layer in layers
+    )
+    assert was == now
+    assert len(was["xformOp:orient"][1]) > 1
+
+
+def test_a_flat_rivet_is_baked_with_its_rotation(tmp_path: Path) -> None:
+    source, out = tmp_path / "source.usda", tmp_path / "out.usda"
+    rig = rigtri.add_rivet(rigtri.read(SAMPLES / "biped.usda"), mesh="body", triangle=[0], name=["button"])
+    rigtri.write(rig, source)
+    text = source.read_text()
+    assert text.count('["xformOp:translate", "xformOp:orient"]') == 1
+    source.write_text(
+        text.replace(
+            'uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:orient"]',
+            "double3 xformOp:scale = (2, 0, 3)\n"
+            'uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:orient", "xformOp:scale"]',
+        )
+    )
+    cli("bake", source, "-o", out, code=0)
+    stages = [Usd.Stage.Open(str(path)) for path in (source, out)]
+    before, after = (UsdGeom.Xformable(_prim(stage, "button")).GetLocalTransformation() for stage in stages)
+    assert np.abs(np.subtract(before, after)).max() < 1e-12

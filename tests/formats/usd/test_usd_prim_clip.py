@@ -101,7 +101,9 @@ def test_a_single_sample_is_where_the_prim_rests(tmp_path: Path) -> None:
 
 def test_hidden_flat_and_broken_samples_are_read(tmp_path: Path) -> None:
     text = """def Xform "Flat" {
-        float3 xformOp:scale.timeSamples = { 1: (1, 1, 1), 2: (0, 0, 0), 3: (1, 0, 1), 4: (nan, 1, 1) }
+        float3 xformOp:scale.timeSamples = {
+            1: (1, 1, 1), 2: (0, 0, 0), 3: (1, 0, 1), 4: (nan, 1, 1), 5: (1, 0, 0)
+        }
         uniform token[] xformOpOrder = ["xformOp:scale"]
         def Cube "c" {}
     }"""

@@ -14,8 +14,8 @@ from pxr import Gf, Sdf
 
 from rigtri.formats.usd.opinions.edits import Setting, set_tokens, set_value
 from rigtri.formats.usd.reading.xform_hierarchy import OPS
-from rigtri.maths.matrices import decompose
-from rigtri.maths.quaternions import norm, unit
+from rigtri.maths.matrices import decompose_flat
+from rigtri.maths.quaternions import IDENTITY, norm, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
 
@@ -66,9 +66,17 @@ def after_reset(order: Sequence[str]) -> int:
     return max((k for k, name in enumerate(order, 1) if name == RESET), default=0)
 
 
+def stands_by(local: Floats) -> dict[Path, Floats]:
+    """Translation, rotation and scale that make a local matrix, (4, 4); no rotation where no axes say one."""
+    translation, rotation, scale = decompose_flat(local)
+    rotation = rotation if np.isfinite(rotation).all() else IDENTITY
+    return dict(zip(OPS, (translation, rotation, scale), strict=True))
+
+
 def transform_ops(local: Floats) -> list[str]:
     """The ops that `set_transform` writes, in order: those that are not the identity, translate always."""
-    _, rotation, scale = decompose(local)
+    rows = stands_by(local)
+    rotation, scale = rows["rotation"], rows["scale"]
     order = ["xformOp:translate"]
     order += ["xformOp:orient"] if np.abs(rotation[:3]).max() > SAME_ROTATION else []
     return order + (["xformOp:scale"] if np.abs(scale - 1.0).max() > SAME_ROTATION else [])
@@ -108,7 +116,7 @@ def set_transform(
     to_key: there are all three, for an animator to key; the rotation is Euler angles where it is still zero.
     types: those of ops by name, where they are others than `OP_TYPES`.
     """
-    rows = dict(zip(OPS, decompose(local), strict=True))
+    rows = stands_by(local)
     moved = {track.path: track for track in tracks}
     stands = {*transform_ops(local), *(OPS[path] for path in moved)}
     order = {path: name for path, name in OPS.items() if to_key or name in stands}

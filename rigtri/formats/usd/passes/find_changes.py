@@ -67,7 +67,7 @@ def _keyed_prims(before: Rig, rig: Rig, moved: Booleans) -> set[int]:
     return found
 
 
-def _same_weights(was: Track | None, now: Track) -> bool:
+def _is_same(was: Track | None, now: Track) -> bool:
     """Whether two tracks are equal, though passes before have read the stage again and made new ones."""
     return (
         was is not None
@@ -97,7 +97,7 @@ def _divided(
         for now in new.tracks:
             was = known.get((now.node, now.path))
             weighs = now.path == "weights"
-            if now is was or not (weighs or prim(now.node)) or (weighs and _same_weights(was, now)):
+            if now is was or not (weighs or prim(now.node)) or _is_same(was, now):
                 kept.append(now)
                 continue
             if weighs:

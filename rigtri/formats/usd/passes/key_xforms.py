@@ -27,6 +27,7 @@ from rigtri.formats.usd.opinions.xform_edits import (
     op_samples,
     op_value,
     set_transform,
+    stands_by,
     transform_ops,
 )
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
@@ -121,7 +122,7 @@ def _into_stack(
     """Samples for the ops that have new tracks; new ops where they belong. local: a new rest, or None."""
     found: list[Edit] = []
     path = prim.GetPath()
-    rest = {} if local is None else dict(zip(OPS, decompose(local), strict=True))
+    rest = {} if local is None else stands_by(local)
     stands = [] if local is None else transform_ops(local)
     names = [name for p, name in OPS.items() if name in ops or p in tracks or name in stands]
     types = {

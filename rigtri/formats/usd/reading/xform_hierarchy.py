@@ -20,7 +20,7 @@ from rigtri.formats.usd.composition.time_samples import has_splines, ops_times
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.formats.usd.reading.sampled_xforms import notice_shear, sampled_tracks
-from rigtri.maths.matrices import SKEW, decompose, inverse, skew
+from rigtri.maths.matrices import SKEW, decompose, decompose_flat, inverse, skew
 from rigtri.maths.quaternions import IDENTITY, multiply, norm, normalise, off_unit, rotate, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
@@ -313,7 +313,7 @@ def _parts(local: Floats, paths: list[str], warnings: list[Notice]) -> tuple[Flo
         warnings.append(Notice("no-place", text))
         local = np.where(finite[:, np.newaxis, np.newaxis], local, np.eye(4))
     with np.errstate(invalid="ignore", divide="ignore"):
-        translation, rotation, scale = decompose(local)
+        translation, rotation, scale = decompose_flat(local)
         whole = np.asarray(np.isfinite(rotation).all(axis=1))
         odd = np.asarray(~whole | (skew(local) > SKEW))
     # What is hidden by a scale of zero has no axes; there is nothing to measure about them.
