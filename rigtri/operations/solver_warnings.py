@@ -67,7 +67,7 @@ def lost_notices(rig: Rig) -> Iterator[Notice]:
             lost = rig.lost_by(record)
             if lost and not damage(rig.metadata[node]):
                 text = f"{called} '{rig.title(node)}' is left out, for no one node is {list_names(lost)}: "
-                text += "was it renamed, or is there another of that name?"
+                text += "was it renamed, is there another of that name, or is another variant selected?"
                 yield Notice(f"{called.lower()}-lost", text, geometry=True, names=tuple(lost))
 
 

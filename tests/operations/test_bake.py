@@ -26,6 +26,7 @@ from program import cli
 from rigs import chain
 from second_opinions import validator
 
+import rigtri
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.active_controls import controls_at_work
@@ -343,6 +344,13 @@ def test_options_that_cannot_be_are_reported(options: BakeOptions, error: type[E
 def test_a_file_without_controls_has_nothing_to_bake() -> None:
     with pytest.raises(GeometryError, match="nothing to bake"):
         bake(read(SAMPLES / "biped.glb").rig, options=BakeOptions())
+
+
+def test_of_constraints_whose_driver_is_gone_it_says_which() -> None:
+    rig = rigtri.constrain(rigtri.read(SAMPLES / "biped.glb"), type="parent", child="head", driver="staff")
+    gone = tuple("cane" if name == "staff" else name for name in rig.names)
+    with pytest.raises(GeometryError, match=r"nothing to bake: Constraint '.*no one node is 'staff'"):
+        rigtri.bake(replace(rig, names=gone))
 
 
 @pytest.mark.ci

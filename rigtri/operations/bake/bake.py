@@ -69,7 +69,7 @@ from rigtri.operations.bake.unbaked import (
     refuse_replaced,
     warn_overruled,
 )
-from rigtri.operations.bake.warnings import fidelity, warn_of_result
+from rigtri.operations.bake.warnings import fidelity, warn_of_result, why_nothing
 from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
 from rigtri.operations.options.bake import BakeOptions as BakeOptions
@@ -145,11 +145,7 @@ class _Baker:
         follows = options.to == "joints" and (rivets_and_readers(rig) or twist_joints(rig))
         own = self.reference
         if not (own.fk or own.limbs or own.roots or constraints_of(rig) or follows):
-            raise GeometryError(
-                "There is nothing to bake: the file has no controls and no constraints of rigtri. "
-                "Add some with: rigtri add-controls IN -o OUT --whole-character; or, if a program has "
-                "dropped them, name the file that has them with --rig"
-            )
+            raise GeometryError(f"There is nothing to bake: {why_nothing(rig)}")
 
     def baked(self) -> Rig:
         if self.options.to == "controls":

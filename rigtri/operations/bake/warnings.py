@@ -36,6 +36,17 @@ def _clips(report: Report) -> list[Mapping[str, Any]]:
     return [entry for entry in report.added if entry.get("type") == "clip"]
 
 
+def why_nothing(rig: Rig) -> str:
+    """Why a rig has nothing that moves joints, and what to do."""
+    if lost := [notice.text for notice in lost_notices(rig)]:
+        more = f" ({len(lost) - 1} more alike)" if len(lost) > 1 else ""
+        return f"{lost[0]}{more}"
+    return (
+        "the file has no controls and no constraints of rigtri. Add some with: rigtri add-controls IN -o OUT "
+        "--whole-character; or, if a program has dropped them, name the file that has them with --rig"
+    )
+
+
 def warn_of_result(rig: Rig, options: BakeOptions, report: Report) -> None:
     """The warnings that need all clips to be baked; rig: as it was before."""
     _warn_undersampled(rig, report, max(options.between, options.tolerance))
