@@ -6,6 +6,7 @@ Source: docs/presets.md, "One body, one sense".
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import pi
 from typing import NamedTuple
 
 import numpy as np
@@ -14,13 +15,17 @@ from rigtri.maths.angle_limits import cosine_below, radians_below
 from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
-from rigtri.recognition.thumb_bends import SIMILAR_BEND
+from rigtri.recognition.layout import PHALANGES
+from rigtri.recognition.thumb_bends import MIRRORED, NATURAL, SHAPE, SIMILAR_BEND, hides
 
 # The first of its four joints or more may be a metacarpal, which is set aside by up to this (radians); it is
 # none where its plane is as near as this (a cosine) to that of the others.
 SET_ASIDE, WITH_OTHERS = radians_below(30), cosine_below(30)
 # Fingers that all bend to one side by more than this (radians) say which side the palm is on.
 SHOWN = radians_below(2)
+# A finger with a metacarpal that bends by less than this part of what the most bent one does shows how it is
+# spread, not how it closes.
+HARDLY = 0.25
 
 
 class Curl(NamedTuple):
@@ -28,12 +33,46 @@ class Curl(NamedTuple):
 
     hinge: that they have in common, unit, (3,). bend: of most of them, radians. agreement: of their own
     hinges, 0 to 1. closes: the cosine between the hinge and that about which they close by their places.
+    height: of the middle joints of most of them over the lines between those beside them, file units.
     """
 
     hinge: Floats
     bend: float = 0.0
     agreement: float = 0.0
     closes: float = 0.0
+    height: float = 0.0
+
+
+def curl_of(fingers: Sequence[Sequence[int]], at: Floats, palm: Floats | None) -> Curl:
+    """What the fingers show; those that are straight, or only spread, have no vote.
+
+    at: the places of all nodes, (n, 3). palm: about which they close by their places, unit, (3,).
+    """
+    shown, most, heights = list[tuple[Floats, bool]](), list[float](), list[float]()
+    for finger in fingers:
+        triples = list(zip(finger, finger[1:], finger[2:], strict=False))
+        if triples:
+            a, b, c = (at[[triple[k] for triple in triples]] for k in range(3))
+            if len(fingers) < 2 and is_set_aside(a, b, c):
+                a, b, c = a[1:], b[1:], c[1:]
+            most.append(float(bend_angle(a, b, c).max()))
+            across = cross(b - a, c - b)
+            heights.append(float((length(across) / length(c - a)).max()))
+            plane = normalise(across.cumsum(axis=0)[-1])
+            shown.append((plane, len(finger) > len(PHALANGES)))
+    least = max(SHOWN, HARDLY * max(most, default=0.0))
+    normals = [
+        plane
+        for bend, (plane, has_metacarpal) in zip(most, shown, strict=True)
+        if bend > (least if has_metacarpal else SHOWN)
+    ]
+    if not normals:
+        return Curl(np.full(3, np.nan))
+    common = np.nan_to_num(np.array(normals)).cumsum(axis=0)[-1]
+    hinge, half = normalise(common), len(most) // 2
+    closes = 0.0 if palm is None else float(dot(hinge, palm))
+    agreement = float(length(common)) / len(normals)
+    return Curl(hinge, sorted(most)[half], agreement, closes, sorted(heights)[half])
 
 
 def mean_of_pair(curls: Sequence[Curl]) -> list[Curl]:
@@ -42,6 +81,24 @@ def mean_of_pair(curls: Sequence[Curl]) -> list[Curl]:
         return list(curls)
     mean = [0.5 * (one + other) for one, other in zip(curls[0][1:], curls[1][1:], strict=True)]
     return [Curl(curl.hinge, *mean) for curl in curls]
+
+
+def lone_bends_count(curls: Sequence[Curl], asides: Sequence[float | None], noise: float) -> list[bool]:
+    """Of hands of one finger each, one or a pair, whether its own bend decides, and not the arm or a thumb.
+
+    asides: by how much each bend turns off what the arm says, radians, mirrored on the right; None where it
+    says nothing. noise: of the places of joints along each axis, file units.
+    """
+    off = [aside for aside in asides if aside is not None]
+    is_pair = len(off) == 2 and abs(curls[0].bend - curls[1].bend) <= SIMILAR_BEND
+    apart = abs(off[0] - off[1]) if is_pair else 0.0
+    mirrored = min(apart, 2.0 * pi - apart) < MIRRORED
+    # Twins that bend alike, and are no mirror images, are bent by noise; one alone has none to show it.
+    natural = [mirrored if is_pair else aside is None or abs(aside) < NATURAL for aside in asides]
+    return [
+        not hides(noise, curl.height) and (curl.bend > SHAPE or fits)
+        for curl, fits in zip(curls, natural, strict=True)
+    ]
 
 
 def is_set_aside(a: Floats, b: Floats, c: Floats) -> bool:

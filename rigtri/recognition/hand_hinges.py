@@ -19,9 +19,9 @@ from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendic
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.bend_direction import facing_along
-from rigtri.recognition.finger_bends import SHOWN, Curl, is_set_aside, mean_of_pair, shown_by_all
+from rigtri.recognition.finger_bends import Curl, curl_of, lone_bends_count, mean_of_pair, shown_by_all
 from rigtri.recognition.hands_feet import BY_PLACE
-from rigtri.recognition.layout import PHALANGES, Chain
+from rigtri.recognition.layout import Chain
 from rigtri.recognition.thumb_bends import (
     ALIKE,
     BENT,
@@ -39,9 +39,6 @@ CURLED = radians_below(20)
 LONE_CURLED = radians_below(10)
 # Fingers whose first bones are folded over the palm by more than this (radians); no finger bends so far back.
 FOLDED, BENT_BACK = radians_below(45), radians_below(35)
-# A finger with a metacarpal that bends by less than this part of what the most bent one does shows how it is
-# spread, not how it closes.
-HARDLY = 0.25
 # Of fingers whose own hinges agree to this part the common one counts.
 AGREEMENT = 0.7
 # No finger bends more than 60° aside of the line of the knuckles (a cosine): what looks so is noise.
@@ -134,12 +131,13 @@ def _by_hand(chains: Sequence[Chain], side: Side) -> list[list[Chain]]:
 
 def _pair_hinges(hands: Sequence[_PosedHand]) -> Iterator[tuple[int, Hinge]]:
     """As `hand_hinges`, of the two hands of a pair, or of one."""
-    palms = [
-        hand.palm(curl) for hand, curl in zip(hands, mean_of_pair([hand.curl for hand in hands]), strict=True)
-    ]
+    curls, noise = mean_of_pair([hand.curl for hand in hands]), _noise(hands)
+    asides = [hand.aside(curl) for hand, curl in zip(hands, curls, strict=True)]
+    shown = lone_bends_count(curls, asides, noise)
+    palms = [hand.palm(curl, is_own=is_own) for hand, curl, is_own in zip(hands, curls, shown, strict=True)]
     closing = [(hand, palm) for hand, palm in zip(hands, palms, strict=True) if palm is not None]
     thumbs = [hand.thumb_bend(palm.direction) for hand, palm in closing]
-    own = own_hinges_count(thumbs, _noise([hand for hand, _ in closing])) if closing else []
+    own = own_hinges_count(thumbs, noise)
     for (hand, palm), thumb, is_own in zip(closing, thumbs, own, strict=True):
         # A further finger closes with the others, whichever it is.
         for joint in hand.joints:
@@ -152,7 +150,7 @@ def _pair_hinges(hands: Sequence[_PosedHand]) -> Iterator[tuple[int, Hinge]]:
 
 def _noise(hands: Sequence[_PosedHand]) -> float:
     """The noise of the places of joints in the hands of a pair, or in one, file units."""
-    least = NOISE * max(float(length(hand.arm)) for hand in hands)
+    least = NOISE * max((float(length(hand.arm)) for hand in hands), default=0.0)
     if len(hands) < 2:
         return least
     lines = ([hand.thumb, *hand.fingers] for hand in hands)
@@ -228,15 +226,18 @@ class _PosedHand:
         lines = [self.line(finger) for finger in self.fingers]
         return normalise(np.nan_to_num(lines).cumsum(axis=0)[-1]) if lines else normalise(self.arm)
 
-    def palm(self, curl: Curl) -> Hinge | None:
-        """About which axis the hand closes; None where nothing shows it."""
+    def palm(self, curl: Curl, *, is_own: bool) -> Hinge | None:
+        """About which axis the hand closes; None where nothing shows it.
+
+        is_own: the bend of one finger alone is no noise.
+        """
         across, natural = self._across, self.natural
         known = across is not None and self.is_left is not None and (self._is_apart or not self.guessed)
         lone = len(self.fingers) < 2
         # One finger that bends clearly knows better than a thumb, which may be bent over the palm.
         aside = known and not lone and abs(self.curl.closes) < ASIDE
         clear = LONE_CURLED if across is None else CURLED
-        if curl.bend > clear and curl.agreement > AGREEMENT and not aside:
+        if curl.bend > clear and (is_own or not lone) and curl.agreement > AGREEMENT and not aside:
             # Knuckles may be bent back more than fingers are bent, and a hand closes all the same.
             turned = known and not self.guessed and curl.closes < (-ASIDE if lone else -BEYOND_SQUARE)
             turned = turned and not (lone and curl.bend > BENT_BACK)
@@ -255,6 +256,16 @@ class _PosedHand:
                 towards = self._side_of_thumb(across)
             across = -across if towards < -BEYOND_SQUARE else across
         return Hinge(rule, across)
+
+    def aside(self, curl: Curl) -> float | None:
+        """By how much a bend turns off how the arm says that the hand closes, radians, mirrored on the right.
+
+        None beside a thumb, or where the arm says nothing.
+        """
+        if self.natural is None or self._across is not None:
+            return None
+        off = arc_tangent(dot(cross(self.natural, curl.hinge), self.along), dot(self.natural, curl.hinge))
+        return -float(off) if self.is_left is False else float(off)
 
     def _side_of_thumb(self, across: Floats) -> float:
         """Whether ``across`` closes the hand of a body that nobody knows, positive."""
@@ -320,29 +331,8 @@ class _PosedHand:
 
     @cached_property
     def curl(self) -> Curl:
-        """What the fingers show; those that are straight, or only spread, have no vote."""
-        at, shown, most = self.at, list[tuple[Floats, bool]](), list[float]()
-        for finger in self.fingers:
-            triples = list(zip(finger, finger[1:], finger[2:], strict=False))
-            if triples:
-                a, b, c = (at[[triple[k] for triple in triples]] for k in range(3))
-                if len(self.fingers) < 2 and is_set_aside(a, b, c):
-                    a, b, c = a[1:], b[1:], c[1:]
-                most.append(float(bend_angle(a, b, c).max()))
-                plane = normalise(cross(b - a, c - b).cumsum(axis=0)[-1])
-                shown.append((plane, len(finger) > len(PHALANGES)))
-        least = max(SHOWN, HARDLY * max(most, default=0.0))
-        normals = [
-            plane
-            for bend, (plane, has_metacarpal) in zip(most, shown, strict=True)
-            if bend > (least if has_metacarpal else SHOWN)
-        ]
-        if not normals:
-            return Curl(np.full(3, np.nan))
-        common = np.nan_to_num(np.array(normals)).cumsum(axis=0)[-1]
-        hinge, across = normalise(common), self._across
-        closes = 0.0 if across is None else float(dot(hinge, across))
-        return Curl(hinge, sorted(most)[len(most) // 2], float(length(common)) / len(normals), closes)
+        """What the bends of the fingers show."""
+        return curl_of(self.fingers, self.at, self._across)
 
     def bones(self, finger: Sequence[int]) -> list[float]:
         """The lengths of the bones from the wrist to the end of a finger, file units."""

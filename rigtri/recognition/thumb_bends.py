@@ -67,10 +67,15 @@ def own_hinges_count(bends: Sequence[ThumbBend], noise: float) -> list[bool]:
 def _counts(thumb: ThumbBend, noise: float, *, mirrored: bool) -> bool:
     if not thumb.bend > BENT:
         return False
-    known = _OFF_LINE * noise < _KNOWN * thumb.height
+    known = not hides(noise, thumb.height)
     if known and thumb.bend > SHAPE:
         return abs(thumb.aside) < OPENS
     return abs(thumb.aside) < (NATURAL if known or mirrored else ALIKE)
+
+
+def hides(noise: float, height: float) -> bool:
+    """Whether noise of places may have turned the plane of three joints, whose middle one is at a height."""
+    return not _OFF_LINE * noise < _KNOWN * height
 
 
 def noise_of_twins(one: Sequence[float], other: Sequence[float]) -> float:

@@ -254,6 +254,40 @@ def test_how_a_hand_of_one_straight_finger_is_turned_is_a_guess_without_flat_ski
     assert ["nor does its skin" in text for text in said] == [True] * (not is_sure)
 
 
+@pytest.mark.parametrize(
+    ("left", "right", "bone", "is_sure"),
+    [
+        ((-90.0, 12.0), (-90.0, 12.0), 0.04, True),  # both bend towards the palm
+        ((0.0, 12.0), (0.0, 12.0), 0.04, True),  # … of hands that are turned ahead
+        ((0.0, 12.0), (-170.0, 12.0), 0.04, False),  # both bend, each elsewhere
+        ((-90.0, 12.0), (-90.0, 12.0), 0.01, False),  # by a millimetre
+        ((-90.0, 12.0), (-90.0, 0.0), 0.04, True),  # one alone, to the palm of a hand that hangs
+        ((30.0, 12.0), (30.0, 0.0), 0.04, False),  # … or far from it
+        ((30.0, 35.0), (-90.0, 0.0), 0.04, True),  # more than noise bends
+    ],
+)
+def test_how_noise_bends_the_one_finger_of_a_hand_does_not_show_how_it_closes(
+    left: tuple[float, float], right: tuple[float, float], bone: float, is_sure: bool
+) -> None:
+    """Before, any bend of 10° turned the hand, by up to 179°. A bend: to where, and by how much, degrees."""
+    sides = []
+    for side, sign, (to, by) in (("L", 1.0, np.radians(left)), ("R", -1.0, np.radians(right))):
+        wrist = [(0.2, 1.4, 0.0), (0.45, 1.4, 0.0), (0.7, 1.4, 0.0), (0.8, 1.4, 0.0)]
+        first = (0.8 + bone, 1.4, 0.0)
+        turned = np.array([np.cos(by), np.sin(by) * np.sin(to), np.sin(by) * np.cos(to)])
+        places = [(sign * x, y, z) for x, y, z in (*wrist, first, (first + bone * turned).tolist())]
+        names = [f"{name}.{side}" for name in ("upper_arm", "forearm", "hand", "index1", "index2", "index3")]
+        sides += line(" ".join(names), "chest", *places)
+    rig, report = rig_with([*TRUNK, *sides, *both(LEG)]), Report()
+    out = orient_joints(rig, report=report)
+    said = [notice.names for notice in report.warnings if notice.code == "unsure-hand"]
+    assert any("index1.L" in names for names in said) != is_sure
+    to = np.radians(left[0])
+    own, hanging = np.array([0.0, -np.cos(to), np.sin(to)]), np.array([0.0, 0.0, -1.0])
+    hinge = hinge_axes(out, HINGES["article"])[out.find("index1.L")]
+    assert hinge @ (own if is_sure else hanging) > 0.99
+
+
 @pytest.mark.parametrize("side", ["", "right"])
 def test_a_hand_alone_closes_too(side: str) -> None:
     """Without a body the thumb, or a bend, says on which side the palm is."""

@@ -102,8 +102,9 @@ def warn_noise(noise: Frozen, report: Report) -> None:
 
 # What is said of a hand with one straight finger, by the rule that its hinge is from.
 _UNSURE_HANDS = {
-    AS_ARMS_SWING: "one straight finger, or a thumb alone, does not show to which side the hand closes, "
-    "nor does its skin; it is taken for that of a hand hanging at the side, or raised from there",
+    AS_ARMS_SWING: "one finger that is straight, or that noise may have bent, or a thumb alone, does not "
+    "show to which side the hand closes, nor does its skin; it is taken for that of a hand "
+    "hanging at the side, or raised from there",
     AS_ARMS_SWING_AHEAD: "one straight finger at the end of an arm that is raised ahead does not "
     "show to which side it closes; it is taken for that of a hand with the thumb up",
     AS_PAWS_SWING: "one straight finger of a body with a tail may be the front paw of an animal; "
