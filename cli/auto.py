@@ -169,7 +169,10 @@ class _Job:
         )
         lines.append(step_lines(self.built))
         tried = f"{len(found.checked)} controls and pole vectors tried"
+        alone = sum(not each.mesh for each in found.checked)
         moves = "its joint and the mesh" if found.rig.meshes else "its joint (the file has no mesh)"
+        if found.rig.meshes and alone:
+            moves += f" ({alone} of them the joint alone: nothing is drawn there)"
         lines.append(f"{tried}: each moves {moves}, and nothing else")
         if self.values["spec_out"] is not None and not self.values["dry_run"]:
             lines.append(f"Wrote {plain(self.values['spec_out'], one_line=True)}")

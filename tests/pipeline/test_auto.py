@@ -14,6 +14,7 @@ from tempfile import gettempdir
 
 import numpy as np
 import pytest
+from gltf_files import glb_bytes, glb_parts
 from places import SAMPLES, slow
 from recognition_bodies.bodies import Body
 from recognition_bodies.creatures import crane, two_characters, vehicle
@@ -431,6 +432,25 @@ def test_auto_of_a_file_without_a_mesh_does_not_report_that_one_moves(tmp_path: 
     (tmp_path / "bare.gltf").write_text(json.dumps(text), "utf-8")
     done = cli("auto", tmp_path / "bare.gltf", "-o", tmp_path / "out.gltf", code=0)
     assert "each moves its joint (the file has no mesh), and nothing else" in f"{done.stdout}{done.stderr}"
+
+
+def test_auto_says_how_many_controls_move_nothing_that_is_drawn(tmp_path: Path) -> None:
+    """A skin that no mesh has moves none, as of a body of rigid balls. Before, the mesh was said to move."""
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    names = [node.get("name") for node in gltf["nodes"]]
+    for node in gltf["nodes"]:
+        if "skin" in node:
+            del node["skin"], node["mesh"]
+    for name in ("head", "thigh_R"):
+        gltf["nodes"][names.index(name)]["mesh"] = 0
+    source, out, report = (tmp_path / name for name in ("balls.glb", "out.glb", "report.json"))
+    source.write_bytes(glb_bytes(gltf, binary))
+    done = cli("auto", source, "-o", out, "--report", report, code=0)
+    found = {each["control"]: each["mesh"] for each in json.loads(report.read_text("utf-8"))["controls"]}
+    assert all(found[name] for name in ("spine_ctl", "head_ctl", "foot_R_ik_ctl"))
+    assert not any(found[name] for name in ("toe_R_ctl", "shin_R_ctl", "foot_L_ik_ctl"))
+    alone = sum(not mesh for mesh in found.values())
+    assert f"({alone} of them the joint alone: nothing is drawn there)" in f"{done.stdout}{done.stderr}"
 
 
 def test_helpers_that_hang_from_no_joint_have_controls_that_the_root_control_carries() -> None:

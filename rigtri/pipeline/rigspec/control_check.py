@@ -35,6 +35,7 @@ from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import moving_points
 from rigtri.recognition.one_character import bodies
 from rigtri.text import list_names
 
@@ -54,13 +55,17 @@ _STILL, _STILL_AXES = 1e-5, 1e-4
 
 @dataclass(frozen=True)
 class CheckedControl:
-    """A control, the joint that it is for, how many joints it moves, and what is wrong; "" for nothing."""
+    """A control, the joint that it is for, how many joints it moves, and what is wrong; "" for nothing.
+
+    mesh: whether anything that is drawn moves with it. Joints of a skin that draws nothing move alone.
+    """
 
     control: str
     kind: str
     joint: str
     moves: int
     fault: str
+    mesh: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +121,13 @@ def refuse_idle_controls(checked: Iterable[CheckedControl]) -> None:
 def _is_added(rig: Rig, node: int) -> bool:
     """Whether a node is one that rigtri has put beside the joints."""
     return node in rig.metadata and rig.type_of(node) not in ("twist", "frame")
+
+
+def _drawn(rig: Rig) -> set[int]:
+    """The nodes at or below which something is drawn that is none of our own."""
+    drawn = (rig.attachment >= 0) | moving_points((k for k in rig.skins if k.drawn is not False), len(rig))
+    added = rig.own.difference(rig.nodes_of("twist"))
+    return rig.with_ancestors(set(np.flatnonzero(drawn).tolist()) - added)
 
 
 def _is_ruled(solver: Solver, *nodes: int) -> bool:
@@ -175,6 +187,7 @@ class _Run:
         self.size, self.bodies = skeleton_size(rig), bodies(rig)
         # What holds the controls cannot follow them; --root may name a node that holds them and joints.
         holding, self.carries = rig.with_ancestors(rig.nodes_of("control")), tree.carries
+        self.drawn = _drawn(rig)
         self.watched = [node for node in tree.joints if node not in holding and not _is_added(rig, node)]
         rows, still = len(trials) + 1, PoseCache(rig)
         parts = {}
@@ -210,7 +223,8 @@ class _Run:
         rig = self.rig
         found = [self.watched[place] for place in np.flatnonzero(self.moved[row]).tolist()]
         fault = self._unfollowed(row, trial) or self._unmoved(trial, found) or self._others(trial, found)
-        return CheckedControl(rig.title(trial.control), trial.kind, rig.title(trial.joint), len(found), fault)
+        names = rig.title(trial.control), trial.kind, rig.title(trial.joint)
+        return CheckedControl(*names, len(found), fault, not self.drawn.isdisjoint(found))
 
     def _unfollowed(self, row: int, trial: _Trial) -> str:
         """What does not follow that has to."""
