@@ -326,3 +326,13 @@ def test_no_weight_goes_to_a_twist_joint_that_a_clip_moves(path: Channel, way: A
 def test_sets_of_other_lengths_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"meshes\[0\]\.primitives\[0\]: .* not as many"):
         result(bone([[1, 0, 0, 0]] * 2), tmp_path)
+
+
+def test_a_mesh_that_only_new_joints_make_readable_is_compared_with_none(tmp_path: Path) -> None:
+    builder = bone([[1, 0, 0, 0], [0.5, 0.5, 0, 0], [0, 1, 0, 0]])
+    (primitive,) = builder.gltf["meshes"][0]["primitives"]
+    beyond = builder.accessor([[0, len(builder.gltf["skins"][0]["joints"]), 0, 0]] * 3, "u1")
+    other = {"attributes": primitive["attributes"] | {"JOINTS_0": beyond}}
+    builder.gltf["meshes"][0]["primitives"].insert(0, other)
+    written = result(builder, tmp_path)
+    assert written.rig.nodes_of("twist")

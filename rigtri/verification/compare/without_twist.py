@@ -52,15 +52,26 @@ def compare_without_twist(before: Source, after: Source) -> Comparison:
     compared one by one.
     """
     result = self_check(before, after)
-    # Lines of controls are drawn with nobody's weights, and may be new.
-    both = ([m for m in d.meshes() if m.node not in d.rig.own] for d in (before, after))
-    pairs = zip(*both, strict=True)
+    pairs = _pairs(before, after)
     changed = [(_some(a, rows), _some(b, rows)) for a, b in pairs if (rows := _changed_vertices(a, b)).any()]
     if not changed:
         return result
     mine, theirs = zip(*changed, strict=True)
     vertices = verify(_SomeVertices(before, before.rig, mine), _SomeVertices(after, after.rig, theirs))
     return _worse(result, vertices)
+
+
+def _pairs(before: Source, after: Source) -> list[tuple[Mesh, Mesh]]:
+    """The meshes of two files, each with itself; lines of controls are nobody's, and may be new.
+
+    One that names joints beyond its skin cannot be read before twist joints are added to the skin, but after.
+    """
+    left: dict[str, list[Mesh]] = {}
+    for mesh in after.meshes():
+        if mesh.node not in after.rig.own:
+            left.setdefault(mesh.name, []).append(mesh)
+    mine = [mesh for mesh in before.meshes() if mesh.node not in before.rig.own]
+    return [(mesh, left[mesh.name].pop(0)) for mesh in mine if left.get(mesh.name)]
 
 
 def twist_movement(document: Source) -> float:

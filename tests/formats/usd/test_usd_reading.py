@@ -113,6 +113,30 @@ def test_joint_orders_of_meshes_and_constant_influences_are_mapped(tmp_path: Pat
         assert_allclose(deformed(mesh, rig, world, NOTHING)[0], expected[mesh.name], atol=1e-6)
 
 
+def test_blend_shapes_without_a_target_for_each_name_do_not_move(tmp_path: Path) -> None:
+    shapes = """uniform token[] skel:blendShapes = ["smile", "frown"]
+    rel skel:blendShapeTargets = </Root/Skin/smile>
+    def BlendShape "smile" { uniform vector3f[] offsets = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    }
+}"""
+    weights = "float[] blendShapeWeights.timeSamples = {1: [0, 0], 5: [1, 1]}"
+    moves = animation(weights=f'uniform token[] blendShapes = ["smile", "frown"]\n{weights}')
+    source = save(tmp_path, scene(skeleton(), moves, MESH.rstrip("}") + shapes))
+    document = read(source)
+    assert not document.rig.clips[0].weights
+    (mesh,) = document.meshes()
+    expected = skinned(Usd.Stage.Open(str(source)), Usd.TimeCode(5.0))[mesh.name]
+    world = worlds(document.rig, locals_at(document.rig, document.rig.clips[0], [5.0]))
+    morph = morph_weights(mesh, document.rig.clips[0], np.array([5.0]))
+    assert_allclose(deformed(mesh, document.rig, world, morph)[0], expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("mark", ['string rigtri = "x"', "int rigtri = 1"])
+def test_a_layers_own_data_named_rigtri_is_no_mark(mark: str, tmp_path: Path) -> None:
+    text = scene(skeleton(), animation(), MESH).replace("(", f"(\ncustomLayerData = {{ {mark} }}\n", 1)
+    assert len(read(save(tmp_path, text)).rig)
+
+
 def test_blend_shapes_are_morphs_with_tracks(tmp_path: Path) -> None:
     shapes = """uniform token[] skel:blendShapes = ["smile", "frown"]
     rel skel:blendShapeTargets = [</Root/Skin/smile>, </Root/Skin/frown>]

@@ -192,16 +192,22 @@ def open_file(
 
 def is_override(layer: Any) -> bool:
     """Whether rigtri wrote a layer as an override, bare or over its source."""
-    return "override" in dict(layer.customLayerData.get(MARK, {}))
+    return "override" in _mark(layer)
+
+
+def _mark(layer: Any) -> dict[str, Any]:
+    """What rigtri noted in a layer; nothing where something else has its place."""
+    mark = layer.customLayerData.get(MARK)
+    return dict(mark) if isinstance(mark, dict) else {}
 
 
 def overridden_file(layer: Any, path: Path) -> Path | None:
     """The file that bare opinions of rigtri are for; None for any other layer, or one put above it."""
     with quiet(f"{path}: USD cannot read it"):
-        mark = dict(layer.customLayerData.get(MARK, {}))
+        mark = _mark(layer)
     if mark.get("override") != "layer" or list(layer.subLayerPaths):
         return None
-    if "source" not in mark:
+    if not isinstance(mark.get("source"), Sdf.AssetPath):
         raise FileError(
             f"{path}: bare opinions, written with --edit-target bare for a file that came from standard "
             "input. Make a layer that has this one and that file as sublayers, and give it instead."

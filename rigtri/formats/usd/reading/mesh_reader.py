@@ -201,7 +201,17 @@ def blend_names(animation: Any) -> list[str]:
 def drives_shapes(animation: Any, queries: Sequence[Any]) -> bool:
     """Whether an animation has weights for blend shapes of some meshes."""
     names = set(blend_names(animation))
-    return any(names & set(query.GetBlendShapeOrder() or ()) for query in queries if query.HasBlendShapes())
+    return any(names & set(blend_order(query)) for query in queries)
+
+
+def blend_order(query: Any) -> list[str]:
+    """The names of a mesh's blend shapes in its order; none where UsdSkel has not one target for each."""
+    order = [str(name) for name in query.GetBlendShapeOrder() or ()] if query.HasBlendShapes() else []
+    return order if len(order) == len(_blend_targets(query)) else []
+
+
+def _blend_targets(query: Any) -> Any:
+    return query.GetPrim().GetRelationship("skel:blendShapeTargets").GetForwardedTargets()
 
 
 def blend_tracks(
@@ -220,8 +230,7 @@ def blend_tracks(
     tracks = []
     for query in queries:
         path = str(query.GetPrim().GetPath())
-        if query.HasBlendShapes() and path in node_of:
-            order = [str(name) for name in query.GetBlendShapeOrder() or ()]
+        if (order := blend_order(query)) and path in node_of:
             columns = [names.index(name) if name in names else -1 for name in order]
             unlisted = frozenset(k for k, column in enumerate(columns) if column < 0)
             shown = values[:, columns]
@@ -240,10 +249,9 @@ def default_weights(animation: Any) -> dict[str, float]:
 
 def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
     morphs = _morphs(query, len(mesh.points)) if query.HasBlendShapes() else mesh.morphs
-    rest = np.zeros(len(morphs))
-    order = [str(name) for name in query.GetBlendShapeOrder() or ()] if len(morphs) else []
-    names = tuple(order) if len(order) == len(morphs) else ()
-    mesh = replace(mesh, morphs=morphs, morph_weights=rest, morph_names=names)
+    mesh = replace(
+        mesh, morphs=morphs, morph_weights=np.zeros(len(morphs)), morph_names=tuple(blend_order(query))
+    )
     if not query.HasJointInfluences():
         return mesh
     influences = _influences(query, tokens, len(mesh.points))
@@ -334,7 +342,7 @@ def _check_indices(query: Any, named: Integers, count: int) -> None:
 def _morphs(query: Any, count: int) -> Floats:
     """Offsets of a mesh's blend shapes, (t, v, 3), in the mesh's own order."""
     prim = query.GetPrim()
-    targets = prim.GetRelationship("skel:blendShapeTargets").GetForwardedTargets()
+    targets = _blend_targets(query)
     morphs = np.zeros((len(targets), count, 3))
     for row, target in zip(morphs, targets, strict=True):
         shape = prim.GetStage().GetPrimAtPath(target)
