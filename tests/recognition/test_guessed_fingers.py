@@ -199,16 +199,17 @@ def test_a_finger_and_a_thumb_that_begin_at_one_place_show_no_palm() -> None:
     at = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [1.2, 0, 0], [1, 1e-16, 0]])
     joints, lines, arm = (1, 2, 3, 4), [(2, 3)], at[1] - at[0]
     hand = _PosedHand(joints, lines, (4,), 1, arm, at, natural=None, is_left=True, guessed=False)
-    assert hand.palm(hand.curl) is None
+    assert hand.palm(hand.curl, is_own=False) is None
     at[4, 1] = 0.1
-    assert _PosedHand(joints, lines, (4,), 1, arm, at, None, True, False).palm(hand.curl) is not None
+    apart = _PosedHand(joints, lines, (4,), 1, arm, at, None, True, False)
+    assert apart.palm(hand.curl, is_own=False) is not None
 
 
 def test_two_hands_that_are_bent_alike_count_with_their_mean_bend() -> None:
     x, y = np.array([1.0, 0, 0]), np.array([0.0, 1, 0])
-    one = Curl(x, 0.5, 0.75, 1.0)
-    alike, other = Curl(y, 0.5 + SIMILAR_BEND / 2, 0.25, 0.0), Curl(y, 0.5 + SIMILAR_BEND * 2, 0.25, 0.0)
-    mean = (0.5 + SIMILAR_BEND / 4, 0.5, 0.5)
+    one = Curl(x, 0.5, 0.75, 1.0, 3.0)
+    alike, other = Curl(y, 0.5 + SIMILAR_BEND / 2, 0.25, 0.0, 1.0), Curl(y, 0.5 + SIMILAR_BEND * 2, 0.25)
+    mean = (0.5 + SIMILAR_BEND / 4, 0.5, 0.5, 2.0)
     found = mean_of_pair([one, alike])
     assert [each[1:] for each in found] == [pytest.approx(mean)] * 2
     assert [each.hinge is hinge for each, hinge in zip(found, (x, y), strict=True)] == [True, True]
