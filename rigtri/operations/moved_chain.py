@@ -16,7 +16,7 @@ from rigtri.errors import GeometryError
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
-from rigtri.maths.matrices import from_frame, inverse, nearest_rotation
+from rigtri.maths.matrices import inverse, nearest_rotation
 from rigtri.maths.matrices import multiply as product
 from rigtri.maths.quaternions import IDENTITY, angle_between, between, conjugate, from_axes, multiply, rotate
 from rigtri.maths.trigonometry import Floats
@@ -50,7 +50,11 @@ def move_chain(
     places (k, 3) and axes (k, 3, 3): where they stand then, as rows. rebuilt: nodes with constraints that
     are built again after this. Raises GeometryError where a constraint compares own axes that change.
     """
-    before = _in_axes(rig, joints, places, axes, rebuilt)
+    there = rig
+    for joint, place, rows in zip(joints, places, axes, strict=True):
+        there = stand(there, joint, place, rows)
+    # Where what is above them shears, joints stand a little off the axes that they are given.
+    before = _in_axes(rig, joints, there.world[list(joints)], rebuilt)
     rig = before
     for joint, place, rows in zip(joints, places, axes, strict=True):
         rig = move_joint(rig, joint, place, rows)
@@ -60,10 +64,13 @@ def move_chain(
     return rig
 
 
-def _in_axes(rig: Rig, joints: Sequence[int], places: Floats, axes: Floats, rebuilt: Collection[int]) -> Rig:
-    """The rig with the new axes where the joints stand: as the bones' turn to the new places leaves them."""
+def _in_axes(rig: Rig, joints: Sequence[int], there: Floats, rebuilt: Collection[int]) -> Rig:
+    """The rig with the new axes where the joints stand: as the bones' turn to the new places leaves them.
+
+    there: the world matrices, (k, 4, 4), that they get.
+    """
     delta = np.tile(IDENTITY, (len(rig), 1))
-    for joint, turn in zip(joints, _turns(rig.world[list(joints)], places, axes), strict=True):
+    for joint, turn in zip(joints, _turns(rig.world[list(joints)], there), strict=True):
         delta[joint] = turn
     if not (delta != IDENTITY).any():
         return rig
@@ -92,16 +99,16 @@ def _in_axes(rig: Rig, joints: Sequence[int], places: Floats, axes: Floats, rebu
     return replace(turned, metadata={**turned.metadata, **stored}, node_constraints=tied)
 
 
-def _turns(worlds: Floats, places: Floats, axes: Floats) -> Floats:
+def _turns(worlds: Floats, there: Floats) -> Floats:
     """The new axes of the joints seen in their old ones, (k, 4), without the turn of their bones."""
-    own, new = (from_axes(nearest_rotation(m)) for m in (worlds, from_frame(axes, places)))
-    old = worlds[:, 3, :3]
+    own, new = (from_axes(nearest_rotation(m)) for m in (worlds, there))
+    old, places = worlds[:, 3, :3], there[:, 3, :3]
     size = max(float(np.abs(old).max()), float(np.abs(places).max()), 1e-30)
     if np.abs(old - places).max() > _SAME * size:
         was, now = (normalise(points[1:] - points[:-1]) for points in (old, places))
         seen = rotate(conjugate(own[:-1]), was) - rotate(conjugate(new[:-1]), now)
         if np.abs(seen).max() <= _SAME_BONE:
-            return np.tile(IDENTITY, (len(axes), 1))
+            return np.tile(IDENTITY, (len(there), 1))
         turns = between(was, now)
         own = multiply(np.concatenate([turns, turns[-1:]]), own)
     same = angle_between(own, new) <= _SAME

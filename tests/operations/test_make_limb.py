@@ -205,6 +205,21 @@ def test_a_second_run_moves_its_limb() -> None:
         made(rig=out, name="arm", parent="arm_1_pole" if out.has("arm_1_pole") else "arm_2")
 
 
+def test_a_second_run_changes_nothing_below_a_slightly_sheared_parent() -> None:
+    """Exporters leave shears of 1e-5. Before, a second run turned the joints about by rounding."""
+    rig = rig_of(["leg"], [-1], np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]))
+    leaning = np.array([[[0.6, 0.8, 0, 0], [-0.8, 0.6, 0, 0], [1e-5, 2e-5, 1, 0], [0.1, 0.2, 0.3, 1]]])
+    rig = replace(rig, matrix=leaning, has_matrix=np.array([True]))
+    out, joints, _ = made(rig=rig, parent="leg")
+    matrix, has_matrix = out.local.copy(), out.has_matrix.copy()
+    has_matrix[joints] = True  # as UsdSkel holds them
+    out = replace(out, matrix=matrix, has_matrix=has_matrix)
+    again, same, _ = made(rig=out)
+    assert same == joints
+    assert (again.local == out.local).all()
+    assert (again.skins[0].inverse_bind == out.skins[0].inverse_bind).all()
+
+
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_new_file_is_whole_and_a_second_run_has_its_bytes(suffix: str, tmp_path: Path) -> None:
     out, again = tmp_path / f"arm{suffix}", tmp_path / f"again{suffix}"
