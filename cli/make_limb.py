@@ -2,8 +2,8 @@
 
 Each joint aims at the next; all have the limb's hinge as their up axis, and the end joint has the axes of
 the joint before it. Two joints (a clavicle), or more than three (a spine, tail or finger), are a chain
-that keeps its curve; on a straight line --up-from or --bend says how they roll. A second run finds the
-limb by its name and moves it.
+that keeps its curve; on a straight line --up-from or --bend says how they roll, else the limb that
+continues it (guides) or that it is a child of. A second run finds the limb by its name and moves it.
 
 \b
 Examples:

@@ -12,11 +12,12 @@ from rigtri.model.options import check, options_of
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import from_keywords
 from rigtri.operations.option_kinds import point
-from rigtri.operations.options.make_limb import MakeLimbOptions
+from rigtri.operations.options.make_limb import MakeLimbOptions, is_pattern
 from rigtri.text import is_number
 
 _COORDINATES = ("x", "y", "z")
-_SIDES = {"L": "left", "R": "right"}
+SIDES = {"": "", "left": "_L", "right": "_R"}
+_SIDE_OF = {"L": "left", "R": "right"}
 
 
 def guided(rig: Rig, options: MakeLimbOptions) -> Iterator[MakeLimbOptions]:
@@ -39,9 +40,35 @@ def guided(rig: Rig, options: MakeLimbOptions) -> Iterator[MakeLimbOptions]:
             here = {field: getattr(fresh, field) for field in given}
             each = replace(options, guides=None, guide_nodes=None, **here)
             check(each, given)
+            each = expanded(rig, each)
         except (TypeError, UsageError) as error:
             raise UsageError(f"{_flag(options)}, {name}: {error}") from None
         yield each
+
+
+def expanded(rig: Rig, options: MakeLimbOptions) -> MakeLimbOptions:
+    """The options with the locators that a pattern means, in the order of their names: a_2 before a_10."""
+    first, *more = options.locators or ("",)
+    if more or not is_pattern(first) or rig.has(first):
+        return options
+    found = sorted(rig.match(first), key=lambda node: natural(rig.names[node]))
+    options = replace(options, locators=tuple(map(rig.address, found)))
+    check(options, {"locators"})
+    return options
+
+
+def joint_names(rig: Rig, options: MakeLimbOptions, count: int) -> list[str]:
+    """What the joints of a limb are called, from its root on."""
+    suffix = SIDES[options.side or ""]
+    names = options.names or [f"{options.name}_{k + 1}{suffix}" for k in range(count)]
+    return [*map(rig.rules.valid_name, names)]
+
+
+def continued(rig: Rig, limb: MakeLimbOptions, limbs: Sequence[MakeLimbOptions]) -> MakeLimbOptions | None:
+    """The only limb that begins below the last joint of one, as an arm below a clavicle; None for none."""
+    last = joint_names(rig, limb, limb.count)[-1]
+    below = [other for other in limbs if other is not limb and other.parent == last]
+    return below[0] if len(below) == 1 else None
 
 
 class OpenDirectionError(GeometryError):
@@ -91,14 +118,14 @@ def _of_nodes(rig: Rig, pattern: str) -> dict[str, dict[str, Any]]:
 
 def _node_guide(rig: Rig, title: str, limbs: Mapping[str, list[int]]) -> dict[str, Any]:
     name, mark, letter = title.rpartition("_")
-    side = _SIDES.get(letter) if mark and name else None
+    side = _SIDE_OF.get(letter) if mark and name else None
     about: dict[str, Any] = {"name": name if side else title, "locators": [*map(rig.address, limbs[title])]}
     about |= {"side": side} if side else {}
     found = _hangs_below(rig, title, limbs)
     if found is not None:
         above, number = found
         name, _, letter = above.rpartition("_")
-        joint = f"{name}_{number}_{letter}" if letter in _SIDES and name else f"{above}_{number}"
+        joint = f"{name}_{number}_{letter}" if letter in _SIDE_OF and name else f"{above}_{number}"
         about["parent"] = rig.rules.valid_name(joint)
     return about
 

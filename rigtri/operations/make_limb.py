@@ -16,23 +16,28 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.maths.matrices import determinant
-from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.ranking import axis_across, first_largest
 from rigtri.maths.triangle import axis_of, bend_angle, bend_sine, frame, hinge
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import LimbRecord
-from rigtri.model.options import check
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.limb_guides import OpenDirectionError, guided, in_guides, natural
+from rigtri.operations.limb_guides import (
+    SIDES,
+    OpenDirectionError,
+    continued,
+    expanded,
+    guided,
+    in_guides,
+    joint_names,
+)
+from rigtri.operations.limb_hinges import hinge_from, joints_of_limb, transported, up_direction
 from rigtri.operations.moved_chain import move_chain
 from rigtri.operations.operation import operation
-from rigtri.operations.option_kinds import vector
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
-from rigtri.operations.options.make_limb import is_pattern
 from rigtri.operations.orient_joints.up_direction import crossing
 from rigtri.operations.rigtri_nodes import free_name, given_name, group, with_record
 from rigtri.operations.skin_joints import add_joint, new_skin
@@ -47,7 +52,6 @@ ONE_PLACE = 1e-6
 ALONG = 0.1
 # Parts of unit vectors smaller than this are rounding.
 _NOISE = 1e-12
-_SIDES = {"": "", "left": "_L", "right": "_R"}
 
 Point = tuple[float, float, float]
 
@@ -61,23 +65,24 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
     GeometryError where points coincide, or lie on a line and nothing says the side or what is up.
     """
     if options.guides is not None or options.guide_nodes is not None:
-        for each in guided(rig, options):
+        limbs = list(guided(rig, options))
+        for each in limbs:
             try:
-                rig = _made(rig, each, report)
+                rig = _made(rig, each, report, continued(rig, each, limbs))
             except GeometryError as error:
                 raise in_guides(error, options, each) from None
         return rig
     return _made(rig, options, report)
 
 
-def _made(rig: Rig, options: MakeLimbOptions, report: Report) -> Rig:
-    """The rig with one limb or chain."""
-    options = _expanded(rig, options)
+def _made(rig: Rig, options: MakeLimbOptions, report: Report, below: MakeLimbOptions | None = None) -> Rig:
+    """The rig with one limb or chain. below: the limb that continues it, which is made after it."""
+    options = expanded(rig, options)
     given_name(rig, options.name, report)
     for name in options.names:
         given_name(rig, name, report, "--names")
-    shape = _shape(rig, options, report)
-    known = _known(rig, _title(options))
+    shape = _shape(rig, options, report, below)
+    known = joints_of_limb(rig, _title(options))
     if known:
         rig, joints = _update(rig, known, shape, options, report)
     else:
@@ -95,20 +100,9 @@ def _made(rig: Rig, options: MakeLimbOptions, report: Report) -> Rig:
     return rig
 
 
-def _expanded(rig: Rig, options: MakeLimbOptions) -> MakeLimbOptions:
-    """The options with the locators that a pattern means, in the order of their names: a_2 before a_10."""
-    first, *more = options.locators or ("",)
-    if more or not is_pattern(first) or rig.has(first):
-        return options
-    found = sorted(rig.match(first), key=lambda node: natural(rig.names[node]))
-    options = replace(options, locators=tuple(map(rig.address, found)))
-    check(options, {"locators"})
-    return options
-
-
 def _title(options: MakeLimbOptions) -> str:
     """What the limb is called, by which a second run finds it."""
-    return options.name + _SIDES[options.side or ""]
+    return options.name + SIDES[options.side or ""]
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,13 +123,15 @@ class _Shape:
     source: str
 
 
-def _shape(rig: Rig, options: MakeLimbOptions, report: Report) -> _Shape:
+def _shape(
+    rig: Rig, options: MakeLimbOptions, report: Report, below: MakeLimbOptions | None = None
+) -> _Shape:
     points = _points(rig, options)
     titles = options.locators or tuple(map(_written, options.points))
     size = sum(distance(points[:-1], points[1:]).tolist())
     _refuse_one_place(points, titles, size, chord=not options.is_chain)
     middle = _middle(points) if len(points) > 2 else 0
-    if options.is_chain and (found := _chain_plane(points, options)):
+    if options.is_chain and (found := _chain_plane(rig, points, options, below)):
         normal, side, source = found
     else:
         normal, side, source = _plane(points[[0, middle, -1]], options, report)
@@ -180,9 +176,12 @@ def _middle(points: Floats) -> int:
     return 1 + first_largest(off)
 
 
-def _chain_plane(points: Floats, options: MakeLimbOptions) -> tuple[Floats, Floats, str] | None:
+def _chain_plane(
+    rig: Rig, points: Floats, options: MakeLimbOptions, below: MakeLimbOptions | None
+) -> tuple[Floats, Floats, str] | None:
     """As `_plane`, of a chain: the mean plane of its triples, each as large as its triangle and turned the
-    way of those before; a direction of the world where they have none. None: --bend has to say it."""
+    way of those before; where they have none, that of a limb beside it, or a direction of the world.
+    None: --bend has to say it."""
     size = sum(distance(points[:-1], points[1:]).tolist())
     bones, normal = points[1:] - points[:-1], np.zeros(3)
     for one, other in pairwise(bones):
@@ -194,15 +193,35 @@ def _chain_plane(points: Floats, options: MakeLimbOptions) -> tuple[Floats, Floa
     if options.bend is not None:
         return None
     if not options.style.world and options.style.up_from in ("plane", "pole"):
+        above = _hinge_beside(rig, line, options, below)
+        if above is not None:
+            return above, normalise(cross(line, above)), "given"
         raise OpenDirectionError(
             f"The points of {_title(options)} lie on a line, which leaves the up direction open. Give it "
             "with --up-from world:+y, or --bend 0,0,1 or another direction across it"
         )
-    up = np.eye(3)[1] if options.style.world else _up(line, normal, options.style.up_from)
+    up = np.eye(3)[1] if options.style.world else up_direction(line, normal, options.style.up_from)
     if not crossing(up, line):
         up = axis_across(line)
     normal = normalise(perpendicular(up, line))
     return normal, normalise(cross(line, normal)), "given"
+
+
+def _hinge_beside(
+    rig: Rig, line: Floats, options: MakeLimbOptions, below: MakeLimbOptions | None
+) -> Floats | None:
+    """The hinge that a straight chain has from the limb that continues it, an earlier run, or its parent."""
+    if below is not None:
+        try:
+            shape = _shape(rig, below, Report())
+        except OpenDirectionError:
+            pass
+        else:
+            hinge = transported(shape.hinge, shape.points[1] - shape.points[0], line)
+            return hinge if crossing(hinge, line) else None
+    known = joints_of_limb(rig, _title(options))
+    parent = rig.find(options.parent, "parent") if options.parent is not None else -1
+    return hinge_from(rig, known[0] if known else parent, line)
 
 
 def _plane(triple: Floats, options: MakeLimbOptions, report: Report) -> tuple[Floats, Floats, str]:
@@ -246,8 +265,8 @@ def _axes(rig: Rig, points: Floats, normal: Floats, options: MakeLimbOptions, re
     found = []
     for part, aim in enumerate(aims):
         if options.is_chain:
-            normal = _transported(normal, aims[max(part - 1, 0)], aim)
-        up = _up(aim, normal, style.up_from)
+            normal = transported(normal, aims[max(part - 1, 0)], aim)
+        up = up_direction(aim, normal, style.up_from)
         if not crossing(up, aim):
             text = f"Joint {part + 1} of {_title(options)} points along {style.up_from}; its plane says up."
             report.warn("up-along-bone", text, geometry=True)
@@ -258,41 +277,10 @@ def _axes(rig: Rig, points: Floats, normal: Floats, options: MakeLimbOptions, re
     return np.array([*found, *[found[-1]] * (len(points) - len(found))])
 
 
-def _transported(normal: Floats, before: Floats, aim: Floats) -> Floats:
-    """What goes from a bone to the next without rolling, across that one."""
-    turned = rotate(between(normalise(before), normalise(aim)), normal)
-    across = perpendicular(turned, aim)
-    return normalise(across) if np.isfinite(across).all() and crossing(turned, aim) else normal
-
-
 def _end_point(rig: Rig, end_aim: str | Point, pose: str) -> Floats:
     if isinstance(end_aim, str):
         return _read(rig, end_aim, pose)
     return np.array(end_aim, dtype=np.float64)
-
-
-def _up(aim: Floats, normal: Floats, source: str) -> Floats:
-    """The direction of the up axis: the hinge, the side the limb bends to, or one of the world."""
-    if source == "plane":
-        return normal
-    if source == "pole":
-        return cross(aim, normal)
-    kind, _, text = source.partition(":")
-    try:
-        if kind == "vector":
-            return np.array(vector(text))
-        if kind == "world":
-            letter, sign = axis_of(text)
-            return np.asarray(sign * np.eye(3)[letter])
-    except ValueError as error:
-        raise UsageError(f"--up-from {source}: {error}") from error
-    raise UsageError(f"--up-from {source} is none of plane, pole, world:AXIS and vector:X,Y,Z")
-
-
-def _known(rig: Rig, title: str) -> list[int]:
-    """The joints of a limb that an earlier run has made, root first."""
-    parts = {node: limb.part for node, limb in rig.records(LimbRecord).items() if limb.limb == title}
-    return sorted(parts, key=lambda node: (parts[node], node))
 
 
 def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) -> tuple[Rig, list[int]]:
@@ -314,9 +302,7 @@ def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) ->
 
 
 def _names(rig: Rig, options: MakeLimbOptions, count: int) -> list[str]:
-    suffix = _SIDES[options.side or ""]
-    names = options.names or [f"{options.name}_{k + 1}{suffix}" for k in range(count)]
-    names = [*map(rig.rules.valid_name, names)]
+    names = joint_names(rig, options, count)
     taken = [name for name in names if names.count(name) > 1 or free_name(rig, name, None) != name]
     if taken:
         raise UsageError(f"another node is called '{taken[0]}'; give the joints --names of their own")

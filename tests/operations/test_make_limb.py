@@ -502,6 +502,43 @@ def test_nodes_that_a_pattern_means_are_guides_of_a_skeleton() -> None:
     assert [out.names[node] for node in out.nodes_of("poleVector")] == ["spine_2_pole", "arm_2_L_pole"]
 
 
+_TRUNK = (("spine_1_loc", -1, (0, 1, 0)), ("spine_2_loc", 0, (0, 1.2, 0.05)), ("spine_3_loc", 1, (0, 1.5, 0)))
+
+
+def _clavicle(side: str, first: int) -> tuple[tuple[str, int, tuple[float, float, float]], ...]:
+    sign = 1.0 if side == "L" else -1.0
+    return (
+        (f"clavicle_1_{side}_loc", 2, (0.05 * sign, 1.5, 0)),
+        (f"clavicle_2_{side}_loc", first, (0.2 * sign, 1.5, 0)),
+    )
+
+
+def test_a_clavicle_of_two_nodes_rolls_as_the_arm_that_continues_it() -> None:
+    """Two points show no plane. Before, they were refused."""
+    arm = (
+        ("arm_1_L_loc", 4, (0.2, 1.5, 0)),
+        ("arm_2_L_loc", 5, (0.5, 1.5, -0.05)),
+        ("arm_3_L_loc", 6, (0.8, 1.5, 0)),
+    )
+    out = rigtri.make_limb(_guide_nodes(*_TRUNK, *_clavicle("L", 3), *arm), guide_nodes="*_loc")
+    hinge = out.world[out.find("arm_1_L"), 1, :3]
+    assert_allclose(out.world[out.find("clavicle_1_L"), :3, :3], [[1, 0, 0], hinge, [0, 0, -1]], atol=1e-6)
+    assert_allclose(hinge, (0, -1, 0), atol=1e-6)
+    # It keeps them where it alone is built again.
+    points = ((0.05, 1.5, 0), (0.2, 1.5, 0.0))
+    again = rigtri.make_limb(out, points=points, name="clavicle", side="left")
+    assert_allclose(again.world, out.world, atol=1e-6)
+
+
+def test_a_clavicle_without_an_arm_rolls_with_its_parent_mirrored_on_the_other_side() -> None:
+    rig = _guide_nodes(*_TRUNK, *_clavicle("L", 3), *_clavicle("R", 5))
+    out = rigtri.make_limb(rig, guide_nodes="*_loc")
+    left, right = (out.world[out.find(f"clavicle_1_{side}"), 1, :3] for side in "LR")
+    # The trunk bends about the lateral axis; from its last bone, (0, 0.3, -0.05), to the lateral line.
+    assert_allclose(left, np.array([0, 6, -1]) / np.sqrt(37), atol=1e-6)
+    assert_allclose(right, -left, atol=1e-6)  # axes of rotation: they turn both ahead
+
+
 @pytest.mark.parametrize(
     ("rig", "words"),
     [
