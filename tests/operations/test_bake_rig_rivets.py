@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from rigtri import add_rivet, read
+from rigtri.evaluation.skinning import Influences, influences
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.take_clips import restore_rivets
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.report import Report
 
@@ -68,3 +70,20 @@ def test_a_rivet_whose_points_are_gone_keeps_its_keys(rigged: Rig) -> None:
     baked = as_described(moved, rigged, report=report)
     assert not baked.records(RivetRecord)
     assert [n.code for n in report.warnings if "button" in n.text] == ["follower-kept"]
+
+
+def test_a_mesh_is_weighed_once_for_all_its_rivets(samples: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ("button", "badge", "buckle")
+    rigged = add_rivet(read(samples / "biped.glb"), mesh="body", triangle=(40, 41, 60), name=names)
+    weighed = list[Mesh]()
+
+    def counted(mesh: Mesh, rig: Rig) -> Influences:
+        weighed.append(mesh)
+        return influences(mesh, rig)
+
+    monkeypatch.setattr(restore_rivets, "influences", counted)
+    found = restore_rivets.with_rivets_of(
+        with_meshes(rigged, renumbered), rigged, {node: node for node in range(len(rigged))}, Report()
+    )
+    assert len(found.records(RivetRecord)) == 3
+    assert len(weighed) == 2  # of the one file and of the other

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.evaluation.skinning import influences
+from rigtri.evaluation.skinning import Influences, influences
 from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.trigonometry import Floats
@@ -34,19 +35,63 @@ class _Corner(NamedTuple):
     weight: float
 
 
+class _Primitive:
+    """A primitive of a mesh, whose points and weights are worked out once for all rivets on it."""
+
+    def __init__(self, mesh: Mesh, rig: Rig) -> None:
+        self.mesh, self._rig = mesh, rig
+        # Rivets of one garment share a few joints; those of all would be as many copies of a large mesh.
+        self.placed = lru_cache(maxsize=4)(self._placed)
+
+    @cached_property
+    def moved(self) -> Influences | None:
+        """What moves its points, None where it is rigid."""
+        return None if self.mesh.skin is None else influences(self.mesh, self._rig)
+
+    def _placed(self, row: int) -> tuple[Floats, float]:
+        """Where a joint of the skin by its row, −1: the node, sees the points, (v, 3), and their size."""
+        places = self.mesh.points
+        if row >= 0 and self.moved is not None:
+            places = transform_points(places, self.moved.bind[row])
+        return places, float(length(places.max(axis=0) - places.min(axis=0)))
+
+    def weights(self, rows: Integers, joint: int) -> Floats:
+        """How much a joint of the skin moves some of the points; 1 of a rigid mesh."""
+        if self.moved is None:
+            return np.ones(len(rows))
+        found: Floats = np.where(self.moved.joints[rows] == joint, self.moved.weights[rows], 0.0).max(axis=1)
+        return found
+
+
+class _Primitives:
+    """The primitives of the meshes of a rig, by their node."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig, self._known = rig, dict[int, list[_Primitive]]()
+
+    def of(self, node: int | None) -> list[_Primitive]:
+        """Those of one node, none of None."""
+        if node is None:
+            return []
+        if node not in self._known:
+            found = [_Primitive(mesh, self.rig) for mesh in self.rig.meshes if mesh.node == node]
+            self._known[node] = found
+        return self._known[node]
+
+
 def with_rivets_of(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
     """The rig with its rivets, as the other file describes them, on the points that they have there.
 
     of: nodes of the other file to nodes of this one. Where the mesh has no such points any more, the rivet
     keeps its keys, and is a rivet no longer; a warning names it.
     """
-    metadata = dict(rig.metadata)
+    metadata, there, here = dict(rig.metadata), _Primitives(described), _Primitives(rig)
     for theirs, record in described.records(RivetRecord).items():
         node = of.get(theirs)
         if node is None or rig.type_of(node) != "rivet":
             continue
         try:
-            found = _found_again(record, rig, described, of)
+            found = _found_again(record, there, here, of)
         except FileError:
             continue  # bake tells it of the meshes that it cannot read
         if found is None:
@@ -64,38 +109,33 @@ def with_rivets_of(rig: Rig, described: Rig, of: Mapping[int, int], report: Repo
 
 
 def _found_again(
-    record: RivetRecord, rig: Rig, described: Rig, of: Mapping[int, int]
+    record: RivetRecord, described: _Primitives, now: _Primitives, of: Mapping[int, int]
 ) -> dict[str, Any] | None:
     """The primitive and the points of a rivet in this file, as its metadata holds them; None for none."""
-    theirs = described.known(record.mesh)
-    ours = None if theirs is None else of.get(theirs)
-    there, here = _primitives(described, theirs), _primitives(rig, ours)
+    theirs = described.rig.known(record.mesh)
+    there, here = described.of(theirs), now.of(None if theirs is None else of.get(theirs))
     rows = np.array(record.vertices, dtype=np.int64)
-    if not here or record.primitive >= len(there) or rows.max() >= len(there[record.primitive].points):
+    if not here or record.primitive >= len(there) or rows.max() >= len(there[record.primitive].mesh.points):
         return {}  # bake says that there is no such mesh
     corners = [
         corner._replace(joint=of.get(corner.joint, -1)) if corner.joint >= 0 else corner
-        for corner in _corners(there[record.primitive], described, rows)
+        for corner in _corners(there[record.primitive], rows)
     ]
-    if (there[record.primitive].skin is None) != (here[0].skin is None):
+    if (there[record.primitive].mesh.skin is None) != (here[0].mesh.skin is None):
         return None
     order = [record.primitive, *range(len(here))] if record.primitive < len(here) else range(len(here))
     for primitive in order:
         same = rows if primitive == record.primitive else None
-        points = _points(here[primitive], rig, corners, same)
+        points = _points(here[primitive], corners, same)
         if points is not None:
             return {"primitive": int(primitive), "vertices": points}
     return None
 
 
-def _primitives(rig: Rig, node: int | None) -> list[Mesh]:
-    return [mesh for mesh in rig.meshes if mesh.node == node]
-
-
-def _corners(mesh: Mesh, rig: Rig, rows: Integers) -> list[_Corner]:
-    if mesh.skin is None:
+def _corners(there: _Primitive, rows: Integers) -> list[_Corner]:
+    mesh, moved = there.mesh, there.moved
+    if moved is None:
         return [_Corner(-1, mesh.points[row], 1.0) for row in rows]
-    moved = influences(mesh, rig)
     found = []
     for row in rows:
         most = int(np.argmax(moved.weights[row]))
@@ -105,28 +145,29 @@ def _corners(mesh: Mesh, rig: Rig, rows: Integers) -> list[_Corner]:
     return found
 
 
-def _points(mesh: Mesh, rig: Rig, corners: Sequence[_Corner], same: Integers | None) -> list[int] | None:
+def _points(here: _Primitive, corners: Sequence[_Corner], same: Integers | None) -> list[int] | None:
     """The points of a primitive at three corners, those of the ``same`` numbers where they are there."""
-    if not len(mesh.points):
+    if not len(here.mesh.points):
         return None
-    moved = influences(mesh, rig) if mesh.skin is not None else None
     found = []
     for k, corner in enumerate(corners):
-        places, weights = mesh.points, np.ones(len(mesh.points))
-        if moved is not None:
-            joints = np.flatnonzero(moved.nodes == corner.joint)
+        joint = -1
+        if here.moved is not None:
+            joints = np.flatnonzero(here.moved.nodes == corner.joint)
             if not len(joints):
                 return None
-            places = transform_points(mesh.points, moved.bind[joints[0]])
-            weights = np.where(moved.joints == joints[0], moved.weights, 0.0).max(axis=1)
-        apart = distance(places, corner.place)
-        size = float(length(places.max(axis=0) - places.min(axis=0)))
-        near = np.flatnonzero(apart <= _SAME * size)
+            joint = int(joints[0])
+        places, size = here.placed(joint)
+        # Along one axis first, for that leaves few of many points.
+        near = np.flatnonzero(np.abs(places[:, 0] - corner.place[0]) <= _SAME * size)
+        apart = distance(places[near], corner.place)
+        close = apart <= _SAME * size
+        near, apart = near[close], apart[close]
         if not len(near):
             return None
         # Of points in one place, as along a seam, the one that moves alike.
-        other = np.abs(weights[near] - corner.weight)
-        best = near[np.lexsort((apart[near], np.round(other, 3)))]
+        other = np.abs(here.weights(near, joint) - corner.weight)
+        best = near[np.lexsort((apart, np.round(other, 3)))]
         again = same is not None and same[k] in near and other[near == same[k]][0] <= other.min() + _SAME
         found.append(int(same[k]) if same is not None and again else int(best[0]))
     return found
