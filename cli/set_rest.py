@@ -25,7 +25,8 @@ def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     if not report.joints:
         return "the joints rest so already; nothing was changed"
-    return f"{counted(len(report.joints), 'joint')} rest in another pose; clips play as before"
+    clips = "" if report.warned("pose-shown") else "; clips play as before"
+    return f"{counted(len(report.joints), 'joint')} rest in another pose{clips}"
 
 
 command = edit_command("set-rest", SetRestOptions, summary, __doc__)

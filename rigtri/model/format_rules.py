@@ -28,7 +28,8 @@ class FormatRules:
     fixed: nodes whose axes mean something in themselves, with the reason. orient_locked: why no joint
     of this file may have axes of its own, "" where they may; then ``world_aligned`` are the nodes that
     may be aligned with the world's axes, all of them together. data_nodes: nodes of ``fixed`` whose
-    transform is data and places nothing, so that they are never joints. split_locked: why no joint of
+    transform is data and places nothing, so that they are never joints. swinging: nodes that springs of the
+    file swing about how they rest. split_locked: why no joint of
     this file may be split, "" where they may.
     facing: the direction the character looks in, where the format prescribes one. up: the scene's up axis.
     raw_quaternions: viewers of this format do not normalise rotations (UsdSkel).
@@ -54,6 +55,7 @@ class FormatRules:
     orient_locked: str = ""
     world_aligned: frozenset[int] = frozenset()
     data_nodes: frozenset[int] = frozenset()
+    swinging: frozenset[int] = frozenset()
     split_locked: str = ""
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
@@ -86,6 +88,7 @@ class FormatRules:
             unlisted={new[k]: parent for k, parent in self.unlisted.items()},
             world_aligned=frozenset(new[k] for k in self.world_aligned),
             data_nodes=frozenset(new[k] for k in self.data_nodes),
+            swinging=frozenset(new[k] for k in self.swinging),
             named=frozenset(new[k] for k in self.named),
             elsewhere={new[k]: name for k, name in self.elsewhere.items()},
             overlaid=frozenset(new[k] for k in self.overlaid),

@@ -139,15 +139,15 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     weights = _morphed(rig, timeline, time)
     report.added.append({"type": "pose", "at": options.at, "nodes": len(moved), "morphs": len(weights)})
     report.reposed |= bool(moved or weights)
-    _warn_shown(rig, taken, moved, report)
+    warn_shown(rig, taken, moved, report, "with rigtri set-rest they play as before")
     if not weights:
         return taken
     morph_weights = {**rig.pending.morph_weights, **weights}
     return replace(taken, pending=replace(taken.pending, morph_weights=morph_weights))
 
 
-def _warn_shown(rig: Rig, taken: Rig, moved: Collection[int], report: Report) -> None:
-    """Tell of clips that show the new rest pose of what they have no keys of, and controls do not move."""
+def warn_shown(rig: Rig, taken: Rig, moved: Collection[int], report: Report, remedy: str) -> None:
+    """Tell of clips of ``taken`` that show the new rest pose of nodes that neither keys nor controls move."""
     fixed = rig.has_matrix & (not rig.rules.raw_quaternions)  # by a matrix, which no clip can move
     changed = {
         (node, path)
@@ -156,18 +156,21 @@ def _warn_shown(rig: Rig, taken: Rig, moved: Collection[int], report: Report) ->
     }
     if not changed:
         return
-    reference, shown, clips = ControlsAtZero(rig), set[int](), list[str]()
-    for timeline in timelines(rig):
-        solver = Solver(rig, controls_at_work(rig, timeline), reference)
-        set_anew = {node for step in solver.steps for node in step.sets}
-        keyed = {(track.node, track.path) for track in timeline.clip.tracks}
-        if still := {node for node, _ in changed - keyed} - set_anew:
+    reference: ControlsAtZero | None = None
+    shown, clips = set[int](), list[str]()
+    for timeline in timelines(taken):
+        still = {node for node, _ in changed - {(track.node, track.path) for track in timeline.clip.tracks}}
+        if still:
+            reference = reference or ControlsAtZero(rig)
+            solver = Solver(rig, controls_at_work(rig, timeline), reference)
+            still -= {node for step in solver.steps for node in step.sets}
+        if still:
             shown |= still
             clips.append(timeline.name)
     if shown:
         names = and_more([rig.title(node) for node in sorted(shown)], 4)
         text = f"Clips without keys of {names} show them in this pose ({and_more(clips, 4)})"
-        report.warn("pose-shown", f"{text}; with rigtri set-rest they play as before")
+        report.warn("pose-shown", f"{text}; {remedy}")
 
 
 def _morphed(rig: Rig, timeline: Timeline | None, time: float) -> dict[int, Floats]:

@@ -30,7 +30,7 @@ from rigtri.operations.option_kinds import StandardPose
 from rigtri.operations.options.pose import PoseOptions
 from rigtri.operations.options.set_rest import SetRestOptions as SetRestOptions
 from rigtri.operations.orient_joints.frame_sources import no_namesakes
-from rigtri.operations.pose import at_rest, pose_of
+from rigtri.operations.pose import at_rest, pose_of, warn_shown
 from rigtri.operations.prune_joints import weighted_joints
 from rigtri.recognition.layout import CONFIDENT, Character
 from rigtri.recognition.limbs import limb_title
@@ -60,9 +60,10 @@ _AS_BOUND = ("bind", "tpose", "apose")
 def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     """The rig with a pose for the rest pose of its joints; clips play as before, and so do bind poses.
 
-    Joints that pose readers drive keep theirs, from which what readers do is counted.
+    Joints that pose readers drive keep theirs, from which what readers do is counted, and those that springs
+    swing (VRM 1.0). Skeletons of a stage that no animation moves show it in its clips, too, with a warning.
     A clip that had no keys of a joint showed its rest pose, and gets a key of it. Raises GeometryError where
-    no body is known, where joints may have no rotations (VRM 0.x), where VRM constraints or springs count
+    no body is known, where joints may have no rotations (VRM 0.x), where VRM constraints count
     from the rest pose, and where it is seen in a clip whose samples are blocked (USD); UsageError and
     NameNotFoundError for moments that there are not.
     """
@@ -72,6 +73,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     parts = {node: part for node, part in target.items() if _differs(rig, node, part, noise[node])}
     if options.pose in ("tpose", "apose"):
         _refuse_uneven(rig, list(parts), uneven)
+    parts = _without_springs(rig, parts, report)
     taken, moved = at_rest(rig, parts, _least(rig))
     _refuse(rig, moved)
     sheared = {node for node in moved if rig.has_matrix[node] and skew(rig.local[node]) > SKEW}
@@ -90,7 +92,18 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         from rigtri.operations.controls_check import refuse_other_rest
 
         refuse_other_rest(rig, taken, moved)
+    warn_shown(rig, taken, moved, report, "no animation moves their skeleton, which could keep the old pose")
     return taken
+
+
+def _without_springs(rig: Rig, parts: dict[int, Parts], report: Report) -> dict[int, Parts]:
+    """The parts without joints that springs swing about how they rest, which stay so; said in a warning."""
+    swung = sorted(rig.rules.swinging & parts.keys())
+    if swung:
+        names = and_more([rig.title(node) for node in swung], 6)
+        text = f"Springs swing {names} about how they rest, so they keep their rest pose"
+        report.warn("spring-kept", text, geometry=True)
+    return {node: part for node, part in parts.items() if node not in swung}
 
 
 def _least(rig: Rig) -> Floats:

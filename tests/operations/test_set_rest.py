@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from avatars import avatar
 from broken_usd import SHAPED
 from crowds import bound, crowd, instance
 from places import SAMPLES, real_files
@@ -488,3 +489,34 @@ def test_a_rest_pose_of_a_joint_without_a_control_that_ik_counts_from_is_refused
         return
     with pytest.raises(GeometryError, match=r"In clip 'shrug' IK would .* 'clavicle_L' without a"):
         rigtri.set_rest(rig, pose="shrug@0")
+
+
+def test_a_skeleton_that_no_animation_moves_shows_the_new_rest_in_the_clips_of_its_stage(
+    tmp_path: Path,
+) -> None:
+    """Before, the command said that clips play as before."""
+    rest = SKELETON["rest"].replace(at(0, 2, 0), at(1, 2, 0))
+    lift = (
+        'def Xform "lift" {\ndouble3 xformOp:translate.timeSamples = { 1: (0, 0, 0), 9: (0, 1, 0) }\n'
+        'uniform token[] xformOpOrder = ["xformOp:translate"]\ndef Cube "box" {}\n}'
+    )
+    still = skeleton(rest=rest).replace("rel skel:animationSource = </Root/Anim>", "")
+    source = save(tmp_path, scene(still, MESH, lift))
+    ran = cli("set-rest", source, "-o", tmp_path / "out.usda", "--pose", "bind", code=0)
+    assert "1 joint rest in another pose\n" in ran.stderr
+    assert "show them in this pose (xforms); no animation moves their skeleton" in ran.stderr
+
+
+def test_joints_that_springs_swing_keep_their_rest_pose(tmp_path: Path) -> None:
+    """Viewers swing them about it. Before, hair swung about how it hung at a moment of a clip."""
+    rig = rigtri.read(avatar(1).glb(tmp_path / "avatar.vrm"))
+    hair, neck = rig.find("hair"), rig.find("spine")
+    rotation = rig.rotation.copy()
+    for node in (hair, neck):
+        rotation[node] = product(from_axis_angle(np.array([1.0, 0, 0]), 0.4), rotation[node])
+    report = Report()
+    found = rigtri.set_rest(rig, like=replace(rig, rotation=rotation), report=report)
+    assert (found.rotation[hair] == rig.rotation[hair]).all()
+    assert (found.rotation[neck] != rig.rotation[neck]).any()
+    (notice,) = [each for each in report.warnings if each.code == "spring-kept"]
+    assert "swing hair about" in notice.text

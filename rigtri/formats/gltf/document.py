@@ -309,6 +309,7 @@ class GltfDocument:
                 orient_locked=bindings.orient_locked,
                 world_aligned=frozenset(tree.place[k] for k in bindings.bones if bindings.orient_locked),
                 data_nodes=frozenset(tree.place[node] for node in bindings.data_nodes),
+                swinging=frozenset(tree.place[node] for node in bindings.swinging),
                 split_locked=bindings.split_locked,
                 named=frozenset(tree.place[k] for k in named_nodes(gltf.object()) if k < len(tree.place)),
                 facing=bindings.facing,

@@ -50,7 +50,7 @@ class Bindings:
     split_locked: why no joint may be split, "" where they may.
     orient_locked: why joints may have no axes of their own, "" where they may; bones: the nodes, then,
     that have to be aligned with the world, or whose children have to. data_nodes: nodes that hold
-    data in place of a transform.
+    data in place of a transform. swinging: nodes that springs rotate, counted from how they rest.
     """
 
     humanoid: dict[str, int] = field(default_factory=dict)
@@ -61,6 +61,7 @@ class Bindings:
     split_locked: str = ""
     bones: set[int] = field(default_factory=set)
     data_nodes: set[int] = field(default_factory=set)
+    swinging: set[int] = field(default_factory=set)
     constraints: list[Follows] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
 

@@ -94,6 +94,9 @@ def _spring_bones(springs: Value, above: Sequence[int], found: Bindings) -> None
         extended = extensions.get(EXTENDED) if extensions else None
         if extended is not None:
             _shape(extended, node, (*pointer, "extensions", EXTENDED), found)
+    for spring in springs.each("springs"):
+        joints = [joint.need("node").index(len(above), "node") for joint in spring.each("joints")]
+        found.swinging.update(joints[:-1])  # the last one is only the end of the bone that swings
 
 
 def _shape(holder: Value, node: int, pointer: Pointer, found: Bindings) -> None:
