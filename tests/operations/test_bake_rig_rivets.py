@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rigtri import add_rivet, read
+from rigtri import add_rivet, bake, read
 from rigtri.evaluation.skinning import Influences, influences
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import RivetRecord
@@ -87,3 +87,23 @@ def test_a_mesh_is_weighed_once_for_all_its_rivets(samples: Path, monkeypatch: p
     )
     assert len(found.records(RivetRecord)) == 3
     assert len(weighed) == 2  # of the one file and of the other
+
+
+def test_points_that_were_numbered_anew_hold_no_rivet_without_the_file_from_before(rigged: Rig) -> None:
+    """Custom properties come through Blender. Before, the rivet went to other points, without a word."""
+
+    def reordered(mesh: Mesh) -> Mesh:
+        order = np.random.default_rng(1).permutation(len(mesh.points))
+        surface = mesh.surface_now
+        assert surface is not None
+        drawn = surface._replace(corners=np.argsort(order)[surface.corners], normals=surface.normals[order])
+        parts = {name: getattr(mesh, name)[order] for name in ("points", "joints", "weights")}
+        return replace(mesh, **parts, morphs=mesh.morphs[:, order], surface=lambda: drawn)
+
+    report = Report()
+    baked = bake(with_meshes(rigged, reordered), to="joints", report=report)
+    node = baked.find("button")
+    assert (baked.translation[node] == rigged.translation[node]).all()
+    (text,) = [each.text for each in report.warnings if each.code == "follower-kept"]
+    assert "its points are no triangle of mesh 'body'" in text
+    assert "and the file from before" in text

@@ -273,11 +273,7 @@ class GltfDocument:
             gltf, self.accessors, tree, self.notices, known, lenient=options.lenient
         )
         clips = self._clips.read()
-        bindings = Bindings()
-        if any("extensions" in held for held in (gltf.object(), *nodes)):
-            from rigtri.formats.vrm.vrm1 import read_bindings
-
-            bindings = read_bindings(gltf, tree.above)
+        bindings = _bindings(gltf, nodes, tree.above)
         self.notices += bindings.notices
         self._pointers = [pointer for _, _, pointer in bindings.bound]
         fixed = {tree.place[node]: reason for node, reason in bindings.fixed.items()}
@@ -359,6 +355,15 @@ class GltfDocument:
                     "Choose --unknown-node-ext freeze or ignore."
                 )
             fixed.setdefault(node, why)
+
+
+def _bindings(gltf: Value, nodes: Sequence[dict[str, Any]], above: Sequence[int]) -> Bindings:
+    """What extensions bind to nodes; most files have none, and no use for what reads them."""
+    if any("extensions" in held for held in (gltf.object(), *nodes)):
+        from rigtri.formats.vrm.vrm1 import read_bindings
+
+        return read_bindings(gltf, above)
+    return Bindings()
 
 
 def _lines(gltf: Value, accessors: Accessors, node: Hashable) -> Lines | None:

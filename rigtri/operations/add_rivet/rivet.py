@@ -52,6 +52,8 @@ ARM = 0.1
 STILL = 1e-8
 # A point that is farther from the mesh, as a share of its size, may be in other units or of another mesh.
 FAR = 0.1
+# Points of one place, as a share of the mesh's size: rivets of `bake --rig` were found again among such.
+SAME_PLACE = 1e-4
 
 Point = tuple[float, float, float]
 
@@ -103,7 +105,7 @@ def options_of(record: RivetRecord) -> AddRivetOptions:
 def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | None = None) -> Rig:
     """The rig with a rivet where its triangle is now: at rest, and in some clips, by their places.
 
-    Raises GeometryError where its mesh has no such points any more, FileError.
+    Raises GeometryError where its mesh has no such triangle any more, FileError.
     """
     record = rig.records(RivetRecord)[node]
     mesh_node, number = rig.known(record.mesh), record.primitive
@@ -116,6 +118,12 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
             "add it again with: rigtri add-rivet"
         )
     ground = _Ground(rig, meshes, record.mesh)
+    if not ground.has_face(number, rows):
+        raise GeometryError(
+            f"Rivet '{rig.title(node)}': its points are no triangle of mesh '{record.mesh}': another "
+            "program may have numbered these anew. Bake with --rig and the file from before, or add it again "
+            "with: rigtri add-rivet"
+        )
     seat = _Seat(meshes[number], number, rows, np.array(record.barycentric), ground.number(number, rows))
     report = report if report is not None else Report()
     options = options_of(record)
@@ -195,6 +203,18 @@ class _Ground:
         """The number of the triangle with some corners, −1 where there is none any more."""
         hits = np.flatnonzero((self.triangles[primitive] == rows).all(axis=1))
         return sum(map(len, self.triangles[:primitive])) + int(hits[0]) if len(hits) else -1
+
+    def has_face(self, primitive: int, rows: Integers) -> bool:
+        """Whether points, or others in their places, as along seams, are the corners of a triangle."""
+        found, points = self.triangles[primitive], self.meshes[primitive].points
+        for corner in rows:
+            near = distance(points, points[corner]) <= SAME_PLACE * self._size_of(primitive)
+            found = found[near[found].any(axis=1)]
+        return len(found) > 0
+
+    def _size_of(self, primitive: int) -> float:
+        points = self.meshes[primitive].points
+        return float(length(points.max(axis=0) - points.min(axis=0)))
 
     def _seat(self, primitive: int, row: int, weights: Floats) -> _Seat:
         mesh, before = self.meshes[primitive], sum(map(len, self.triangles[:primitive]))
