@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import chain
 
 from rigtri.maths.ranking import SAME_SCORE, ranked
-from rigtri.maths.scalar_vector import Vector
-from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.biped_or_quadruped import may_be_front_legs
-from rigtri.recognition.body_shape import Body, lies, stands_too, within
+from rigtri.recognition.body_shape import Body, stands_too, within
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.facing import UNSURE, facing_of, up_of_stretched
+from rigtri.recognition.facing import UNSURE, facing_of
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import is_further
-from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
+from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
 from rigtri.recognition.limb_pairs import Limbs, ends_in_hand, lacks_hand
 from rigtri.recognition.limb_triples import TIE, bends_within, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement, in_order
+from rigtri.recognition.standing import CLEAR, FIRST_APART, GUESS, is_clear, row_of_legs, stand_by_names
 from rigtri.text import a
 
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
@@ -36,10 +35,6 @@ _STUNTED = 0.25
 _DOUBT = 0.25
 # From here on it denies names of sides; below, only those of joints that a negative scale has mirrored.
 _DENIES = 0.6
-# What goes from left to right by this (a cosine) is not up.
-_LATERAL = 0.7
-# Twins are apart where they are by this part of what they are at most.
-_FIRST_APART = 0.1
 # Of a body of many legs it has to be so sure before any side is given.
 _SEEN = 0.5
 # Another way to see the body that is as good as this counts against both.
@@ -49,36 +44,17 @@ _HALF = 0.62
 # Nor is a body whose two sides are alike only if noise is allowed for, nor a limb whose joints noise may take
 # for each other, unless names say all three.
 _ROUGH, _ALL_NAMED = 0.72, 0.99
-# Scores of a body between which it goes from a mere guess to as sure as a shape can be.
-_GUESS, _CLEAR, _LEAST, _SUREST = 0.6, 0.9, 0.5, 0.94
+# How sure shape is of a mere guess, and of what is as sure as a shape can be.
+_LEAST, _SUREST = 0.5, 0.94
 # What is left of a limb without names where others have some.
 _UNNAMED = 0.75
-
-
-@dataclass(frozen=True)
-class Found:
-    """One arm or leg. joints: start, middle and end, or start and middle alone. before: the joints between
-    the trunk and the start. pair: the limbs of the shape that it is one of, if it is."""
-
-    kind: LimbKind
-    side: Side
-    joints: tuple[int, ...]
-    before: tuple[int, ...]
-    confidence: float
-    evidence: tuple[str, ...]
-    pair: Limbs | None = None
-
-    @property
-    def is_sure(self) -> bool:
-        """Whether it may be acted upon, as its confidence is written."""
-        return round(self.confidence, 2) >= CONFIDENT
 
 
 def find_limbs(draft: Draft) -> list[Found]:
     """The arms and legs of a character; sets where is up, ahead and left, too."""
     named = list(_by_name(draft))
     pairs = [each for limbs in draft.shape.limbs for each in _of_pair(draft, limbs, bool(named))]
-    _stand_by_names(draft, named, pairs)
+    stand_by_names(draft, named, pairs)
     pairs = _sided(draft, pairs)
     found = [_agreed(draft, each, pairs) for each in named]
     for each in ranked(pairs, lambda each: each.confidence, SAME_SCORE):
@@ -86,11 +62,6 @@ def find_limbs(draft: Draft) -> list[Found]:
         if not taken.intersection(each.joints):
             found.append(each)
     return found
-
-
-def _is_clear(body: Body) -> bool:
-    """Whether a shape is clear enough to say, against names or the file, how a body stands."""
-    return body.score > 0.5 * (_GUESS + _CLEAR) and body.arms is not None
 
 
 def _by_name(draft: Draft) -> Iterator[Found]:
@@ -129,7 +100,7 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
     if limbs in draft.shape.legs:
         # Three pairs alike on the ground, and called legs: names need not say which joint is which.
         kind, sure = "leg", _HALF if limbs.kind == "leg" else _LEAST
-    elif body is not None and limbs in (body.legs, body.arms) and (not named or _is_clear(body)):
+    elif body is not None and limbs in (body.legs, body.arms) and (not named or is_clear(body)):
         kind, sure = _shaped(body, limbs), _shape_confidence(draft, body, limbs)
     elif (body is not None and is_further(draft.tree, body, limbs)) or (not named and ends_in_hand(limbs)):
         kind = "arm"
@@ -208,7 +179,7 @@ def _body_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
 
     Another way to see the body that has the same limbs there says nothing against these.
     """
-    sure = _LEAST + (_SUREST - _LEAST) * within(body.score, _GUESS, _CLEAR)
+    sure = _LEAST + (_SUREST - _LEAST) * within(body.score, GUESS, CLEAR)
     if body.arms is None or body.legs is None:
         return min(sure, _HALF)
     if body.form == "biped" and body.lead < 0.1:
@@ -226,50 +197,12 @@ def _body_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
     return sure
 
 
-def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]) -> None:
-    """Left and ahead as the names have them, up as the body or the file has it."""
-    body = draft.shape.body
-    at, across = draft.tree.at, Vector()
-    paired = (each for each in pairs if each.pair is not None and each.pair.kind == each.kind)
-    sided = [*named, *(replace(each, side=draft.side_in_names(each.joints)) for each in paired)]
-    for one in sided:
-        for other in sided:
-            if one.side == "left" and other.side == "right" and _are_twins(one, other):
-                apart = [at[a] - at[b] for a, b in zip(one.joints, other.joints, strict=False)]
-                widest = max(way.length for way in apart)
-                across = across + next(way for way in apart if way.length >= _FIRST_APART * widest)
-    legs, arms = ([each.joints for each in named if each.kind == kind] for kind in ("leg", "arm"))
-    up = Vector(*draft.tree.rig.rules.up)
-    if (stretched := up_of_stretched(draft.tree, legs, arms, across.unit)) is not None:
-        up = stretched
-    elif body is not None and (
-        _is_clear(body)
-        or abs(across.unit.dot(up)) > _LATERAL
-        or (_has_legs_of(body, legs, arms) and lies(draft.tree, body, up))
-    ):
-        up = body.up
-    draft.stand(up, across.cross(up))
-
-
-def _has_legs_of(body: Body, legs: Sequence[tuple[int, ...]], arms: Sequence[tuple[int, ...]]) -> bool:
-    """Whether a body's legs share joints with the legs that names tell of, if any, and none with arms."""
-    if not legs or body.legs is None:
-        return not legs
-    mine = {*body.legs.joints(0), *body.legs.joints(1)}
-    return not mine.isdisjoint(chain(*legs)) and mine.isdisjoint(chain(*arms))
-
-
-def _are_twins(one: Found, other: Found) -> bool:
-    """Whether two limbs of a kind are opposite, as far as is known."""
-    return one.kind == other.kind and one.pair is other.pair
-
-
 def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
     """Limbs of the shape with the sides they stand on, where that can be seen."""
     by_names = any(draft.facing) and any(draft.left)
     if draft.shape.plane is None or draft.shape.body is None:
         return [replace(each, side=_side(draft, each)) for each in pairs] if by_names else []
-    sure, why = _faces(draft, draft.shape.body, by_names)
+    sure, why = _faces(draft, draft.shape.body, pairs, by_names)
     share = 1.0 if by_names else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 2.0 * _DOUBT)
     because = () if by_names else tuple(f"{FACES}{w}" for w in why[:1])
     if draft.shape.legs and not by_names and sure < _SEEN:
@@ -284,12 +217,13 @@ def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
     return found
 
 
-def _faces(draft: Draft, body: Body, by_names: bool) -> tuple[float, tuple[str, ...]]:
+def _faces(draft: Draft, body: Body, pairs: Sequence[Found], by_names: bool) -> tuple[float, tuple[str, ...]]:
     """How sure it is by its shape where a body faces, and why; sets that, where names do not tell it."""
     plane = draft.shape.plane
     assert plane is not None
+    legs = draft.shape.legs or row_of_legs(draft.shape, pairs)
     named, body = (draft.facing, replace(body, up=draft.up)) if by_names else (None, body)
-    ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses, named=named, legs=draft.shape.legs)
+    ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses, named=named, legs=legs)
     if not by_names:
         draft.stand(body.up, ahead)
     elif sure > _DOUBT and draft.facing.dot(ahead) < -0.5:
@@ -314,7 +248,7 @@ def _side(draft: Draft, each: Found) -> Side:
     apart = apart[each.pair.at[0] :] + apart[: each.pair.at[0]]
     # Feet and blades may cross; hips and shoulders do not. If these are in the middle, the next joints tell.
     widest = max(map(abs, apart), default=0.0)
-    offset = next((far for far in apart if abs(far) > _FIRST_APART * widest), 0.0)
+    offset = next((far for far in apart if abs(far) > FIRST_APART * widest), 0.0)
     return "left" if offset > 0 else "right" if offset < 0 else ""
 
 

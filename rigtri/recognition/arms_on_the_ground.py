@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rigtri.recognition.arms_legs import AGREED, Found
+from rigtri.recognition.arms_legs import AGREED
 from rigtri.recognition.body_shape import lowest
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.shape_doubts import ENDS_LOW
 

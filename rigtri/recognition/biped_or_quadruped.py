@@ -14,7 +14,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.body_shape import LEVEL, Body, height, lowest
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
-from rigtri.recognition.limb_words import LimbWords
+from rigtri.recognition.limb_words import NO_WORDS, LimbWords
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.up_of_legs import has_tail
@@ -34,8 +34,11 @@ _RISES = 0.7
 # of 200 made people and toons 1.5 to 1.9 and up to 1.2. Front legs of animals are as far apart as hind ones
 # (0.6 to 1.2), below a trunk of one to three legs; between both nothing tells.
 _BROAD, _EVEN, _LONG = 1.4, 1.2, 1.25
-# A first bone that goes aside by this (a cosine) is a clavicle; a shoulder blade goes down.
-_COLLAR = 0.7
+# A first bone that goes aside by this (a cosine) is a clavicle; a shoulder blade goes down. It is shorter
+# than this part of the next: upper bones of what sprawls go aside, too, and are as long as the lower ones.
+_COLLAR, _SHORT = 0.7, 0.8
+# Limbs begin in the middle that are there by less than this part as far apart as their next joints.
+_AS_ONE = 0.1
 # Whose names say one of these may be an animal, whatever its front legs are called.
 _NO_DRIVER = frozenset(["wing", "tail"])
 
@@ -54,21 +57,25 @@ def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]
         legs, arms, rise = arms, legs, -rise
     animal = _is_animal(tree, arms, names)
     roles = frozenset[str]().union(*(roles_in_name(tree.rig.names[k]) for k in tree.nodes))
+    broad = _breadth(tree, arms, names) / max(_breadth(tree, legs, names), 1e-30)
     if body.up.dot(standing) < _RISES and rise > _RISES:
         sits = replace(body, legs=legs, arms=arms, form="biped", up=standing, doubt=False)
-        return sits if arms.kind == "arm" and not animal and _NO_DRIVER.isdisjoint(roles) else body
+        driver = arms.kind == "arm" and broad > _EVEN and not animal and _NO_DRIVER.isdisjoint(roles)
+        return sits if driver else body
     up, tall = body.up, height(tree, legs, body.up)
     ground = lowest(tree, legs, up)
     high = (lowest(tree, arms, up) - ground) / tall
     tailed = has_tail(tree, legs, arms, (arms.starts - legs.starts).unit) or not _NO_DRIVER.isdisjoint(roles)
     missing = _FEET if arms.fingers < 2 else _STEP
-    broad = _breadth(tree, arms) / max(_breadth(tree, legs), 1e-30)
     named, person = (
         arms.kind == "arm",
         broad > _BROAD and (arms.starts - legs.starts).length < _LONG * legs.size,
     )
     if person and not animal and (named or arms.thumb):
-        return replace(body, form="biped", doubt=False)
+        # Frogs are as broad, and their rigs have names for people: no hand, clavicle or finger tells.
+        hand = any("end" in names.get(path[arms.at[-1]], NO_WORDS).levels for path in arms.pair.paths)
+        bare = not (hand or arms.thumb or arms.at[0] or arms.fingers > 1) and high < _STEP
+        return replace(body, form="biped", doubt=bare)
     if not animal and not tailed and (person or (named and broad > _EVEN)) and high < _WRIST:
         return replace(body, form="biped")
     if not arms.thumb and (high < missing or _reach(tree, arms, up, poses) - ground < _FEET * tall):
@@ -79,13 +86,17 @@ def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]
     return replace(body, form="quadruped" if four else "biped", doubt=not (four and animal))
 
 
-def _breadth(tree: Tree, limbs: Limbs) -> float:
-    """How far apart two limbs begin, after their clavicles."""
+def _breadth(tree: Tree, limbs: Limbs, names: Mapping[int, LimbWords]) -> float:
+    """How far apart two limbs begin, after clavicles, called no upper bones, or bones from the middle."""
     one, two = limbs.pair.paths
     first, middle = limbs.at[0], limbs.at[1]
     apart, after = (tree.at[one[k]] - tree.at[two[k]] for k in (first, middle))
-    collar = abs((tree.at[one[middle]] - tree.at[one[first]]).unit.dot(after.unit)) > _COLLAR
-    return after.length if collar else apart.length
+    upper = tree.at[one[middle]] - tree.at[one[first]]
+    lower = tree.at[one[limbs.at[-1]]] - tree.at[one[middle]]
+    collar = upper.length < _SHORT * lower.length or len(limbs.at) < 3
+    collar = collar and not any("upper" in names.get(path[first], NO_WORDS).levels for path in (one, two))
+    collar = collar or apart.length < _AS_ONE * after.length
+    return after.length if collar and abs(upper.unit.dot(after.unit)) > _COLLAR else apart.length
 
 
 def _is_animal(tree: Tree, arms: Limbs, names: Mapping[int, LimbWords]) -> bool:

@@ -18,7 +18,16 @@ from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import TRIED, Limbs
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.symmetry import SQUARE, Plane, between
-from rigtri.recognition.up_of_legs import OTHER_UP, up_of_trunk, ups_of_pairs, way_of
+from rigtri.recognition.up_of_legs import (
+    OTHER_UP,
+    REPTILE,
+    SPRAWLS,
+    go_aside,
+    has_tail,
+    up_of_trunk,
+    ups_of_pairs,
+    way_of,
+)
 
 # No pair without another scores so much.
 _ALONE = 0.76
@@ -139,7 +148,9 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
         if front_legs and trust < 1.0 and abs(tall) > _UPRIGHT and seen:
             continue  # from hind to front legs it goes ahead
         above = abs(lowest(tree, legs, up) - lowest(tree, arms, up)) / height(tree, legs, up)
-        lies = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75
+        level = above < LEVEL or (above < 2.0 * LEVEL and has_tail(tree, legs, arms, on, REPTILE))
+        level = level and abs(tall) < 0.6 and go_aside(tree, legs, arms)
+        lies = abs(tall) < 0.6 and min(hangs, stands) > (SPRAWLS if level else 0.75)
         four = front_legs or (lies and above < LEVEL)
         turned = [
             (1.0, trust * within(stands, 0.0, 0.7)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from rigtri.recognition.arms_legs import AGREED, Found
+from rigtri.recognition.arms_legs import AGREED
 from rigtri.recognition.arms_on_the_ground import (
     arm_as_front_leg,
     arm_below_a_lying_trunk,
@@ -13,6 +13,7 @@ from rigtri.recognition.arms_on_the_ground import (
     arm_on_the_ground,
 )
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.guessed_hierarchy import (
     called_end,
     end_elsewhere,
@@ -31,6 +32,7 @@ from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.inanimate import (
     has_trunk,
     is_alive,
+    is_of_device,
     may_be_a_thing,
     may_be_wings,
     of_machine,
@@ -245,16 +247,14 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
 def _no_trunk(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """A limb by names where no trunk or head is named: chairs have arms and legs, too, and scales a head.
 
-    What has ears and a tail is an animal.
-    Not one that a naming scheme knows, of clear words for all three joints; nor four legs of such words.
+    What has ears and a tail is an animal. Not one that a naming scheme knows, of clear words for all three
+    joints; nor four legs of such words, but for those beside names of a device, as of a camera's tripod.
     """
     named = _is_named(draft, each)
-    if (
-        not (named or _by_words(each))
-        or _has_fingers(draft, each)
-        or (named and _has_clear_words(draft, each))
-        or _corners(draft, found) == 4
-    ):
+    if not (named or _by_words(each)) or _has_fingers(draft, each):
+        return ""
+    clear = (named and _has_clear_words(draft, each)) or _corners(draft, found) == 4
+    if clear and not is_of_device(draft):
         return ""
     roles = frozenset[str]().union(*(roles_in_name(draft.tree.rig.names[k]) for k in draft.tree.nodes))
     return "" if has_trunk(draft) or roles >= _ANIMAL else "nothing else of a body is named"

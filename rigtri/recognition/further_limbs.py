@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.inanimate import is_of_machine
 from rigtri.recognition.layout import NAMES, Kind
 from rigtri.recognition.limb_pairs import Limbs

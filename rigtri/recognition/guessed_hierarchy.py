@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import inf
 
-from rigtri.recognition.arms_legs import FACES, Found
+from rigtri.recognition.arms_legs import FACES
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import BY_LEGS
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import NO_WORDS, in_order, other_words

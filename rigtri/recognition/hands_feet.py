@@ -10,8 +10,8 @@ from rigtri.maths.ranking import largest
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
-from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES
 from rigtri.recognition.limb_ends import thumb_of
 from rigtri.recognition.name_parsing import parse_name

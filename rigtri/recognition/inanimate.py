@@ -9,10 +9,10 @@ from typing import Any
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.triangle import bend_angle
-from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import feet_ahead
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
@@ -53,6 +53,13 @@ def _objects() -> frozenset[str]:
 
 
 @cache
+def _devices() -> frozenset[str]:
+    """Words of what stands on legs, or has arms, beside people: furniture, vehicles and instruments."""
+    objects = _table()["objects"]
+    return frozenset(f"{objects['furniture']} {objects['vehicles']} {objects['instruments']}".split())
+
+
+@cache
 def _machines() -> frozenset[str]:
     """Words of vehicles, and those of parts of machines that hang in pairs."""
     return _words([_table()["objects"]["vehicles"]])
@@ -74,10 +81,12 @@ def trunk_names(draft: Draft) -> list[str]:
 
 
 def has_trunk(draft: Draft) -> bool:
-    """Whether names tell of a trunk: a head, a tail or a body alone do not.
+    """Whether names tell of a trunk: a head, a tail or a body alone do not, nor all beside those of a device.
 
-    Scales have a head, planes a tail, and drones, grills and pianos a body.
+    Scales have a head, planes a tail, drones, grills and pianos a body, and cameras and lamps all of these.
     """
+    if is_of_device(draft):
+        return has_hips_or_spine(draft)
     names = trunk_names(draft)
     alone = [name for name in names if not _ALONE.isdisjoint((*roles_in_name(name), *parse_name(name).words))]
     return len(names) > min(1, len(alone))
@@ -87,6 +96,12 @@ def has_hips_or_spine(draft: Draft) -> bool:
     """Whether names tell of a trunk beside head and neck: a guitar has a body, a neck and a head."""
     names = [name for name in trunk_names(draft) if _HEADS.isdisjoint(roles_in_name(name))]
     return any("body" not in parse_name(name).words for name in names)
+
+
+def is_of_device(draft: Draft) -> bool:
+    """Whether a name is of furniture, a vehicle or an instrument."""
+    names = (draft.tree.rig.names[k] for k in draft.tree.nodes)
+    return any(not _devices().isdisjoint(parse_name(name).words) for name in names)
 
 
 def is_of_machine(draft: Draft) -> bool:

@@ -10,9 +10,12 @@ from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.symmetry import Plane, pairs_of
+from rigtri.recognition.up_of_legs import on_axis
 
 # Legs go down by this (a cosine), as the file has it, all together.
 _STANDS = 0.5
+# A row of legs lies along an axis of the file up to this (a cosine, 30°).
+_NEAR_AXIS = 0.866
 # Joints beside the plane by less than this part of the whole are in the middle.
 _MIDDLE = 0.02
 # An abdomen is longer than a head by this, as a part of both, to count in full.
@@ -36,12 +39,7 @@ def many_legs(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> tuple[
     even = [k for k in limbs if across(tree, k, plane) and k.kind in ("leg", "")]
     even = [k for k in even if (k.quality > LEG if len(k.at) == 3 else k.kind == "leg")]
     even = [k for k in even if not any(k.pair.above in o.pair.nodes for o in even)]
-    total, longest = Vector(), max((k.size for k in even), default=0.0)
-    for k in even:
-        if k.size > SIMILAR * longest and len(k.at) == 3:
-            total = total + k.starts - k.ends
-    legs = (total - plane.normal * total.dot(plane.normal)).unit
-    up = standing if legs.dot(standing) > _STANDS or not any(legs) else legs
+    up = up_of_many(even, standing, plane.normal)
     for first in sorted(even, key=lambda k: -k.size) if len(even) > 2 else ():
         ground = lowest(tree, first, up)
         alike = [k for k in even if k.size > SIMILAR * first.size]
@@ -52,6 +50,33 @@ def many_legs(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> tuple[
         if len(alike) >= 3 and least > ground - LEVEL * first.size:
             return tuple(alike), up
     return (), standing
+
+
+def up_of_many(legs: Sequence[Limbs], standing: Vector, lateral: Vector) -> Vector:
+    """Where legs come from, all together, unit; what the file has as up where they stand on that."""
+    total, longest = Vector(), max((k.size for k in legs), default=0.0)
+    for k in legs:
+        if k.size > SIMILAR * longest and len(k.at) == 3:
+            total = total + k.starts - k.ends
+    up = (total - lateral * total.dot(lateral)).unit
+    return standing if up.dot(standing) > _STANDS or not any(up) else up
+
+
+def up_of_row(legs: Sequence[Limbs], standing: Vector, lateral: Vector) -> Vector:
+    """What is up of a row of legs, unit: square to where they begin and to the ground they end on.
+
+    Where they come from, all together, does not tell it: of an insect some pairs may not be known, and the
+    others go ahead or back. What the file has as up counts where that is near, or else its nearest axis.
+    """
+    along, rise = Vector(), Vector()
+    for k in legs:
+        rise = rise + k.starts - k.ends
+        for other in legs:
+            for way in (k.starts - other.starts, k.ends - other.ends):
+                along = along + (way if way.dot(along) >= 0.0 else -way)
+    up = lateral.cross(along).unit
+    up = up if up.dot(rise) >= 0.0 else -up
+    return standing if up.dot(standing) > _STANDS or not any(up) else on_axis(up, _NEAR_AXIS)
 
 
 def ends_of_trunk(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rigtri.model.joint_names import number
-from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import roles_in_name

@@ -12,11 +12,12 @@ import numpy as np
 from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.rig import Rig
-from rigtri.recognition.arms_legs import Found, find_limbs
+from rigtri.recognition.arms_legs import find_limbs
 from rigtri.recognition.chains_in_names import order_of_chains
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
 from rigtri.recognition.evidence_against import doubted
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.further_limbs import lay_further_limbs
 from rigtri.recognition.hands_feet import lay_ends, lay_hands
 from rigtri.recognition.joint_roles import parts_of

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 from rigtri.maths.angle_limits import radians_below
 from rigtri.maths.triangle import bend_angle
-from rigtri.recognition.arms_legs import Found, find_limbs
+from rigtri.recognition.arms_legs import find_limbs
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.evidence_against import doubted, unsure
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_triples import SAME_PLACE, TIE
 from rigtri.recognition.limb_words import NO_WORDS

@@ -26,7 +26,7 @@ from rigtri.recognition.many_legs import many_legs
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.order_in_names import joined
 from rigtri.recognition.pose_samples import Measured, Poses
-from rigtri.recognition.symmetry import Pair, Plane, named_pairs, opposite, plane_of
+from rigtri.recognition.symmetry import Pair, Plane, named_pairs, opposite, parted_by_names, plane_of
 from rigtri.recognition.untwisted import Twist, twists
 
 # Where a body looks has to be so sure, 0 to 1, before knees and elbows are taken to point as they should.
@@ -145,7 +145,7 @@ def _with_pairs(
     names: Mapping[int, LimbWords],
 ) -> Shape:
     """The shape of a tree in a pose by the pairs of its branches that are known, and their plane."""
-    pairs = [pair for pair in known if not _of_one_side(tree, pair)]
+    pairs = [pair for pair in known if not (_of_one_side(tree, pair) or parted_by_names(tree, pair))]
     plane = plane if len(pairs) == len(known) else plane_of(tree, pairs)
     if more := named_pairs(tree, pairs):
         pairs = ranked([*pairs, *more], lambda pair: pair.reach, SAME_LENGTH * tree.span)

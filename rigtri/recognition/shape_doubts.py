@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from math import fsum, inf
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import SIMILAR, Body, height, lowest
 from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import long_feet
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_ends import HAND, branches

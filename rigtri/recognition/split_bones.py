@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_triples import CLAVICLES, IN_LINE, SAME_PLACE, TIE
 from rigtri.recognition.limb_words import NO_WORDS, limb_words

@@ -135,6 +135,16 @@ def named_pairs(tree: Tree, pairs: Sequence[Pair]) -> list[Pair]:
     return found
 
 
+def parted_by_names(tree: Tree, pair: Pair) -> bool:
+    """Whether names say that both branches have another twin each: an insect's legs all are alike."""
+    names = tree.rig.names
+    one, other = (names[path[0]] for path in pair.paths)
+    if not (one and other) or _are_twins(one, other):
+        return False
+    beside = [names[k] for k in tree.below[pair.above] if names[k]]
+    return all(any(_are_twins(mine, name) for name in beside if name != mine) for mine in (one, other))
+
+
 def _words_of(name: str) -> tuple[Side, str, Place]:
     """The side that a name says, its words without it, and its place: ``FL_hip`` and ``FR_hip`` are twins."""
     parsed = parse_name(name)

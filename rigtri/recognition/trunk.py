@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.inanimate import has_hips_or_spine
 from rigtri.recognition.layout import MAP, NAMES
 from rigtri.recognition.limb_words import NO_WORDS

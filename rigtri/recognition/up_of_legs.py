@@ -21,6 +21,10 @@ _STAND_ALONE, _DOWN = 0.8, 0.5
 _MIDMOST = 0.1
 # What goes down between legs, or back, by more than this part of them is a tail, and its trunk may lie.
 _TAIL = 0.2
+# The tail of a reptile that sprawls is longer than this part of its legs, and no coat is.
+REPTILE = 1.0
+# Limbs of what sprawls go down by this (a cosine) where all four end on one ground, or nearly, beside a tail.
+SPRAWLS = 0.5
 # Legs that go down by this (a cosine), as the file has it, or a trunk that goes up leave no doubt what is up.
 _STANDS = 0.7
 # Legs go aside from a trunk that lies, or leans as dinosaurs do (cosines).
@@ -91,8 +95,11 @@ def ups_of_pairs(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, flo
     rise = (limbs if four else legs.starts - legs.ends).unit
     crouches = loose and on_axis(rise, _LEANS) is rise and on.dot(seat) > _LEANING
     crouches = crouches and (four or rise.dot(on) > _ASIDE)
+    tail = loose and abs(down.dot(on)) < _LEANING and has_tail(tree, legs, arms, on)
+    if crouches and tail and has_tail(tree, legs, arms, on, REPTILE):  # its feet are behind its hips
+        rise, crouches = (limbs - on * limbs.dot(on)).unit, False
     loose = loose and not crouches
-    if loose and (four or (abs(down.dot(on)) < _LEANING and has_tail(tree, legs, arms, on))):
+    if loose and (four or tail):
         return [(on_axis(rise, _LEANS), OTHER_UP)]
     turned = [on_axis(rise := -down, _ALONG_AXIS)]
     if turned[0] is rise or not turned[0].dot(on) > 0:
@@ -118,7 +125,21 @@ def ups_of_pairs(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, flo
         return others
     if not sits and (down.dot(-standing) > _STANDS or on.dot(standing) > _STANDS):
         others = []
+    sprawls = min(down.dot(-standing), out.dot(-standing)) > SPRAWLS and go_aside(tree, legs, arms)
+    if sprawls and on.dot(standing) < _LEANING and has_tail(tree, legs, arms, on, REPTILE):
+        others = []  # all limbs of an animal go down, as the file has it
     return [(standing, 1.0), *others]
+
+
+def go_aside(tree: Tree, *pairs: Limbs) -> bool:
+    """Whether the upper bones of all limbs go aside, as those of what sprawls."""
+    for limbs in pairs:
+        one, other = (limbs.joints(which) for which in (0, 1))
+        across = between(tree, limbs.pair)[1]
+        ways = ((tree.at[a[1]] - tree.at[a[0]]).unit for a in (one, other))
+        if min(abs(way.dot(across)) for way in ways) < _ASIDE:
+            return False
+    return True
 
 
 def way_of(limbs: Limbs) -> Vector:
@@ -172,8 +193,11 @@ def _kneels_on_hands(tree: Tree, legs: Limbs, arms: Limbs, up: Vector) -> bool:
     return max(lows) - min(lows) < _GROUND * legs.size < above
 
 
-def has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
-    """Whether what hangs in the middle where legs do, and is no limb, goes the other way than the trunk."""
+def has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector, part: float = _TAIL) -> bool:
+    """Whether what hangs in the middle where legs do, and is no limb, goes the other way than the trunk.
+
+    part: of legs, that it reaches beyond.
+    """
     limbs = {path[0] for pair in (legs, arms) for path in pair.pair.paths}
     free = [k for k in tree.below[legs.pair.above] if not any(tree.is_below(first, k) for first in limbs)]
     across, down = between(tree, legs.pair)[1], way_of(legs)
@@ -181,4 +205,4 @@ def has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
     ways = [way for way in ways if abs(way.dot(across)) < _MIDMOST * way.length]
     # What goes off square to the trunk, as legs that are stretched ahead do, is no more behind than ahead.
     behind = (-way.dot(on) for way in ways if -way.dot(on) > abs(way.dot(down)))
-    return max(behind, default=0.0) > _TAIL * legs.size
+    return max(behind, default=0.0) > part * legs.size

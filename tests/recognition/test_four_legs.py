@@ -428,3 +428,34 @@ def test_four_legs_at_the_corners_of_a_machine_are_no_fingers() -> None:
         for name, above, (x, y, _) in joints
     ]
     assert [chain.kind for chain in character(row)[0].chains][:1] == ["hand"]
+
+
+def reptile(tail: float) -> list[Joint]:
+    """What sprawls: upper bones go aside from a trunk that lies, feet stand behind hips. tail: how long."""
+    trunk = [(0, 0.1, -0.3 + 0.2 * k) for k in range(4)]
+    joints = line("hips spine chest neck head", "", *trunk, (0, 0.12, 0.5))
+    arm = [(0.1, 0.1, 0.28), (0.22, 0.11, 0.23), (0.2, 0.015, 0.34)]
+    leg = [(0.08, 0.1, -0.32), (0.22, 0.115, -0.22), (0.18, 0.03, -0.4), (0.22, 0.005, -0.32)]
+    joints += both(line("upper_arm.L forearm.L hand.L", "chest", *arm))
+    joints += both(line("thigh.L shin.L foot.L toe.L", "hips", *leg))
+    steps = [(0.0, 0.1, -0.35 - tail * (k + 0.2) / 6) for k in range(6 if tail else 0)]
+    return joints + line("tail1 tail2 tail3 tail4 tail5 tail6", "hips", *steps)
+
+
+@pytest.mark.parametrize("lying", [False, True])
+def test_a_reptile_that_sprawls_has_four_legs_whatever_its_rig_calls_them(lying: bool) -> None:
+    """Rigs for people are used for animals. Before, sure arms of a body that stood upright on its tail."""
+    joints = reptile(0.9)
+    if lying:
+        joints = [(name, above, (x, -z, y)) for name, above, (x, y, z) in joints]
+    (found,) = recognise(rig_with(joints)).characters
+    assert {chain.name for chain in found.limbs if chain.kind in ("arm", "leg")} == {
+        f"{side} {place} leg" for side in ("left", "right") for place in ("front", "hind")
+    }
+    assert found.up == ((0, 0, 1) if lying else (0, 1, 0))
+
+
+def test_a_frog_is_no_broad_person_who_crouches() -> None:
+    """Its upper arms, called so, go aside as clavicles do. Before, surely arms."""
+    found = recognise(rig_with(reptile(0.0)))
+    assert not any(chain.kind == "arm" and chain.is_sure for chain in found.chains)

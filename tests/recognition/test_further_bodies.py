@@ -294,3 +294,38 @@ def test_a_trunk_without_arms_is_what_stands_between_hips_and_neck(trunk: str, s
         [[name for name, _, _ in joints][k] for k in c.joints] for c in found.chains if c.kind == "spine"
     ]
     assert shown == ([spine] if spine else [])
+
+
+@pytest.mark.parametrize("lost", [1, 3])
+@pytest.mark.parametrize("lying", [False, True])
+def test_an_insect_of_which_a_pair_is_lost_stands_as_its_other_legs_do(lost: int, lying: bool) -> None:
+    """Noise loses a pair. Before, feelers were arms of a body on end, with its legs in wrong order."""
+    joints = insect(3, 4, True, "leg{pair}_{side}_{joint}")
+    feelers = line("f1.L f2.L f3.L", "head", (0.03, 0.4, 0.38), (0.12, 0.5, 0.5), (0.14, 0.5, 0.65))
+    body = [joint for joint in joints if not joint[0].startswith((f"leg{lost}_R", "f1", "f2"))]
+    body += both(feelers)
+    if lying:
+        body = [(name, above, (x, -z, y)) for name, above, (x, y, z) in body]
+    (found,) = recognise(rig_with(body)).characters
+    up, ahead = (0, 1, 0), (0, 0, 1)
+    if lying:
+        up, ahead = (0, 0, 1), (0, -1, 0)
+    assert found.up == pytest.approx(up, abs=1e-6)
+    assert found.facing == pytest.approx(ahead, abs=0.05)
+
+
+def test_names_part_legs_of_an_insect_that_shape_takes_for_twins() -> None:
+    """Before, a right front leg and a left hind one were a pair, where noise had made these more alike."""
+    joints = insect(3, 3, False, "leg{pair}_{side}_{joint}")
+    start = {name[:6]: place for name, _, place in joints if name.endswith("_1")}
+    noisy = []
+    for name, above, place in joints:
+        size, first = 1.25 if name[:6] in ("leg1_L", "leg3_R") else 1.0, start.get(name[:6], place)
+        x, y, z = (a + size * (b - a) for a, b in zip(first, place, strict=True))
+        noisy.append((name, above, (x, y, z)))
+    rig = rig_with(noisy)
+    (found,) = recognise(rig).characters
+    named = {chain.name: rig.names[chain.joints[0]] for chain in found.chains if chain.kind == "leg"}
+    assert named["left front leg"] == "leg1_L_1"
+    assert named["right front leg"] == "leg1_R_1"
+    assert found.facing == pytest.approx((0, 0, 1), abs=0.1)

@@ -12,9 +12,10 @@ from recognition_bodies.skeletons import FINGERS, FLAT, HORSE, MAN, TRUNK, Joint
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition import recognise as module
-from rigtri.recognition.arms_legs import AGREED, Found
+from rigtri.recognition.arms_legs import AGREED
 from rigtri.recognition.arms_on_the_ground import arm_below_a_lying_trunk, arm_called_front
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.guessed_hierarchy import lost_third, out_of_order
 from rigtri.recognition.joint_tree import Tree, segments_of
 from rigtri.recognition.limb_triples import _cosines, triple_of

@@ -12,9 +12,9 @@ from recognition_bodies.skeletons import FINGERS, MAN, TRUNK, Joint, both, line,
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.rig import Rig
 from rigtri.recognition import front_or_hind
-from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
+from rigtri.recognition.found_limb import Found
 from rigtri.recognition.guessed_hierarchy import lost_third, lower_elsewhere, start_beside
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_words import limb_words

@@ -405,3 +405,16 @@ def test_who_lies_on_the_side_with_arms_along_the_body_kneels_on_no_hands(named:
     tree = rig_with([(name, above, (y, -z, -x)) for name, above, (x, y, z) in joints], named=named)
     (man,) = recognise(tree).characters
     assert man.up == (1, 0, 0)
+
+
+def test_a_body_without_legs_stands_as_its_trunk_does() -> None:
+    """In a file with another up. Before, it faced the ceiling, with sure arms."""
+    (man,) = recognise(lying(without(MAN, "thigh", "shin", "foot", "toe"))).characters
+    assert man.up == (0, 0, 1)
+    assert man.facing == pytest.approx((0, -1, 0), abs=1e-6)
+
+
+def test_front_legs_called_arms_hang_from_a_trunk_that_lies() -> None:
+    """Of which the hind ones are not known: what rises from the hips to the head is no upright trunk."""
+    (front,) = recognise(rig_with(without(HORSE, "thigh", "shin", "foot", "toe"))).characters
+    assert front.up == (0, 1, 0)

@@ -67,6 +67,23 @@ THINGS: dict[str, list[Joint]] = {
         ("tail_boom", "fuselage", (0, 1.2, -2)),
         ("tail_rotor", "tail_boom", (0, 1.5, -4)),
     ),
+    "camera": on_legs(
+        "mount",
+        "leg",
+        "leg_mid",
+        "leg_foot",
+        ("camera_body", "mount", (0, 0.8, 0)),
+        ("head", "mount", (0, 0.7, 0)),
+    ),
+    "lamp": on_legs(
+        "lamp",
+        "upper_leg",
+        "lower_leg",
+        "foot",
+        ("body", "lamp", (0, 0.8, 0)),
+        ("neck", "body", (0, 1, 0)),
+        ("head", "neck", (0, 1.1, 0.1)),
+    ),
     "plane": on_legs(
         "hull",
         "gear_upper",
@@ -80,7 +97,10 @@ THINGS: dict[str, list[Joint]] = {
 
 @pytest.mark.parametrize("thing", THINGS)
 def test_no_limb_of_a_thing_is_sure(thing: str) -> None:
-    """Before, a cart's body was the trunk of its stand, and a helicopter's tail made its skids sure legs."""
+    """Before, a cart's body was the trunk of its stand, and a helicopter's tail made its skids sure legs.
+
+    And a camera with a body and a head was a body on two legs, to 0.84.
+    """
     layout = recognise(rig_with(THINGS[thing]))
     assert [chain.name for chain in layout.chains if chain.bend and chain.is_sure] == []
 

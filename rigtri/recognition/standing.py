@@ -1,0 +1,130 @@
+"""How a body stands by the names of its sides: which way is left, up and ahead."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import chain
+
+from rigtri.maths.scalar_vector import Vector
+from rigtri.recognition.body_shape import Body, lies
+from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.facing import up_of_stretched
+from rigtri.recognition.found_limb import Found
+from rigtri.recognition.limb_pairs import Limbs
+from rigtri.recognition.many_legs import up_of_row
+from rigtri.recognition.naming_schemes import roles_in_name
+from rigtri.recognition.shape_analysis import Shape
+from rigtri.recognition.up_of_legs import on_axis
+
+# Scores of a body between which it goes from a mere guess to as sure as a shape can be.
+GUESS, CLEAR = 0.6, 0.9
+# Twins are apart where they are by this part of what they are at most.
+FIRST_APART = 0.1
+# What goes from left to right by this (a cosine) is not up.
+_LATERAL = 0.7
+# A trunk goes up, as the file has it, by this (a cosine), and along another axis by the second (30°).
+_RISES, _ALONG = 0.7, 0.866
+# Front legs hang from a trunk by this (a cosine), and as far to the ground of the file.
+_HANG = 0.5
+
+
+def is_clear(body: Body) -> bool:
+    """Whether a shape is clear enough to say, against names or the file, how a body stands."""
+    return body.score > 0.5 * (GUESS + CLEAR) and body.arms is not None
+
+
+def stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]) -> None:
+    """Left and ahead as the names have them, up as the body or the file has it."""
+    body = draft.shape.body
+    paired = (each for each in pairs if each.pair is not None and each.pair.kind == each.kind)
+    sided = [*named, *(replace(each, side=draft.side_in_names(each.joints)) for each in paired)]
+    twins = [
+        (one, other)
+        for one in sided
+        for other in sided
+        if one.side == "left" and other.side == "right" and _are_twins(one, other)
+    ]
+    row = row_of_legs(draft.shape, pairs)
+    across = Vector()
+    for one, other in twins:
+        across = across + _apart(draft, one, other, in_row=one.pair is not None and one.pair in row)
+    legs, arms = ([each.joints for each in named if each.kind == kind] for kind in ("leg", "arm"))
+    up = Vector(*draft.tree.rig.rules.up)
+    if (stretched := up_of_stretched(draft.tree, legs, arms, across.unit)) is not None:
+        up = stretched
+    elif row:
+        up = up_of_row(row, up, across.unit)
+    elif any(trunk := _trunk_over_no_legs(draft, sided, across.unit)):
+        up = trunk
+    elif body is not None and (
+        is_clear(body)
+        or abs(across.unit.dot(up)) > _LATERAL
+        or (_has_legs_of(body, legs, arms) and lies(draft.tree, body, up))
+    ):
+        up = body.up
+    draft.stand(up, across.cross(up))
+
+
+def row_of_legs(shape: Shape, pairs: Sequence[Found]) -> tuple[Limbs, ...]:
+    """The pairs that names call legs, where there are more than the body has: feelers are no arms of it."""
+    pair_of = (each.pair for each in pairs if each.pair is not None and each.pair.kind == "leg")
+    legs, body = tuple(dict.fromkeys(pair_of)), shape.body
+    known = {body.legs, body.arms} if body is not None and body.form == "quadruped" else {None}
+    return legs if len(legs) > 1 and not known.issuperset(legs) else ()
+
+
+def _are_twins(one: Found, other: Found) -> bool:
+    """Whether two limbs of a kind are opposite, as far as is known."""
+    return one.kind == other.kind and one.pair is other.pair
+
+
+def _apart(draft: Draft, one: Found, other: Found, *, in_row: bool) -> Vector:
+    """From a limb to its twin where they first part; of a row of legs, which stand apart, from all joints."""
+    ways = [draft.tree.at[a] - draft.tree.at[b] for a, b in zip(one.joints, other.joints, strict=False)]
+    if in_row:
+        total = Vector()
+        for way in ways:
+            total = total + way
+        return total
+    widest = max(way.length for way in ways)
+    return next(way for way in ways if way.length >= FIRST_APART * widest)
+
+
+def _trunk_over_no_legs(draft: Draft, sided: Sequence[Found], across: Vector) -> Vector:
+    """Where the trunk of a body with arms and fewer legs than two rises, unit, if not up in the file.
+
+    Nothing where the arms hang from it to the file's ground: so do the front legs of an animal.
+    """
+    arms = [each.joints for each in sided if each.kind == "arm"]
+    legs = {each.side for each in sided if each.kind == "leg"}
+    low, high = _ends_of_trunk(draft)
+    if not arms or len(legs) > 1 or low < 0 or high < 0:
+        return Vector()
+    at, standing = draft.tree.at, Vector(*draft.tree.rig.rules.up)
+    trunk = at[high] - at[low]
+    trunk = (trunk - across * trunk.dot(across)).unit
+    out = Vector()
+    for joints in arms:
+        out = out + at[joints[-1]] - at[joints[0]]
+    out = (out - across * out.dot(across)).unit
+    hang = out.dot(-standing) > _HANG and abs(out.dot(trunk)) < _HANG
+    return Vector() if hang or trunk.dot(standing) > _RISES else on_axis(trunk, _ALONG)
+
+
+def _ends_of_trunk(draft: Draft) -> tuple[int, int]:
+    """What names call the lowest joint of the trunk, and its head or neck; −1 for none."""
+    bones, names = draft.known_bones, draft.tree.rig.names
+    low = next((bones[bone] for bone in ("hips", "spine", "chest") if bone in bones), -1)
+    high = next((bones[bone] for bone in ("head", "neck") if bone in bones), -1)
+    roles = {k: roles_in_name(names[k]) for k in draft.tree.nodes} if low < 0 or high < 0 else {}
+    low = next((k for k, each in roles.items() if "trunk" in each), -1) if low < 0 else low
+    return low, next((k for k, each in roles.items() if "skull" in each), -1) if high < 0 else high
+
+
+def _has_legs_of(body: Body, legs: Sequence[tuple[int, ...]], arms: Sequence[tuple[int, ...]]) -> bool:
+    """Whether a body's legs share joints with the legs that names tell of, if any, and none with arms."""
+    if not legs or body.legs is None:
+        return not legs
+    mine = {*body.legs.joints(0), *body.legs.joints(1)}
+    return not mine.isdisjoint(chain(*legs)) and mine.isdisjoint(chain(*arms))
