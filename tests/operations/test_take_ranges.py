@@ -11,6 +11,7 @@ import pytest
 from places import SAMPLES
 from program import cli
 from taken_clips import apart, notices, rig_of, turned_key, with_tracks
+from usd_files import MESH, animation, save, scene, skeleton
 
 import rigtri
 from rigtri.errors import GeometryError
@@ -215,3 +216,20 @@ def test_another_frame_rate_is_reported_where_time_codes_are_the_same(tmp_path: 
     report = Report()
     joined(edited, rig, report=report)
     assert notices(report) == ["other-range"]
+
+
+@pytest.mark.parametrize("rate", [1, 25])
+def test_a_step_that_usd_holds_nearer_than_float32_comes_home(rate: int, tmp_path: Path) -> None:
+    def hero(turned: str, name: str) -> Path:
+        keys = {0: "1, 0, 0, 0", 4.999999999: "1, 0, 0, 0", 5: turned, 10: turned}
+        samples = ", ".join(f"{t!r}: [(1, 0, 0, 0), ({q}), (1, 0, 0, 0)]" for t, q in keys.items())
+        moves = animation(rotations=f"quatf[] rotations.timeSamples = {{{samples}}}")
+        head = f"    timeCodesPerSecond = {rate}\n"
+        return save(tmp_path, scene(skeleton(), moves, MESH, head=head), name)
+
+    source, edited = hero("0.8, 0, 0.6, 0", "source.usda"), hero("0.6, 0, 0, 0.8", "edited.usda")
+    rig, out, as_glb = (tmp_path / name for name in ("rig.glb", "out.glb", "edited.glb"))
+    cli("convert", source, "-o", rig, code=0)
+    cli("take-clips", rig, "--from", edited, "-o", out, code=0)
+    cli("convert", edited, "-o", as_glb, code=0)
+    assert rigtri.verify(as_glb, out).deviation < NEAR

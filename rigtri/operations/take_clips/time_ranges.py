@@ -10,7 +10,7 @@ import numpy as np
 from rigtri.errors import FileError, GeometryError
 from rigtri.evaluation.key_insertion import subdivide_spline
 from rigtri.evaluation.sampling import sample
-from rigtri.evaluation.timelines import Timeline, as_float32
+from rigtri.evaluation.timelines import Timeline, as_float32, just_before
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.dataclass import dataclass
@@ -36,6 +36,8 @@ class Clock:
             )
         self.factor = rig.rules.per_second / edited.rules.per_second
         self.shift = 0.0
+        # USD has times in float64, glTF in float32.
+        self._rounds = edited.rules.raw_quaternions and not rig.rules.raw_quaternions
         # Why the two may differ in speed alone: the file came back with another frame rate.
         self.lost_rate = ""
         if taken.home is not None and edited.rules.raw_quaternions and self.factor != 1.0:
@@ -72,13 +74,13 @@ class Clock:
 
     def times(self, theirs: Floats) -> Floats:
         """Times of the edited file as those of the rig, (k,)."""
-        if self.factor == 1.0 and not self.shift:
+        if self.factor == 1.0 and not self.shift and not self._rounds:
             return theirs
-        return as_float32(theirs * self.factor + self.shift)
+        return _rounded(theirs * self.factor + self.shift)
 
     def moved(self, track: Track) -> Track:
         """A track where the clip lies, in EDITED's own unit."""
-        return replace(track, times=as_float32(track.times + self.shift / self.factor))
+        return replace(track, times=_rounded(track.times + self.shift / self.factor))
 
     def to_rig_time(self, track: Track) -> Track:
         """A track at the rig's times; arrays that are one stay one."""
@@ -98,7 +100,18 @@ class Clock:
         values = track.values
         if track.interpolation == "CUBICSPLINE":
             values = values * np.array([self.factor, 1.0, self.factor])[:, np.newaxis]
-        return replace(track, times=as_float32(track.times / self.factor), values=values)
+        return replace(track, times=_rounded(track.times / self.factor), values=values)
+
+
+def _rounded(times: Floats) -> Floats:
+    """Times as float32 keeps them, (k,). Those of a step, which USD holds nearer than that, stay two."""
+    stored = as_float32(times)
+    later = times[1:] > times[:-1]
+    if (later & (stored[1:] <= stored[:-1])).any():
+        for k in np.flatnonzero(later)[::-1]:
+            if stored[k] >= stored[k + 1]:
+                stored[k] = just_before(stored[k + 1])
+    return stored
 
 
 def _times_of(home: Timeline | None) -> list[Floats]:
