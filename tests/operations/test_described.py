@@ -461,6 +461,38 @@ def joint_places(rig: Rig) -> Any:
     return worlds[:, rig.is_joint, 3, :3]
 
 
+def test_a_prop_on_a_hand_keeps_its_axes_where_joints_rest_lying_and_their_clips_stand() -> None:
+    """Blender writes so what rests below a turned armature object: before, the prop was turned by 90°."""
+    plain = read(SAMPLES / "biped.glb").rig
+    # Most objects of the file stand beside the joints, so that they seem to be turned.
+    names = ["prop", *"abcdefgh"]
+    still = np.tile([0.0, 0.0, 0.0, 1.0], (len(names), 1))
+    plain = plain.with_nodes(names, [-1] * len(names), np.tile([0.6, 1.2, 0.3], (len(names), 1)), still)
+    root, prop = plain.find("hips"), plain.find("prop")
+    assert {t.path for t in plain.clip("walk").tracks if t.node == root} == {"translation", "rotation"}
+    rig = rigtri.constrain(plain, child="prop", driver="hand_L")
+    shown = lying(replace(rig, metadata={}), root)
+    there, here = (rigtri.bake(one, to="joints") for one in (rig, as_described(shown, rig, report=Report())))
+    times = np.linspace(0.0, 1.0, 5)
+    right, found = (
+        sampling.worlds(one, sampling.locals_at(one, one.clip("walk"), times))[:, prop]
+        for one in (there, here)
+    )
+    assert np.ptp(right, axis=0).max() > 0.1  # it moves
+    np.testing.assert_allclose(found, right, atol=1e-5)
+
+
+def lying(rig: Rig, root: int) -> Rig:
+    """The rig with all below a joint, and what it is bound at, on its back at rest, but not in clips."""
+    turn = compose(np.zeros(3), np.array([-np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]), np.ones(3))
+    above = rig.world[int(rig.parents[root])] if rig.parents[root] >= 0 else np.eye(4)
+    local = rig.world[root] @ turn @ inverse(above)
+    translation, rotation = rig.translation.copy(), rig.rotation.copy()
+    translation[root], rotation[root], _ = decompose(local)
+    skins = tuple(replace(skin, inverse_bind=inverse(turn) @ skin.inverse_bind) for skin in rig.skins)
+    return replace(rig, translation=translation, rotation=rotation, skins=skins)
+
+
 def swivelled(rig: Rig) -> Rig:
     """The rig with its objects, but not its joints, turned in their own axes, as Blender does for glTF."""
     bare = [node for node in range(len(rig)) if not rig.is_joint[node] and node not in rig.own]
@@ -470,7 +502,20 @@ def swivelled(rig: Rig) -> Rig:
     above = np.array([np.eye(4) if parent < 0 else world[parent] for parent in rig.parents])
     matrix = matrix_product(world, inverse(above))
     translation, rotation, scale = decompose(matrix)
-    return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
+    after = replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
+
+    def below(track: Track) -> Track:
+        if track.node in bare or int(rig.parents[track.node]) not in bare:
+            return track
+        if track.path == "translation":
+            return replace(track, values=track.values @ inverse(turn)[:3, :3])
+        if track.path == "rotation":
+            keys = compose(np.zeros(3), track.values, np.ones(3))
+            return replace(track, values=decompose(matrix_product(keys, inverse(turn)))[1])
+        return track
+
+    clips = tuple(replace(clip, tracks=tuple(map(below, clip.tracks))) for clip in rig.clips)
+    return replace(after, clips=clips)
 
 
 @pytest.mark.parametrize(

@@ -65,7 +65,7 @@ class Counterparts:
     def __init__(
         self, rig: Rig, other: Rig, turned: Floats | None = None, at_rest: Floats | None = None
     ) -> None:
-        self.rig, self.other, self._known_turn, self.at_rest = rig, other, turned, at_rest
+        self.rig, self.other, self.turned, self.at_rest = rig, other, turned, at_rest
         found = pairs(rig, other)
         self.of, self.unclear, self.placed = found.of, found.unclear, found.placed
         self.back = {theirs: ours for ours, theirs in self.of.items()}
@@ -141,8 +141,8 @@ class Counterparts:
         to up, and a body faces where EDITED has it, wherever that may come from what stands above the joints.
         A bind pose may also lean as a whole, as a DCC binds in the pose that it was given.
         """
-        if self._known_turn is not None:
-            return self._known_turn
+        if self.turned is not None:
+            return self.turned
         if self.bind_turn is None:
             return self._turned_bare
         upright = upright_turn(self.other.rules.up, self.rig.rules.up)

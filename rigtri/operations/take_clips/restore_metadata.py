@@ -28,6 +28,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import bind_poses
+from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.ik_switches import (
     drop_switched_off_ik_keys,
     hold_switched_on_ik,
@@ -42,6 +43,7 @@ from rigtri.operations.take_clips.restore_constraints import (
 )
 from rigtri.operations.take_clips.restore_rest import with_rest_of
 from rigtri.operations.take_clips.restore_rivets import with_rivets_of
+from rigtri.operations.take_clips.standing import stood_up
 from rigtri.operations.take_clips.unkeyed_poses import key_unkeyed_poses
 from rigtri.recognition.one_character import titles
 from rigtri.report import Report
@@ -62,7 +64,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     added = described.nodes_of(*ADDED)
     if not added:
         raise GeometryError("The file of --rig has nothing of rigtri's: no controls, poles or constraints")
-    both = Counterparts(described, rig)
+    both = _stood(Counterparts(described, rig))
     rig, of = with_group(rig, described, both)
     told = in_world(both).metadata
     stored = {node: told[node] for node in added}
@@ -103,10 +105,27 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     switched = switches(whole, {node: node for node in ik_ends(whole)})
     ends = {node: of[node] for node in ik_ends(described) if node in of}
     warn_lost_switches(described, whole, ends, report)
-    rested = with_rest_of(whole, described, shared, report)
+    rested = with_rest_of(whole, described, shared, report, both.turned)
     whole = key_unkeyed_poses(whole, rested, described, of, report)
     whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)
     return hold_switched_on_ik(whole, switched, timelines(whole))
+
+
+def _stood(both: Counterparts) -> Counterparts:
+    """The pairs with this file's world as its clips show it, where these stand and the file rests lying.
+
+    Blender's exporter writes the rest of joints below an armature object with a rotation of its own so.
+    """
+    homes = {timeline.name: timeline for timeline in timelines(both.rig)}
+    every = [
+        Taken(played.name, homes[played.name], played.clip, (played.name,))
+        for played in timelines(both.other)
+        if played.name in homes
+    ]
+    try:
+        return stood_up(both, every, Report())
+    except GeometryError:  # take-clips refuses such a file; here joints keep their own motion
+        return both
 
 
 def _why_none(rig: Rig, described: Rig, both: Counterparts, missing: Collection[int]) -> str:

@@ -29,15 +29,19 @@ _SAME_AXES = np.eye(4)
 _MOVABLE = ADDED - {GroupRecord.type}
 
 
-def with_rest_of(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
+def with_rest_of(
+    rig: Rig, described: Rig, of: Mapping[int, int], report: Report, turned: Floats | None = None
+) -> Rig:
     """The rig with its nodes ``of`` (those of the other by theirs) at rest where they are there.
+
+    turned: the rotation, (3, 3), that takes the rig's world to the other's, where it is known.
 
     What is not rigtri's keeps its own rest, and so does what no clip moves but controls, so that keys
     below it mean what they did; all where there are no clips; and, with a warning, what has another parent
     there and cannot be placed by the worlds of both files.
     """
     moving = {track.node for clip in rig.clips for track in clip.tracks}
-    zero = _ZeroPoses(rig, described, of)
+    zero = _ZeroPoses(rig, described, of, turned)
     translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
     matrix, names, elsewhere = rig.matrix.copy(), [], []
     for theirs, node in sorted(of.items(), key=lambda pair: pair[1]):
@@ -79,12 +83,12 @@ class _ZeroPoses:
     Nodes are entered parents first. between: what takes the other file's poses to the rig's, by node.
     """
 
-    def __init__(self, rig: Rig, described: Rig, of: Mapping[int, int]) -> None:
+    def __init__(self, rig: Rig, described: Rig, of: Mapping[int, int], turned: Floats | None) -> None:
         self.rig, self.described, self.of = rig, described, of
         self.ours, self.between = dict[int, Floats](), dict[int, Floats]()
         self.theirs = {node: _zero(described, node) for node in of}
         self.size = float(np.abs(described.world[:, 3, :3]).max(initial=0.0)) or 1.0
-        self.worlds = _Worlds(rig, described)
+        self.worlds = _Worlds(rig, described, turned)
 
     def enter(self, node: int, theirs: int) -> None:
         """Note a node where it rests."""
@@ -149,13 +153,13 @@ class _ZeroPoses:
 class _Worlds:
     """Where nodes of the other file stand in the rig's world while controls are zero."""
 
-    def __init__(self, rig: Rig, described: Rig) -> None:
-        self.rig, self.described = rig, described
+    def __init__(self, rig: Rig, described: Rig, turned: Floats | None) -> None:
+        self.rig, self.described, self.turned = rig, described, turned
         self.moving = {t.node for clip in rig.clips for t in clip.tracks if np.ptp(t.values, axis=0).any()}
 
     @cached_property
     def both(self) -> Counterparts:
-        return Counterparts(self.described, self.rig)
+        return Counterparts(self.described, self.rig, self.turned)
 
     def local_of(self, node: int, theirs: int) -> Floats | None:
         """The place that a node has in the other file, seen from its parent in the rig, (4, 4).
