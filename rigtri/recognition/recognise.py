@@ -32,6 +32,7 @@ from rigtri.recognition.layout import (
     Layout,
 )
 from rigtri.recognition.limb_words import NO_WORDS
+from rigtri.recognition.limbs_alone import limbs_alone
 from rigtri.recognition.name_readings import limb_names, read_names
 from rigtri.recognition.naming_schemes import Scheme, are_marked, own_schemes, schemes
 from rigtri.recognition.order_in_names import followers
@@ -110,7 +111,8 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     draft = Draft(shape, poses, reading, certain, words, controls, segments)
     if not (reading is not None and reading.limbs) and not certain and lay_hands(draft):
         return draft
-    found = agreed(draft, doubted(draft, find_limbs(draft)))
+    found = find_limbs(draft)
+    found = agreed(draft, doubted(draft, [*found, *limbs_alone(draft, found)]))
     if not draft.known_bones and not any(each.confidence >= UNLIKELY for each in found):
         return draft
     _add_limbs(draft, found)

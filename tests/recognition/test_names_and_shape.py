@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from recognition_bodies.cases import Case
 from recognition_bodies.population import population
-from recognition_bodies.skeletons import FINGERS, HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import FINGERS, HORSE, LEG, MAN, TRUNK, Joint, both, line, renamed, rig_with
 from recognition_bodies.truth import nameless
 
 from rigtri.model.rig import Rig
@@ -170,3 +170,36 @@ def test_arms_beside_front_and_hind_legs_are_read_by_the_words_that_many_use() -
         "right front leg",
         "right hind leg",
     ]
+
+
+@pytest.mark.parametrize("lost", ["arm", "leg"])
+def test_a_limb_without_a_twin_is_found_by_words_of_all_its_joints(lost: str) -> None:
+    """Of a maker whose names are in no scheme. Before, who had one arm or one leg had none."""
+    called = {"hips": "mPelvis", "spine": "mTorso", "chest": "mChest", "neck": "mNeck", "head": "mHead"}
+    called |= {"clavicle": "mCollar", "upper_arm": "mShoulder", "forearm": "mElbow", "hand": "mWrist"}
+    called |= {"thigh": "mHip", "shin": "mKnee", "foot": "mAnkle", "toe": "mFoot"}
+    words = (
+        ("clavicle", "upper_arm", "forearm", "hand") if lost == "arm" else ("thigh", "shin", "foot", "toe")
+    )
+    joints = [joint for joint in MAN if not joint[0].startswith(tuple(f"{word}.R" for word in words))]
+    (man,) = recognise(rig_with(renamed(joints, called, ("Left", "Right")))).characters
+    assert sorted(chain.name for chain in man.limbs if chain.is_sure and chain.kind == lost) == [
+        f"left {lost}"
+    ]
+
+
+def test_an_arm_that_is_a_gun_is_one_by_its_names() -> None:
+    """Names of one scheme on one side, with a word more on the other. Before, it was missed."""
+    called = {"upper_arm": "arm_upper", "forearm": "arm_lower"}
+    joints = [
+        (
+            name.replace("arm_", "gun_arm_").replace("hand", "gun_hand") if name.endswith("_r") else name,
+            above,
+            at,
+        )
+        for name, above, at in renamed(MAN, called, ("_l", "_r"))
+    ]
+    fixed = {name.replace("gun_", ""): name for name, _, _ in joints if "gun_" in name}
+    rig = rig_with([(name, fixed.get(above, above), at) for name, above, at in joints])
+    arms = {chain.name: chain for chain in recognise(rig).chains if chain.kind == "arm"}
+    assert rig.names[arms["right arm"].bend[0]] == "gun_arm_upper_r"
