@@ -170,7 +170,7 @@ class _Reader:
     def _unsaid(self, prim: Any, mesh: Mesh) -> None:
         if UsdGeom.Mesh(prim).GetPointsAttr().GetNumTimeSamples() > 1:
             self.scene.lose(f"points of mesh {mesh.name} over time")
-        shapes = [UsdSkel.BlendShape(one) for one in self._blend_shapes(prim)]
+        shapes = [UsdSkel.BlendShape(one) for one in self._blend_shapes(prim) if one]
         for text in lost_deformations(mesh, shapes):
             self.scene.lose(text)
 
@@ -190,6 +190,8 @@ class _Reader:
     def _normal_offsets(self, prim: Any, mesh: Mesh, faces: Faces) -> dict[str, Floats]:
         found = {}
         for number, one in enumerate(self._blend_shapes(prim)[: len(mesh.morphs)]):
+            if not one:
+                continue
             shape = UsdSkel.BlendShape(one)
             given = vectors(at_start(shape.GetNormalOffsetsAttr()))
             where = integers(at_start(shape.GetPointIndicesAttr()))

@@ -514,3 +514,14 @@ def test_a_rest_pose_that_gltf_cannot_say_of_joints_that_move_is_refused_with_wh
     assert f"The rest pose of 'b' is {what}" in " ".join(printed.split())
     cli("set-rest", source, "--pose", "bind", "-o", tmp_path / "bound.usda", code=0)
     cli("convert", tmp_path / "bound.usda", "-o", tmp_path / "out.glb", code=0)
+
+
+def test_a_blend_shape_that_is_not_there_moves_nothing(tmp_path: Path) -> None:
+    shapes = """uniform token[] skel:blendShapes = ["smile", "gone"]
+    rel skel:blendShapeTargets = [</Root/Skin/smile>, </Root/Skin/gone>]
+    def BlendShape "smile" { uniform vector3f[] offsets = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    }
+}"""
+    source = save(tmp_path, scene(skeleton(), animation(), MESH.rstrip("}") + shapes))
+    cli("convert", source, "-o", tmp_path / "out.glb", code=0)
+    assert rigtri.verify(source, tmp_path / "out.glb").deviation < 1e-6
