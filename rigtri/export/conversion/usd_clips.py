@@ -44,17 +44,17 @@ def write_animation(
     path: str,
     rig: Rig,
     skeleton: Skeleton,
-    clip: Clip,
+    tracks: Mapping[int, Mapping[Path, Track]],
     shapes: Mapping[tuple[int, int], str],
     rate: float,
 ) -> bool:
     """A SkelAnimation with what a clip moves of a skeleton; False where it moves nothing of it.
 
-    shapes: the blend shapes of its meshes, by node and number of the morph target.
+    tracks: `tracks_of` the clip. shapes: the blend shapes of the skeleton's meshes, by node and number of the
+    morph target.
     """
-    tracks = {(track.node, track.path): track for track in clip.tracks}
-    joints = [node for node in skeleton.joints if any((node, one) in tracks for one in _SETTERS)]
-    weighted = [(node, number) for node, number in shapes if (node, "weights") in tracks]
+    joints = [node for node in skeleton.joints if any(one in tracks.get(node, {}) for one in _SETTERS)]
+    weighted = [(node, number) for node, number in shapes if "weights" in tracks.get(node, {})]
     if not joints and not weighted:
         return False
     prim = UsdSkel.Animation.Define(stage, path)
@@ -68,12 +68,12 @@ def write_animation(
         }
         rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}
         for one, setter in _SETTERS.items():
-            times, rows = _columns([tracks.get((node, one)) for node in joints], rest[one][joints], rig)
+            times, rows = _columns([tracks[node].get(one) for node in joints], rest[one][joints], rig)
             if one == "rotation" and len(rows):
                 rows = np.stack([make_continuous(unit(column)) for column in rows.swapaxes(0, 1)], axis=1)
             _set(attributes[one], time_codes(times, rate), [setter(row) for row in rows])
     if shapes:
-        write_weights(prim, clip, shapes, rig, rate)
+        write_weights(prim, tracks, shapes, rig, rate)
     return True
 
 
@@ -124,13 +124,17 @@ def many_samples(prim: Any, rig: Rig, clip: Clip) -> str:
 
 
 def write_weights(
-    prim: Any, clip: Clip | None, shapes: Mapping[tuple[int, int], str], rig: Rig, rate: float
+    prim: Any,
+    tracks: Mapping[int, Mapping[Path, Track]],
+    shapes: Mapping[tuple[int, int], str],
+    rig: Rig,
+    rate: float,
 ) -> None:
-    """Weights of blend shapes: as a clip has them, else as they are at rest."""
-    weights = {track.node: track for track in clip.tracks if track.path == "weights"} if clip else {}
+    """Weights of blend shapes: as a clip has them (`tracks_of`), else as they are at rest."""
     resting = {mesh.node: mesh.morph_weights for mesh in rig.meshes}
     keys = list(shapes)
-    columns = [_column(weights[node], number) if node in weights else None for node, number in keys]
+    weights = [tracks.get(node, {}).get("weights") for node, _ in keys]
+    columns = [track and _column(track, number) for track, (_, number) in zip(weights, keys, strict=True)]
     rest = np.array([[resting[node][number]] for node, number in keys])
     times, rows = _columns(columns, rest, rig)
     prim.CreateBlendShapesAttr(Vt.TokenArray([shapes[key] for key in keys]))

@@ -8,7 +8,7 @@ Source: UsdSkelAnimation (half3[] scales).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -114,15 +114,21 @@ def without_steady_scales(rig: Rig, joints: Collection[int]) -> tuple[Rig, Float
     Returns it and by how much, (n,), the axes of each node are longer in the rig as it was. What is below
     such joints has other translations, skins have other bind poses, and all nodes stay where they are.
     """
-    steady = np.ones(len(rig))
-    for clip in rig.clips:
-        for node in half_scales(rig, joints, clip):
-            steady[node] = _steady(rig, node)
-    sizes = np.ones(len(rig))
-    for node in joints:
-        sizes[node] = np.prod(steady[rig.path_to_root(node)])
+    halved = {node for clip in rig.clips for node in half_scales(rig, joints, clip)}
+    tracks: dict[int, list[Track]] = {node: [] for node in halved}
+    for track in (track for clip in rig.clips for track in clip.tracks):
+        if track.path == "scale" and track.node in halved:
+            tracks[track.node].append(track)
+    steady, sizes = np.ones(len(rig)), np.ones(len(rig))
+    for node in halved:
+        steady[node] = _steady(rig.scale[node], tracks[node])
     if (steady == 1.0).all():
         return rig, sizes
+    factors: dict[int, list[float]] = {-1: []}  # those that are not 1 alone: chains can be long
+    for node, (parent, size) in enumerate(zip(rig.parents.tolist(), steady.tolist(), strict=True)):
+        factors[node] = factors[parent] if size == 1.0 else [size, *factors[parent]]
+    for node in joints:
+        sizes[node] = np.prod(factors[node])
     above = np.where(rig.parents >= 0, sizes[rig.parents], 1.0)
     matrix = rig.matrix.copy()
     matrix[:, 3, :3] *= above[:, np.newaxis]
@@ -150,17 +156,11 @@ def scalings(sizes: Floats) -> Floats:
     return from_frame(np.eye(3) * sizes[..., np.newaxis, np.newaxis], np.zeros((*sizes.shape, 3)))
 
 
-def _steady(rig: Rig, node: int) -> float:
+def _steady(scale: Floats, tracks: Sequence[Track]) -> float:
     """The scale of a joint at rest and in all clips, 1 where it changes or is uneven."""
-    of = [t.values for clip in rig.clips for t in clip.tracks if t.node == node and t.path == "scale"]
-    spline = any(
-        t.interpolation == "CUBICSPLINE"
-        for clip in rig.clips
-        for t in clip.tracks
-        if t.node == node and t.path == "scale"
-    )
-    found = np.abs(np.concatenate([rig.scale[node].ravel(), *(values.ravel() for values in of)]))
+    found = np.abs(np.concatenate([scale, *(track.values.ravel() for track in tracks)]))
     size = float(found[0])
+    spline = any(track.interpolation == "CUBICSPLINE" for track in tracks)
     return 1.0 if spline or not size or (np.abs(found - size) > _SAME * size).any() else size
 
 

@@ -80,13 +80,16 @@ class PrimitiveWriter:
 
     def shapes_of(self, skeleton: Skeleton) -> dict[tuple[int, int], str]:
         """The blend shapes of the meshes of a skeleton, by node and number of the morph target."""
-        nodes = {
-            node
-            for node, some in self.scene.primitives.items()
-            for one in some
-            if len(one.mesh.morphs) and self._moved_by(node, one.mesh) is skeleton
-        }
-        return {key: name for key, name in self._shapes.items() if key[0] in nodes}
+        return self._shapes_of[id(skeleton)]
+
+    @cached_property
+    def _shapes_of(self) -> defaultdict[int, dict[tuple[int, int], str]]:
+        found = defaultdict[int, dict[tuple[int, int], str]](dict)
+        for key, name in self._shapes.items():
+            for one in self.scene.primitives[key[0]]:
+                if len(one.mesh.morphs):
+                    found[id(self._moved_by(key[0], one.mesh))][key] = name
+        return found
 
     @cached_property
     def _sharers(self) -> Counter[Hashable]:
@@ -108,8 +111,9 @@ class PrimitiveWriter:
 
     def _rows(self, skin: int, skeleton: Skeleton) -> Integers:
         """The rows of a skin's joints in a skeleton."""
-        row = {joint: k for k, joint in enumerate(skeleton.joints)}
-        return np.array([row[joint] for joint in self.rig.skins[skin].joints.tolist()], dtype=np.int64)
+        return np.array(
+            [skeleton.row[joint] for joint in self.rig.skins[skin].joints.tolist()], dtype=np.int64
+        )
 
     def _define(self, path: str, node: int, primitive: Primitive, skeleton: Skeleton | None) -> Any:
         """A prim with the points of a primitive, and what moves them; None for what cannot be said."""
@@ -121,8 +125,7 @@ class PrimitiveWriter:
         if mesh.skin is not None:
             usd_meshes.influence(made, *usd_meshes.influences(mesh, self._rows(mesh.skin, skeleton)))
         else:
-            number = skeleton.joints.index(node) if node in skeleton.joints else 0
-            usd_meshes.influence(made, np.full((1, 1), number), np.ones((1, 1)))
+            usd_meshes.influence(made, np.full((1, 1), skeleton.row.get(node, 0)), np.ones((1, 1)))
         if len(mesh.morphs):
             usd_meshes.blend_shapes(self.stage, made, mesh, primitive.surface, self._tokens(node, mesh))
         return made.GetPrim()
@@ -146,12 +149,20 @@ class PrimitiveWriter:
     def _moved_by(self, node: int, mesh: Mesh) -> Skeleton | None:
         """The Skeleton that moves a mesh of a node, None for none."""
         if mesh.skin is not None:
-            return next(s for s in self.skeletons if mesh.skin in s.skins)
+            return self._movers["skin", mesh.skin]
         if node in self.joints:
-            return next(s for s in self.skeletons if node in s.joints)
-        if len(mesh.morphs):
-            return next(s for s in self.skeletons if s.morphed == node)
-        return None
+            return self._movers["joint", node]
+        return self._movers["morphs", node] if len(mesh.morphs) else None
+
+    @cached_property
+    def _movers(self) -> dict[tuple[str, int], Skeleton]:
+        """The Skeletons of skins, joints, and nodes with morph targets alone: of each the first."""
+        found: dict[tuple[str, int], Skeleton] = {}
+        for skeleton in reversed(self.skeletons):
+            found.update({("skin", skin): skeleton for skin in skeleton.skins})
+            found.update({("joint", joint): skeleton for joint in skeleton.joints})
+            found["morphs", skeleton.morphed] = skeleton
+        return found
 
     @cached_property
     def _shapes(self) -> dict[tuple[int, int], str]:

@@ -244,13 +244,15 @@ class _Reader:
             name = ((prim and prim.GetDisplayName()) or bound.name) if prim else self.scene.name
             name = name.removesuffix("@default")
             found[name] = tracks
+        taken = {name: {(t.node, t.path) for t in some} for name, some in found.items()}
         for path, skeleton in self._loose():
             prim = self.stage.GetPrimAtPath(path)
             called = prim.GetDisplayName() or prim.GetName()
             moved = tracks_of(self.source, path, skeleton)
-            name, number = called, 1
-            while {(t.node, t.path) for t in found.get(name, ())} & {(t.node, t.path) for t in moved}:
+            name, number, places = called, 1, {(t.node, t.path) for t in moved}
+            while not places.isdisjoint(taken.get(name, ())):
                 name, number = f"{called}_{number}", number + 1
+            taken.setdefault(name, set()).update(places)
             found.setdefault(name, []).extend(moved)
         clips = []
         for name, some in found.items():
@@ -315,6 +317,7 @@ class _Reader:
         One of blend shapes alone goes with a Skeleton whose meshes have some of them.
         """
         bound = {path for each in self.source.skeletons.values() for path in each.animations}
+        tokens = {path: set(known.tokens) for path, known in self.source.skeletons.items()}
         used: set[tuple[str, str]] = set()  # clips of one name are one, of several skeletons
         found, other = [], []
         for prim in self.source.instances.prims():
@@ -324,9 +327,9 @@ class _Reader:
             name = prim.GetDisplayName() or prim.GetName()
             fits = [
                 skeleton
-                for skeleton, known in self.source.skeletons.items()
-                if (joints or drives_shapes(prim, self.source.bindings.of({skeleton})))
-                and joints <= set(known.tokens)
+                for skeleton, known in tokens.items()
+                if (joints or drives_shapes(prim, self.source.bindings.of([skeleton])))
+                and joints <= known
                 and (name, skeleton) not in used
             ]
             if fits:

@@ -8,7 +8,9 @@ Source: UsdSkel schemas (bindTransforms in world space at bind time, restTransfo
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -41,6 +43,11 @@ class Skeleton:
     morphed: int = -1
     path: str = ""
     tokens: list[str] = field(default_factory=list)
+
+    @cached_property
+    def row(self) -> dict[int, int]:
+        """The rows of joints by node."""
+        return {joint: row for row, joint in enumerate(self.joints)}
 
     def add(self, skin: int, joints: list[int], inverse_bind: Floats) -> bool:
         """Take a skin up; False where it has another bind pose."""
@@ -138,12 +145,12 @@ def joints_of(scene: Scene) -> set[int]:
     marked |= {node for node in rig.with_ancestors(marked) if node in moved}
     found: set[int] = set()
     while marked - found:
-        for node in sorted(marked - found):
-            found.update(k for k in [node, *rig.below(node)] if k not in scene.omitted)
+        inside = np.zeros(len(rig), dtype=bool)
+        inside[list(marked)] = True
+        found.update(set(np.flatnonzero(rig.at_or_below(inside)).tolist()) - scene.omitted)
         # All roots of a Skeleton stand below one node; what is between that and them is a joint.
-        for nodes in _trees(rig, found):
-            tops = {_top(rig, node, found) for node in nodes}
-            above = _common(rig, [int(rig.parents[top]) for top in tops])
+        for tops in _trees(rig, found):
+            above = _above(rig, tops)
             for top in tops:
                 parent = int(rig.parents[top])
                 while parent != above and parent >= 0:
@@ -155,25 +162,27 @@ def joints_of(scene: Scene) -> set[int]:
     return found
 
 
-def _top(rig: Rig, node: int, among: set[int]) -> int:
-    while int(rig.parents[node]) in among:
-        node = int(rig.parents[node])
-    return node
+def _tops(rig: Rig, joints: set[int]) -> dict[int, int]:
+    """The joint that each of ``joints`` is or stands below with only joints between; parents first."""
+    parents, tops = rig.parents.tolist(), dict[int, int]()
+    for node in sorted(joints):
+        tops[node] = tops.get(parents[node], node)
+    return tops
 
 
-def _common(rig: Rig, nodes: list[int]) -> int:
-    """The lowest node that all are, or stand below; −1 where there is none."""
-    lines = [[-1, *rig.path_to_root(node)[::-1]] if node >= 0 else [-1] for node in nodes]
-    above = -1
-    for level in zip(*lines, strict=False):
-        if len(set(level)) > 1:
-            break
-        above = level[0]
+def _above(rig: Rig, nodes: Iterable[int]) -> int:
+    """The lowest node that all nodes stand below; −1 where there is none."""
+    parents = rig.parents.tolist()
+    places = {parents[node] for node in nodes}
+    above: int = min(places)
+    for place in places:
+        while above >= 0 and not rig.is_below(place, above):
+            above = parents[above]
     return above
 
 
-def _trees(rig: Rig, joints: set[int]) -> list[list[int]]:
-    """Trees of joints, as one where a skin has joints of both."""
+def _trees(rig: Rig, joints: set[int]) -> dict[tuple[int, ...], list[int]]:
+    """The joints of trees by their roots, as one where a skin has joints of both."""
     owner: dict[int, int] = {}
 
     def root(node: int) -> int:
@@ -181,23 +190,22 @@ def _trees(rig: Rig, joints: set[int]) -> list[list[int]]:
             node = owner[node]
         return node
 
-    top = {node: _top(rig, node, joints) for node in sorted(joints)}
+    top = _tops(rig, joints)
     for skin in rig.skins:
         tops = [root(top[joint]) for joint in skin.joints.tolist()]
         for other in tops[1:]:
             owner[root(other)] = root(tops[0])
     members: dict[int, list[int]] = {}
-    for node in sorted(joints):
+    for node in top:
         members.setdefault(root(top[node]), []).append(node)
-    return list(members.values())
+    return {tuple(dict.fromkeys(top[node] for node in nodes)): nodes for nodes in members.values()}
 
 
 def _groups(rig: Rig, joints: set[int]) -> list[tuple[int, list[int], list[int]]]:
     """For each of `_trees` the node above it, its joints, and its skins."""
-    found = []
-    for nodes in _trees(rig, joints):
-        above = _common(rig, [int(rig.parents[_top(rig, node, joints)]) for node in nodes])
-        own = set(nodes)
-        skins = [k for k, skin in enumerate(rig.skins) if int(skin.joints[0]) in own]
-        found.append((above, nodes, skins))
-    return found
+    trees = _trees(rig, joints)
+    tree_of = {node: number for number, nodes in enumerate(trees.values()) for node in nodes}
+    skins: list[list[int]] = [[] for _ in trees]
+    for number, skin in enumerate(rig.skins):
+        skins[tree_of[int(skin.joints[0])]].append(number)
+    return [(_above(rig, tops), nodes, own) for (tops, nodes), own in zip(trees.items(), skins, strict=True)]

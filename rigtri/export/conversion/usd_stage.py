@@ -251,11 +251,12 @@ class _Writer:
             spare = ""
             played = usd_clips.played_scales(rig, self.skeletons, clip)
             self.result.halves.append(set(half_scales(rig, self.joints, clip, played)))
+            tracks = usd_clips.tracks_of(clip)
             for skeleton in self.skeletons:
                 shapes = self.primitives.shapes_of(skeleton)
                 word, spare = spare or names.unique(title, "clip"), ""
                 path = f"{holder}/{word}"
-                if usd_clips.write_animation(self.stage, path, rig, skeleton, clip, shapes, self.rate):
+                if usd_clips.write_animation(self.stage, path, rig, skeleton, tracks, shapes, self.rate):
                     content = usd_clips.content_of(self.stage.GetPrimAtPath(path))
                     found[skeleton.path] = known.setdefault(content, path)
                     if found[skeleton.path] != path:  # that of another character of a crowd
@@ -275,7 +276,7 @@ class _Writer:
             if not source and shapes and resting:
                 source = f"{holder}/{names.unique('rest')}"
                 prim = UsdSkel.Animation.Define(self.stage, source)
-                usd_clips.write_weights(prim, None, shapes, rig, self.rate)
+                usd_clips.write_weights(prim, {}, shapes, rig, self.rate)
             if source:
                 prim = UsdSkel.BindingAPI.Apply(self.stage.GetPrimAtPath(skeleton.path))
                 prim.CreateAnimationSourceRel().SetTargets([source])

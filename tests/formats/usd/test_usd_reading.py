@@ -28,6 +28,7 @@ from usd_files import (
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import locals_at, morph_weights, worlds
 from rigtri.evaluation.skinning import deformed
+from rigtri.formats.usd.reading.skeleton_reader import nearest_listed, unnamed
 
 NO_ANIMATION = {"source": ""}
 NOTHING = np.zeros((1, 0))
@@ -64,6 +65,26 @@ def test_the_parent_of_a_joint_is_its_nearest_listed_ancestor(tmp_path: Path) ->
     tokens = 'uniform token[] joints = ["a", "a/x/y", "a/x/y/z/w"]'
     rig = read(save(tmp_path, scene(skeleton(joints=tokens, **NO_ANIMATION), MESH))).rig
     assert rig.parents.tolist()[3:] == [1, 3, 4]
+
+
+@pytest.mark.parametrize(
+    "tokens",
+    [
+        "",
+        "a a/b a/b/c d",
+        "b/c b a",
+        "a a/x/y a/x:y a//b /a /a/b",
+        "a a.b a/b.c .. a/",
+        "é é/1 é/b",
+        "a a a/b",
+    ],
+)
+def test_the_parents_of_joints_are_those_that_openusd_finds(tokens: str) -> None:
+    """Those of plain names are found without it: of a chain of 10,000 joints it takes seconds."""
+    names = tokens.split()
+    topology = UsdSkel.Topology(Vt.TokenArray(names))
+    assert nearest_listed(names).tolist() == list(topology.GetParentIndices())
+    assert unnamed(names) == [k for k, name in enumerate(names) if not Sdf.Path.IsValidPathString(name)]
 
 
 def test_tokens_that_two_skeletons_share_are_distinguished_by_prim(tmp_path: Path) -> None:

@@ -133,11 +133,9 @@ def tracks_of(source: Source, animation: str, skeleton: str) -> tuple[Track, ...
     found = read_animation(prim, []) if prim else None
     if found is None:
         return ()
-    nodes = {token: node for node, (path, token) in source.joints.items() if path == skeleton}
     interpolation = interpolation_of(source.stage)
     weights: list[Track] = []
     if prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
-        places = {label: node for node, label in enumerate(source.rig.labels)}
-        weights = blend_tracks(prim, source.bindings.of({skeleton}), places, interpolation)
-    every = clips(found, found.name, [nodes], weights, interpolation)
+        weights = blend_tracks(prim, source.bindings.of([skeleton]), source.labelled, interpolation)
+    every = clips(found, found.name, [source.joint_nodes.get(skeleton, {})], weights, interpolation)
     return tuple(track for clip in every[:1] for track in clip.tracks)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,16 @@ class Bindings:
 
     def of(self, skeletons: Collection[str]) -> list[Any]:
         """The skinning queries of some skeletons."""
-        return [query for path, query in self.every if path in skeletons]
+        found = (self._by_skeleton.get(path, []) for path in set(skeletons))
+        return [self.every[number][1] for number in sorted(chain.from_iterable(found))]
+
+    @cached_property
+    def _by_skeleton(self) -> Mapping[str, Sequence[int]]:
+        """The numbers of `every` one of a skeleton."""
+        found: dict[str, list[int]] = {}
+        for number, (path, _) in enumerate(self.every):
+            found.setdefault(path, []).append(number)
+        return found
 
 
 def _bindings(instances: SharedInstances) -> list[tuple[str, Any]]:

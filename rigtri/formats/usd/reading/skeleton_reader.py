@@ -86,12 +86,10 @@ def read_skeleton(
     if not tokens:
         warnings.append(Notice("no-joints", f"Skeleton <{path}> has no joints; it is left alone."))
         return None
-    for number, token in enumerate(tokens):
-        if not Sdf.Path.IsValidPathString(token):
-            what = f"is '{token}', which is not a path" if token else "has no name"
-            text = f"Skeleton <{path}>: joint {number} {what}; it counts as a root, as in UsdSkel"
-            warnings.append(Notice("joint-unnamed", text))
-            break
+    for number in unnamed(tokens)[:1]:
+        what = f"is '{tokens[number]}', which is not a path" if tokens[number] else "has no name"
+        text = f"Skeleton <{path}>: joint {number} {what}; it counts as a root, as in UsdSkel"
+        warnings.append(Notice("joint-unnamed", text))
     parents = joint_parents(path, tokens)
     bind = _matrices(prim, "bindTransforms", tokens)
     if bind is None:
@@ -185,8 +183,34 @@ def nearest_listed(tokens: Sequence[str]) -> Integers:
 
     A token that is no path (``a/x:y``, ``a//b``, none at all) is a root, as in UsdSkel itself.
     """
-    parents = UsdSkel.Topology(Vt.TokenArray(list(tokens))).GetParentIndices()
+    parents = _listed_parents(tokens)
+    if parents is None:
+        parents = UsdSkel.Topology(Vt.TokenArray(list(tokens))).GetParentIndices()
     return np.array(parents, dtype=np.int64).reshape(-1)
+
+
+def unnamed(tokens: Sequence[str]) -> list[int]:
+    """The numbers of tokens that are no paths."""
+    if _listed_parents(tokens) is not None:
+        return []
+    return [number for number, token in enumerate(tokens) if not Sdf.Path.IsValidPathString(token)]
+
+
+def _listed_parents(tokens: Sequence[str]) -> list[int] | None:
+    """The index of what is right above each joint; None unless all are listed once, by the names of prims.
+
+    OpenUSD makes a path of each token, and one of each joint above it: what a long chain costs is the square
+    of its length, and more than all else that is done with it.
+    """
+    index = {token: number for number, token in enumerate(tokens)}
+    found = []
+    for token in tokens:
+        above, slash, name = token.rpartition("/")
+        parent = index.get(above) if slash else -1
+        if parent is None or not Sdf.Path.IsValidIdentifier(name):
+            return None
+        found.append(parent)
+    return found if len(index) == len(tokens) else None
 
 
 def unbounded(matrices: Floats) -> Booleans:

@@ -50,6 +50,19 @@ class Source:
             for node, token in zip(skin.joints.tolist(), self.skeletons[path].tokens, strict=True)
         }
 
+    @cached_property
+    def joint_nodes(self) -> Mapping[str, Mapping[str, int]]:
+        """The nodes of `joints`, by the skeleton's path and their tokens."""
+        found: dict[str, dict[str, int]] = {path: {} for path in self.skeletons}
+        for node, (path, token) in self.joints.items():
+            found[path][token] = node
+        return found
+
+    @cached_property
+    def labelled(self) -> Mapping[str, int]:
+        """Nodes by their labels."""
+        return {label: node for node, label in enumerate(self.rig.labels)}
+
 
 def animations_of_instances(
     instances: SharedInstances, skeletons: Mapping[str, Skeleton], nodes: Mapping[str, int]
@@ -75,9 +88,10 @@ def played_by_instances(source: Source) -> dict[int, dict[str, str]]:
 
     Numbers in the order of the first that plays each, because an edit may give an animation another name.
     """
-    nodes = {label: node for node, label in enumerate(source.rig.labels)}
     found: dict[int, dict[str, str]] = {}
-    for node, shown, skeleton, played in animations_of_instances(source.instances, source.skeletons, nodes):
+    for node, shown, skeleton, played in animations_of_instances(
+        source.instances, source.skeletons, source.labelled
+    ):
         number = skeleton.animations.index(played) + 1 if played else 0
         found.setdefault(node, {})[f"animation of '{shown}'"] = str(number)
     return found

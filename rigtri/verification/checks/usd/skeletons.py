@@ -9,7 +9,7 @@ from collections import Counter
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, UsdSkel
+from pxr import UsdSkel
 
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.variants import SkeletonVariants, split_by, unselected
@@ -18,6 +18,7 @@ from rigtri.formats.usd.reading.skeleton_reader import (
     nearest_listed,
     singular,
     unbounded,
+    unnamed,
 )
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.matrices import SKEW, determinant, identity, skew
@@ -66,7 +67,7 @@ def _animation(prim: Any) -> Any:
 
 
 def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...]) -> None:
-    odd = [k for k, token in enumerate(tokens) if not Sdf.Path.IsValidPathString(token)]
+    odd = unnamed(tokens)
     if odd:
         text = f"joint {odd[0]} is '{tokens[odd[0]]}', which is not a path"
         scene.add("usd.skel.joint-empty", prim, "joints", text)
