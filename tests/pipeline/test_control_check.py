@@ -12,9 +12,12 @@ import pytest
 from gltf_files import glb_bytes, glb_parts
 from places import SAMPLES, one_in, real_files, slow
 from program import cli
+from recognition_bodies.creatures import two_characters
 
 import rigtri
 from rigtri.errors import GeometryError
+from rigtri.evaluation.pose_cache import frames
+from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
@@ -23,9 +26,11 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.add_twist.split_weights import twists_skin
 from rigtri.operations.rigtri_nodes import with_record
-from rigtri.pipeline.rigspec import auto
+from rigtri.pipeline.rigspec import auto, control_check
 from rigtri.pipeline.rigspec.control_check import CheckedControl, check_controls, refuse_idle_controls
 from rigtri.verification.compare.without_twist import _changed_vertices
+
+from write_gltf import glb  # isort: skip - recognition.bodies has put the samples on the path
 
 
 def rigged(name: str = "biped.glb") -> Rig:
@@ -197,6 +202,29 @@ def test_a_control_of_a_joint_that_a_constraint_moves_is_not_tried() -> None:
     checked = {each.control: each.fault for each in check_controls(rig)}
     assert not checked.keys() & {"neck_ctl", "head_ctl"}
     assert not any(checked.values())
+
+
+def test_controls_of_characters_that_move_nothing_in_common_are_tried_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, each node of 80 characters was posed for each control of them."""
+    path, rows = tmp_path / "pair.glb", list[int]()
+    path.write_bytes(glb(two_characters().figure))
+    rig = rigtri.add_controls(read(path).rig, whole_character=True)
+    rig = without_weights(rig, "Anna_head")
+    run = Solver.run
+
+    def counted(solver: Solver, sampled: Any) -> Any:
+        rows.append(frames(sampled))
+        return run(solver, sampled)
+
+    monkeypatch.setattr(Solver, "run", counted)
+    found, together = check_controls(rig), sum(rows)
+    rows.clear()
+    monkeypatch.setattr(control_check, "_apart", lambda solver, _: np.zeros(len(solver.rig), dtype=int))
+    assert check_controls(rig) == found
+    assert any("Anna" in each.control for each in found if each.fault)
+    assert together < 0.7 * sum(rows)
 
 
 @pytest.mark.parametrize("path", real_files(), ids=lambda path: path.name)

@@ -1,6 +1,7 @@
 """Whether the controls of a rig do what they are for: each is moved, and what follows it is measured.
 
-Many are moved at once, each in a row of its own. What each has to move:
+Many are moved at once, each in a row of its own, but for those that move nothing in common, as of several
+characters: they share rows. What each has to move:
 
 * an FK control: its joint by the same rotation, and what is below that;
 * the root control: all joints with weight, rigidly; of several characters those of its own;
@@ -13,9 +14,12 @@ And the mesh, but no other joint.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from heapq import heappop, heappush
+from itertools import chain
 
 import numpy as np
 
@@ -26,7 +30,7 @@ from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.frames.skeleton import Skeleton, skeleton
-from rigtri.maths.arrays import Booleans
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import inverse, transform_directions
 from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
@@ -70,13 +74,14 @@ class CheckedControl:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """A control that is moved in a row of its own. joint: what it is for. limb: of an IK end or a pole."""
+    """A control that is moved, in a row. joint: what it is for. limb: of an IK end or a pole."""
 
     control: int
     kind: str
     joint: int
     parts: Parts
     limb: IkLimb | None = None
+    row: int = 0
 
 
 def check_controls(rig: Rig, root: str | None = None) -> tuple[CheckedControl, ...]:
@@ -94,9 +99,9 @@ def check_controls(rig: Rig, root: str | None = None) -> tuple[CheckedControl, .
     for kinds, driven in ((("fk",), fk), (("root",), roots), (_WITH_IK, None)):
         solver = Solver(rig, driven, reference)
         run = _Run(solver, [each for each in _trials(solver) if each.kind in kinds], tree)
-        for row, each in enumerate(run.trials):
+        for each in run.trials:
             if not (each.control in found and found[each.control].fault):
-                found[each.control] = run.checked(row + 1, each)
+                found[each.control] = run.checked(each)
     for node, record in sorted(records.items()):
         joint = rig.known(record.joint)
         if node not in found and not _is_ruled(solver, node, *(() if joint is None else (joint,))):
@@ -178,23 +183,55 @@ def _shifted(still: PoseCache, node: int, move: Floats) -> Parts:
     return parts._replace(translation=parts.translation + transform_directions(move, inverse(above)))
 
 
+def _apart(solver: Solver, controls: Iterable[int]) -> Integers:
+    """Numbers for nodes, (n,): those with another can never move each other, whatever the controls do."""
+    rig, marked = solver.rig, np.zeros(len(solver.rig), dtype=bool)
+    moved = [(*step.sets, *getattr(step, "carries", ())) for step in solver.steps]
+    marked[[*controls, *chain.from_iterable(moved)]] = True
+    moving = rig.at_or_below(marked).tolist()
+    first = list(range(len(rig)))
+
+    def top(node: int) -> int:
+        while first[node] != node:
+            first[node] = node = first[first[node]]
+        return node
+
+    linked: list[tuple[int, ...]] = [
+        (node, parent) for node, parent in enumerate(rig.parents.tolist()) if parent >= 0
+    ]
+    linked += [(*nodes, *step.needs, *step.reads) for step, nodes in zip(solver.steps, moved, strict=True)]
+    linked += [(rule.child, *rule.sources) for rule in constraints_of(rig).values()]
+    for nodes in linked:
+        some = [node for node in nodes if moving[node]]  # what holds all and never moves links nobody
+        for other in some[1:]:
+            first[top(other)] = top(some[0])
+    return np.array([top(node) for node in range(len(rig))], dtype=np.int64)
+
+
 class _Run:
-    """The rig with each control moved in a row of its own; in row 0 none is."""
+    """The rig with each control moved in a row, alone of those that could move the same; in row 0 none is."""
 
     def __init__(self, solver: Solver, trials: Sequence[_Trial], tree: Skeleton) -> None:
         rig = self.rig = solver.rig
-        self.solver, self.trials = solver, trials
+        self.solver = solver
+        self.apart = _apart(solver, [trial.control for trial in trials])
+        taken = Counter[int]()
+        self.trials = []
+        for trial in trials:
+            group = int(self.apart[trial.control])
+            taken[group] += 1
+            self.trials.append(replace(trial, row=taken[group]))
         self.size, self.bodies = skeleton_size(rig), bodies(rig)
         # What holds the controls cannot follow them; --root may name a node that holds them and joints.
         holding, self.carries = rig.with_ancestors(rig.nodes_of("control")), tree.carries
         self.drawn = _drawn(rig)
         self.watched = [node for node in tree.joints if node not in holding and not _is_added(rig, node)]
-        rows, still = len(trials) + 1, PoseCache(rig)
+        rows, still = max(taken.values(), default=0) + 1, PoseCache(rig)
         parts = {}
-        for number, trial in enumerate(trials):
+        for trial in self.trials:
             own = [np.repeat(each, rows, axis=0) for each in still.part(trial.control)]
             for each, moved in zip(own, trial.parts, strict=True):
-                each[number + 1] = moved[0]
+                each[trial.row] = moved[0]
             parts[trial.control] = Parts(*own)
         self.posed = solver.run(parts)
         # What each row moves, of the nodes that are watched, (f, n).
@@ -219,35 +256,36 @@ class _Run:
         axes = np.abs(world[:, :3, :3] - world[:1, :3, :3]).max(axis=(1, 2))
         return np.asarray(places | (axes > _STILL_AXES * np.abs(world[0, :3, :3]).max()))
 
-    def checked(self, row: int, trial: _Trial) -> CheckedControl:
+    def checked(self, trial: _Trial) -> CheckedControl:
         rig = self.rig
-        found = [self.watched[place] for place in np.flatnonzero(self.moved[row]).tolist()]
-        fault = self._unfollowed(row, trial) or self._unmoved(trial, found) or self._others(trial, found)
+        mine = self.moved[trial.row] & (self.apart[self.watched] == self.apart[trial.control])
+        found = [self.watched[place] for place in np.flatnonzero(mine).tolist()]
+        fault = self._unfollowed(trial) or self._unmoved(trial, found) or self._others(trial, found)
         names = rig.title(trial.control), trial.kind, rig.title(trial.joint)
         return CheckedControl(*names, len(found), fault, not self.drawn.isdisjoint(found))
 
-    def _unfollowed(self, row: int, trial: _Trial) -> str:
+    def _unfollowed(self, trial: _Trial) -> str:
         """What does not follow that has to."""
         rig, joint = self.rig, trial.joint
         if trial.limb is not None and trial.kind == "pole":
             start, _, end = trial.limb.chain
-            if self._turned(start, row) < _ANGLE:
+            if self._turned(start, trial) < _ANGLE:
                 return f"'{rig.title(start)}' does not turn to it"
-            return f"'{rig.title(end)}' is moved by it" if self._off(end, row) > _PLACE * self.size else ""
+            return f"'{rig.title(end)}' is moved by it" if self._off(end, trial) > _PLACE * self.size else ""
         joints = [joint]
         if trial.kind == "root":
             body = next((body for body in self.bodies if joint in body), frozenset(self.watched))
             joints = [node for node in self.watched if self.carries[node] and node in body]
         toe = -1 if trial.limb is None else trial.limb.toe
         if trial.kind in PIVOTS and toe >= 0:
-            if trial.kind == "ball" and self._turned(toe, row) > _ANGLE:
+            if trial.kind == "ball" and self._turned(toe, trial) > _ANGLE:
                 return f"'{rig.title(toe)}' turns with it"
             joints += [toe] if trial.kind != "ball" else []
-        lazy = [node for node in joints if abs(self._turned(node, row) - _TURN) > _ANGLE]
+        lazy = [node for node in joints if abs(self._turned(node, trial) - _TURN) > _ANGLE]
         if trial.kind == "ik":
             goal = self.posed.world(trial.control)[:, 3, :3]
-            way = goal[row] - goal[0]
-            apart = float(length(self._at(joint, row) - self._at(joint, 0) - way))
+            way = goal[trial.row] - goal[0]
+            apart = float(length(self._way(joint, trial) - way))
             lazy = lazy or ([joint] if apart > _PLACE * self.size else [])
         if lazy:
             follow = "does" if len(lazy) == 1 else "do"
@@ -288,17 +326,22 @@ class _Run:
         others = [node for node in moved if node not in mine]
         return f"it moves {list_names(rig.title(node) for node in others)}, too" if others else ""
 
-    def _at(self, node: int, row: int) -> Floats:
-        world = self.posed.world(node)
-        return np.asarray(world[min(row, len(world) - 1), 3, :3])
+    def _row(self, node: int, trial: _Trial, rows: int) -> int:
+        """In which of so many rows a node is as a trial has it: none, of a node that it cannot move."""
+        return min(trial.row, rows - 1) if self.apart[node] == self.apart[trial.control] else 0
 
-    def _off(self, node: int, row: int) -> float:
-        return float(length(self._at(node, row) - self._at(node, 0)))
+    def _way(self, node: int, trial: _Trial) -> Floats:
+        """How far a trial moves a node, (3,)."""
+        places = self.posed.world(node)[:, 3, :3]
+        return np.asarray(places[self._row(node, trial, len(places))] - places[0])
 
-    def _turned(self, node: int, row: int) -> float:
-        """The angle in radians by which a node is turned in a row."""
+    def _off(self, node: int, trial: _Trial) -> float:
+        return float(length(self._way(node, trial)))
+
+    def _turned(self, node: int, trial: _Trial) -> float:
+        """The angle in radians by which a trial turns a node."""
         if node not in self._angles:
             turns = self.posed.world_rotation(node)
             self._angles[node] = rotation_angle(multiply(conjugate(turns[0]), turns))
         angles = self._angles[node]
-        return float(angles[min(row, len(angles) - 1)])
+        return float(angles[self._row(node, trial, len(angles))])
