@@ -59,6 +59,25 @@ def test_millimetres_of_noise_do_not_roll_a_thumb(body: PosedBody) -> None:
     assert rules(report)["thumb_01_l"].startswith("palm of the hand, not the thumb's own bend of 11°")
 
 
+@pytest.mark.parametrize(("preset", "up"), [("article", None), ("maya", None), ("cmt", "-z"), ("talk", "z")])
+def test_the_advice_for_a_thumb_makes_its_bend_the_hinge_in_every_preset(
+    body: PosedBody, preset: str, up: str | None
+) -> None:
+    """Before, the advice for `cmt` and `talk` gave their up axis the hinge."""
+    report, thumb = Report(), bent(body, "left", 0.5e-3, aside=3e-3)
+    orient_joints(thumb, preset=preset, report=report)
+    (advice,) = [note.text for note in report.warnings if note.code == "thumb-bends-aside"]
+    assert ("up=" in advice, f'up="{up}"' in advice) == (up is not None,) * 2
+    joints = [body.parts[f"left thumb {k}"] for k in (1, 2, 3)]
+    one, two, three = (thumb.world[joint, 3, :3] for joint in joints)
+    named = {"up": up} if up else {}
+    chain = {"start": f"#{joints[0]}", "end": f"#{joints[2]}", "up_from": "plane", **named}
+    out = orient_joints(thumb, preset=preset, chain=[chain])
+    axis = {"article": 1, "maya": -1, "cmt": -2, "talk": 2}[preset]
+    hinge = out.world[joints[0], abs(axis), :3] * np.sign(axis)
+    assert hinge @ normalise(np.cross(two - one, three - two)) > 0.99
+
+
 def test_a_bend_that_the_hand_agrees_with_is_the_thumbs_own(body: PosedBody) -> None:
     report = Report()
     thumb_hinge(body, bent(body, "left", 5e-3), "left", report)

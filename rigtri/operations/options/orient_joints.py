@@ -225,6 +225,12 @@ class OrientJointsOptions(OneCharacter):
         return tuple((chain.start, chain.end, chain.style(self.style)) for chain in _chains("", self.chain))
 
     @cached_property
+    def own_planes(self) -> tuple[tuple[str, str], ...]:
+        """The chains, from where to where, that get the plane of their own bones by the user's word."""
+        chains = _chains("", self.chain)
+        return tuple((k.start, k.end) for k in chains if (k.up_from or "").lower() == "plane")
+
+    @cached_property
     def selection(self) -> Selection:
         """The joints that are named, besides those of chains."""
         return Selection(joints=self.joints, below=self.below, skin=self.skin, exclude=self.exclude)

@@ -6,7 +6,7 @@ limb's own triple).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import field
 
 import numpy as np
@@ -23,6 +23,7 @@ from rigtri.operations.aim_targets import chain_child, limb_path
 from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.recognition.bend_direction import CLEAR, Bend, areas_and_sines, in_motion, in_pose
 from rigtri.recognition.body_hinges import Body, body_of
+from rigtri.recognition.hand_hinges import NOT_ITS_BEND
 from rigtri.recognition.layout import NAMES
 from rigtri.recognition.limb_bends import LimbBends
 from rigtri.recognition.limbs import Limb, unsure
@@ -116,7 +117,7 @@ def bend_planes(
             if facing is not None:
                 _warn_unheard(limb_bends, limb, found, report)
         known |= dict.fromkeys(members)
-    chains = _chains(targets, taken)
+    chains, own = _chains(targets, taken), _own_thumbs(targets, bodies)
     lines = [_line(targets, chain) for chain in chains]
     triples = [triple for nodes in lines for triple in zip(nodes, nodes[1:], nodes[2:], strict=False)]
     areas, sines = _triples(targets, triples)
@@ -126,13 +127,13 @@ def bend_planes(
             part = slice(start, start + len(nodes) - 2)
             start = part.stop
             _set_chain(planes, targets, chain, nodes, areas[part], sines[part], per_joint=per_joint)
-        if not per_joint:
+        if not per_joint and chain[0] not in own:
             _agree_with_body(planes, targets, chain, body_of(bodies, chain[0]))
         known |= dict.fromkeys(chain)
     _set_adjoining(planes.adjoining, targets)
     _set_from_twins(planes.normals, targets, chains, known)
     if not per_joint:
-        _set_body(planes, targets, bodies)
+        _set_body(planes, targets, bodies, own)
     return planes
 
 
@@ -158,11 +159,24 @@ def _unsure_limbs(targets: Targets) -> list[Limb]:
     return [limb for limb, found in zip(limbs, posed, strict=True) if found.sine >= CLEAR]
 
 
-def _set_body(planes: BendPlanes, targets: Targets, bodies: Sequence[Body]) -> None:
-    """What bodies say of trunk, hands, feet and clavicles, instead of what single triples say."""
+def _own_thumbs(targets: Targets, bodies: Sequence[Body]) -> set[int]:
+    """The joints of thumbs whose bend counts by the user's word, though the palm says otherwise."""
+    return {
+        joint
+        for body in bodies
+        for joint in targets.own_planes.intersection(body.hinges)
+        if body.hinges[joint].rule.startswith(NOT_ITS_BEND)
+    }
+
+
+def _set_body(planes: BendPlanes, targets: Targets, bodies: Sequence[Body], own: Container[int]) -> None:
+    """What bodies say of trunk, hands, feet and clavicles, instead of what single triples say.
+
+    own: joints that keep what these say.
+    """
     for body in bodies:
         for joint, known in body.hinges.items():
-            if joint not in targets.aims or joint in body.limbs:
+            if joint not in targets.aims or joint in body.limbs or joint in own:
                 continue
             hinge = known.of(targets.bone[joint])
             if np.isfinite(hinge).all():

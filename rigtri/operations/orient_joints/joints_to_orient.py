@@ -42,7 +42,8 @@ class Targets:
     """The joints to orient, parents first, in the reference pose of their skeleton.
 
     skipped: why each other joint keeps its axes. styles: of every joint of the skeleton. bodies: of the
-    characters, None where the joints to orient have nothing to do with these.
+    characters, None where the joints to orient have nothing to do with these. own_planes: the joints whose
+    chains get the plane of their own bones by the user's word.
     """
 
     tree: Skeleton
@@ -53,6 +54,7 @@ class Targets:
     limbs: tuple[Limb, ...]
     aims: Mapping[int, Aim]
     bodies: Sequence[body_hinges.Body] | None
+    own_planes: frozenset[int] = frozenset()
 
     @cached_property
     def aim(self) -> Floats:
@@ -152,7 +154,10 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
     _check_aims(tree, ref, aim_at, styles)
-    return Targets(tree, ref, joints, skipped, styles, limbs, aim_targets(tree, ref, joints, rules), bodies)
+    aims = aim_targets(tree, ref, joints, rules)
+    asked = [along(rig, rig.find(start), rig.find(end)) for start, end in options.own_planes]
+    own_planes = frozenset(joint for chain in asked for joint in chain)
+    return Targets(tree, ref, joints, skipped, styles, limbs, aims, bodies, own_planes)
 
 
 def _tops(character: Character) -> Iterator[int]:

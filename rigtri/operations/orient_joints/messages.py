@@ -186,16 +186,19 @@ def _not_shown_by_skin(targets: Targets, joints: Sequence[int]) -> list[int]:
 def _warn_thumbs(outcome: Outcome, report: Report) -> None:
     """Warn of thumbs whose own bend does not count: the noise of short bones bends them, too."""
     sources, rig = outcome.requested.ups.source, outcome.targets.tree.rig
-    thumbs: dict[str, list[str]] = {}
+    thumbs: dict[tuple[str, str], list[str]] = {}
     for joint in outcome.targets.joints:
         if sources[joint].startswith(NOT_ITS_BEND):
-            thumbs.setdefault(sources[joint].removeprefix(NOT_ITS_BEND), []).append(rig.title(joint))
-    for bend, names in thumbs.items():
+            # Where the up axis points to the bend, another one is the hinge.
+            style = outcome.targets.styles[joint]
+            up = f" --up {style.hinge}" if style.up_from == "pole" else ""
+            thumbs.setdefault((sources[joint].removeprefix(NOT_ITS_BEND), up), []).append(rig.title(joint))
+    for (bend, up), names in thumbs.items():
         report.warn(
             "thumb-bends-aside",
             f"{and_more(names, 3)}: the thumb's bend{bend} of how a thumb closes over the palm, is taken for "
             "noise of its joints or for the shape of the hand, and the palm decides. If it is a bend, "
-            "say --chain START END --up-from plane.",
+            f"say --chain START END{up} --up-from plane.",
             geometry=True,
             names=names,
         )
