@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from places import first
+from gltf_files import standing_along_z
+from places import SAMPLES, first
 from taken_clips import apart, notices, rig_of, turned_key
 
 from rigtri.errors import GeometryError
@@ -22,6 +24,7 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips import take_clips as module
 from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.messages import warn_facing
 from rigtri.operations.take_clips.standing import _carriers
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
@@ -233,6 +236,26 @@ def test_a_file_that_lies_and_rests_in_a_frame_is_set_upright_as_its_clips_show(
     home = take_clips(rig, from_=edited if skin else bare(edited), report=report)
     assert any("EDITED has another up axis than its format" in notice.text for notice in report.warnings)
     assert apart(home, turned_key(rig, "forearm_L"), "walk") < CLOSE
+
+
+@pytest.mark.parametrize(
+    ("axis", "said"),
+    [
+        (X, "has another up axis than its format"),
+        ((0.0, 0.0, 1.0), "faces another direction than RIG, by 90°"),
+    ],
+)
+def test_bodies_that_lie_in_both_files_and_are_turned_about_their_own_up_face_elsewhere(
+    axis: tuple[float, float, float], said: str, tmp_path: Path
+) -> None:
+    """Before, that was called another up axis."""
+    path, report = tmp_path / "lies.glb", Report()
+    path.write_bytes(standing_along_z(SAMPLES / "biped.glb"))
+    rig = read(path).rig
+    both: Any = SimpleNamespace(rig=rig, other=rig, space=compose([0.0] * 3, turn(axis, 90.0), [1.0] * 3))
+    warn_facing(both, report)
+    (notice,) = report.warnings
+    assert said in notice.text
 
 
 def test_a_body_that_was_laid_down_stays_so_and_is_reported() -> None:

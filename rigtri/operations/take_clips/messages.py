@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from rigtri.evaluation.timelines import timelines
-from rigtri.maths.matrices import from_frame, nearest_rotation, transform_directions
+from rigtri.maths.matrices import from_frame, inverse, multiply, nearest_rotation, transform_directions
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.similarity_fit import SAME_TURN, upright_turn
 from rigtri.model.animation import Path as TrackPath
@@ -17,6 +17,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.bake.unbaked import moved_otherwise
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.node_matching import why_unmatched
+from rigtri.recognition.limbs import upright
 from rigtri.report import Report
 from rigtri.text import list_names
 
@@ -76,10 +77,15 @@ def warn_facing(both: Counterparts, report: Report) -> None:
     if np.abs(turn - straight).max() <= SAME_TURN:
         return
     degrees = np.degrees(angle_between(from_axes(turn), from_axes(straight)))
-    stands = np.abs(transform_directions(up, from_frame(turn, np.zeros(3))) - ours).max() <= SAME_TURN
+    beside = multiply(inverse(from_frame(straight, np.zeros(3))), from_frame(turn, np.zeros(3)))
+    # Of a body that lies in both files its own up says what is a heading.
+    heads = [
+        np.abs(transform_directions(k, beside) - k).max() <= SAME_TURN for k in (ours, upright(both.rig))
+    ]
     how, as_rig = "has another up axis than its format", "up axis"
-    if stands:
-        how, as_rig = f"faces another direction than RIG, by {degrees:.0f}° about the up axis", "facing"
+    if any(heads):
+        about = "the up axis" if heads[0] else "the up of the body, which lies in both files"
+        how, as_rig = f"faces another direction than RIG, by {degrees:.0f}° about {about}", "facing"
     report.warn("other-facing", f"EDITED {how}; its motion was rotated to RIG's {as_rig}")
 
 
