@@ -550,6 +550,18 @@ def test_a_character_that_is_not_sure_is_reported_and_no_body_is_presumed() -> N
     assert ("unsure-character" in [notice.code for notice in report.warnings]) == bool(unsure)
 
 
+def test_hips_that_keep_their_axes_for_a_trunk_that_is_not_sure_are_named() -> None:
+    """Before, only the report's list told of them."""
+    arm = line("a b c d", "chest", (0.1, 1.4, 0.0), (0.2, 1.4, 0.0), (0.45, 1.4, 0.0), (0.7, 1.4, 0.0))
+    joints = [*TRUNK, *arm, *both(LEG)]  # one arm
+    rig, report = rig_with(joints), Report()
+    rig = replace(rig, names=tuple("" for _ in rig.names))
+    orient_joints(rig, report=report)
+    kept = [row for row in report.joints if row.get("status") == "kept"]
+    texts = [note.text for note in report.warnings if note.code in ("unsure-limb", "unsure-character")]
+    assert [f"'{row['joint']}', on top of them, keeps its axes" in texts[0] for row in kept] == [True]
+
+
 def test_limbs_that_are_not_sure_are_named() -> None:
     """Short arms without fingers may begin with their clavicles: nothing edits them unnamed."""
     body = posed_body(Pose("none", short=0.6, fingers=0))

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.joint_selection import LONE
+from rigtri.operations.joint_selection import LONE, ROOT
 from rigtri.operations.orient_joints.joints_to_orient import Targets
-from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.layout import CONFIDENT, Character
 from rigtri.recognition.limbs import limb_title, unsure
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
@@ -82,12 +82,13 @@ def warn_unsure(
                 geometry=True,
             )
         if character.confidence >= CONFIDENT or not wording.unsure(character.form):
-            _warn_unsure_limbs(targets, joints, report, wording)
+            _warn_unsure_limbs(targets, joints, _kept_hips(targets, character, wording), report, wording)
             continue
         report.warn(
             "unsure-character",
             f"A {character.form} is recognised, but not surely ({character.confidence:.2f}; sure from "
-            f"{CONFIDENT}): {wording.unsure(character.form)}; see: rigtri recognise FILE",
+            f"{CONFIDENT}): {wording.unsure(character.form)}{_kept_hips(targets, character, wording)}; "
+            "see: rigtri recognise FILE",
             geometry=True,
         )
 
@@ -139,8 +140,20 @@ def _copies(targets: Targets, joint: int) -> bool:
     return joint in targets.aims and targets.aims[joint].how == "parent"
 
 
-def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report, wording: Wording) -> None:
-    """Warn of the limbs of a character that are not sure, where the user names none of their joints."""
+def _kept_hips(targets: Targets, character: Character, wording: Wording) -> str:
+    """What is said of hips that would turn if the trunk above them were sure; controls keep no axes."""
+    if wording is not OF_JOINTS or targets.skipped.get(character.hips) != ROOT:
+        return ""
+    return f". '{targets.tree.rig.title(character.hips)}', on top of them, keeps its axes as a root joint"
+
+
+def _warn_unsure_limbs(
+    targets: Targets, joints: set[int], hips: str, report: Report, wording: Wording
+) -> None:
+    """Warn of the limbs of a character that are not sure, where the user names none of their joints.
+
+    hips: what is said of hips besides.
+    """
     rig, named = targets.tree.rig, {node for limb in targets.limbs for node in limb.triple}
     chains = [k for k in unsure(rig) if joints.issuperset(k.bend) and named.isdisjoint(k.bend)]
     if chains:
@@ -149,7 +162,7 @@ def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report, wordi
             "unsure-limb",
             f"{and_more(names, 4)}: not surely recognised (sure from "
             f"{CONFIDENT}), so {wording.aimed} there, in hands and feet take the planes of their own bones. "
-            f"If it is right, say {wording.limb}",
+            f"If it is right, say {wording.limb}{hips}",
             geometry=True,
             names=names,
         )
