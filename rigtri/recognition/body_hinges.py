@@ -47,6 +47,8 @@ CROSSED, TURNED_OUT = radians_below(45), cosine_below(45)
 # Feet whose plane with the shin is further from the lateral axis than this (a cosine) are turned with the
 # leg, if they stand off the shin by this (radians) at least.
 FOOT_TURNED, FOOT_BENT = cosine_below(30), radians_below(30)
+# A front leg that bends by less than this (radians) does not show that it is spread aside.
+STRAIGHT = radians_below(10)
 _TRUNK = ("spine", "neck", "head")
 
 
@@ -326,6 +328,8 @@ def _hinges(
         if angle(shin, toes) > FOOT_BENT and abs(float(dot(own, lateral))) < FOOT_TURNED:
             for joint in foot.joints:
                 yield joint, Hinge("plane of shin and foot", own * (1.0 if dot(own, hips) >= 0 else -1.0))
+    for joint in _front_paws(character, at, left):
+        yield joint, Hinge("lateral axis of the body", left)
     bones = character.bones
     chest = cross(left, _up_of_chest(chains, at, up))
     shoulders = [bones[f"{side}Shoulder"] for side in ("left", "right") if f"{side}Shoulder" in bones]
@@ -340,6 +344,21 @@ def _legs_and_feet(character: Character) -> Iterator[tuple[Chain, Chain]]:
     legs = [k for k in character.sure_chains if k.kind == "leg" and len(k.bend) == 3]
     feet = [k for k in character.sure_chains if k.kind == "foot" and character.form == "biped"]
     return ((leg, foot) for leg in legs for foot in feet if foot.joints[0] == leg.bend[2])
+
+
+def _front_paws(character: Character, at: Floats, left: Floats) -> Iterator[int]:
+    """The joints of front feet, which fold back as hind ones do, though the elbows above bend the other way.
+
+    Of legs that are spread aside, as a lizard's, nothing is known. left: the lateral axis of the chest, (3,).
+    """
+    if character.form != "quadruped":
+        return
+    feet = {chain.joints[0]: chain.joints for chain in character.sure_chains if chain.kind == "foot"}
+    for leg in (k for k in character.sure_chains if k.is_front and len(k.bend) == 3):
+        shoulder, elbow, wrist = at[list(leg.bend)]
+        hinge = normalise(cross(elbow - shoulder, wrist - elbow))
+        if bend_angle(shoulder, elbow, wrist) < STRAIGHT or abs(float(dot(hinge, left))) > LATERAL:
+            yield from feet.get(leg.bend[2], ())
 
 
 def _further_shoulders(rig: Rig, character: Character) -> Iterator[int]:
