@@ -115,7 +115,6 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         tree = replace(tree, sockets=body_hinges.sockets(rig, characters))
     chains = [(k, chain) for k in characters for chain in k.sure_chains]
     twists = body_hinges.twists_beside_bones(rig, characters)
-    hips = frozenset(top for k in characters for top in _tops(k))
     heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
     bodily = tree.joints if options.style.world else (joint for _, chain in chains for joint in chain.joints)
     before, beside = flat_joints(tree, characters)
@@ -128,7 +127,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         selection,
         aimed=aim_at,
         all_named=literal or options.root is not None,
-        hips=hips,
+        hips=frozenset(top for k in characters for top in _tops(k)),
         heads=heads,
         whole=twists.union(bodily, beside),
         meant=meant,
@@ -154,10 +153,8 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
     _check_aims(tree, ref, aim_at, styles)
-    aims = aim_targets(tree, ref, joints, rules)
-    asked = [along(rig, rig.find(start), rig.find(end)) for start, end in options.own_planes]
-    own_planes = frozenset(joint for chain in asked for joint in chain)
-    return Targets(tree, ref, joints, skipped, styles, limbs, aims, bodies, own_planes)
+    aims, own = aim_targets(tree, ref, joints, rules), frozenset(_with_own_planes(rig, options))
+    return Targets(tree, ref, joints, skipped, styles, limbs, aims, bodies, own)
 
 
 def _tops(character: Character) -> Iterator[int]:
@@ -187,6 +184,12 @@ def _styles(tree: Skeleton, options: OrientJointsOptions) -> dict[int, AxisStyle
     for start, end, style in options.chain_styles:
         styles |= dict.fromkeys(along(rig, rig.find(start), rig.find(end)), style)
     return styles
+
+
+def _with_own_planes(rig: Rig, options: OrientJointsOptions) -> Iterator[int]:
+    """The joints of chains that get the plane of their own bones by the user's word."""
+    for start, end in options.own_planes:
+        yield from along(rig, rig.find(start), rig.find(end))
 
 
 def _branch_child(rig: Rig, name: str) -> int:
