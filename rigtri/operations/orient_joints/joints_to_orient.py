@@ -253,7 +253,7 @@ def _check_world_aligned(rig: Rig, options: OrientJointsOptions) -> None:
     elsewhere = options.like is not None or options.frames is not None or options.mirror is not None
     if not rig.rules.world_aligned or not style or elsewhere or options.snap or any(options.offset):
         raise GeometryError(
-            f"No joint of this file may have axes of its own: {locked}. Take --world, "
+            f"No joint of this file may have axes of its own: {locked}. Take --preset vrm, "
             "which makes all of them zero, or convert the file to VRM 1.0 first."
         )
     if options.selection != Selection() or options.chain_styles or options.root is not None:
