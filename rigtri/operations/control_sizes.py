@@ -43,6 +43,8 @@ _WIDER = 1.6
 # a ring gets wider until half of them are, up to a share of the character (the diagonal of its joints' box):
 # one that is wider does not show whose it is.
 _SEEN, _WIDEST = 2, 0.15
+# Where that is too little, by this factor at a time until a quarter at most is inside, as beside limbs.
+_STEP = 1.1
 # Directions in a plane.
 _AROUND = (
     np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)])
@@ -126,10 +128,11 @@ class SkinSections:
             own = min(own, _WIDER * _width(skin, place, normal))
         if own == 0:
             return 0.0
-        cuts = [skinned.cut(skinned.triangles, place, normal) for skinned in self._body_of(joint)]
-        ends, most = _farthest(cuts, normal), _WIDER * own
+        cuts = [skinned.signed_cut(skinned.triangles, place, normal) for skinned in self._body_of(joint)]
+        ends, most = _farthest([lines for lines, _ in cuts], normal), _WIDER * own
         if ends[_SEEN] > most:
-            most = max(most, _WIDEST * self._extent_of(joint))
+            widest = max(most, _WIDEST * self._extent_of(joint))
+            most = widest if _half(ends) <= widest else _outside(most, widest, cuts, normal)
         return max(own, min(_half(ends), most))
 
     def thickness(self, joints: list[int], place: Floats, normal: Floats) -> float:
@@ -253,6 +256,10 @@ class _Skinned:
 
     def cut(self, corners: Integers, place: Floats, normal: Floats) -> Floats:
         """The lines, (m, 2, 3), in which triangles, (t, 3), cut a plane, seen from ``place``."""
+        return self.signed_cut(corners, place, normal)[0]
+
+    def signed_cut(self, corners: Integers, place: Floats, normal: Floats) -> tuple[Floats, Floats]:
+        """As `cut`, and the sign, (m,), with which each line goes round what the surface encloses."""
         above = (dot(self.points, normal) > dot(place, normal))[corners]
         corners = corners[above.any(axis=1) & ~above.all(axis=1)]
         flat, height = _seen(self.points[corners], place, normal)
@@ -268,7 +275,8 @@ class _Skinned:
         flat, height = flat[each, order], height[each, order]
         apart = height[:, :1] - height[:, 1:]
         share = height[:, :1] / apart
-        return np.asarray(flat[:, :1] + share[..., np.newaxis] * (flat[:, 1:] - flat[:, :1]))
+        lines = flat[:, :1] + share[..., np.newaxis] * (flat[:, 1:] - flat[:, :1])
+        return np.asarray(lines), np.where(height[:, 0] > 0, 1.0, -1.0)
 
     @cached_property
     def _own(self) -> _Groups:
@@ -335,8 +343,29 @@ def _half(ends: Floats) -> float:
     return float(ends[len(ends) // 2])
 
 
+def _outside(radius: float, most: float, cuts: list[tuple[Floats, Floats]], normal: Floats) -> float:
+    """The smallest radius at which up to a quarter of a ring is inside lines; ``most`` where at none."""
+    found = [_crossings(lines, normal) for lines, _ in cuts]
+    at = np.concatenate([along for along, _ in found], axis=1)
+    turns = np.concatenate([turns * sign for (_, turns), (_, sign) in zip(found, cuts, strict=True)], axis=1)
+    while radius < most:
+        around = np.rint(np.where(at > MARGIN * radius, turns, 0.0).sum(axis=1))  # as wide as it is drawn
+        if 4 * np.count_nonzero(around) <= len(around):
+            return radius
+        radius *= _STEP
+    return most
+
+
 def _ends(lines: Floats, normal: Floats) -> Floats:
     """How far lines, (m, 2, 3), lie away at most in each of the directions `_AROUND` a normal, (8,)."""
+    return np.asarray(_crossings(lines, normal)[0].max(axis=1, initial=0.0))
+
+
+def _crossings(lines: Floats, normal: Floats) -> tuple[Floats, Floats]:
+    """How far away each direction `_AROUND` a normal crosses lines, (8, m), and to which side, 1 or −1.
+
+    Both are 0 where one does not cross a line.
+    """
     u = normalise(perpendicular(axis_across(normal), normal))
     v = cross(normal, u)
     ahead = _AROUND[:, :1] * u + _AROUND[:, 1:] * v
@@ -345,4 +374,5 @@ def _ends(lines: Floats, normal: Floats) -> Floats:
     (a, b), (c, d) = (np.moveaxis(k, 2, 0) for k in (along, across))
     crosses = (c <= 0) != (d <= 0)
     share = c / np.where(crosses, c - d, 1.0)
-    return np.asarray(np.where(crosses, a + share * (b - a), 0.0).max(axis=1, initial=0.0))
+    at = np.where(crosses, a + share * (b - a), 0.0)
+    return at, np.where(crosses, np.where(c <= 0, 1.0, -1.0), 0.0)

@@ -140,6 +140,23 @@ def test_the_ring_of_a_joint_without_skin_is_as_wide_as_the_skin_of_the_joint_ab
     assert rings["a"] > 3 * rings["b"]
 
 
+def test_a_ring_among_other_limbs_is_no_wider_than_it_needs_to_be() -> None:
+    """Where the plane of a limb cuts others far away it was as wide as any may be, 15 % of the character."""
+    rig = chain((0, 10, 0), (1, 6, 0), (1, 5, 0), (1, 0, 0))
+    others = ((3, 0), (-3, 0), (0, 3), (0, -3), (3, 3), (-3, -3))
+    parts = [(1, 0.3, (1.0, 3.0, 0.0)), *((0, 0.6, (1.0 + x, 3.0, z)) for x, z in others)]
+    meshes = [
+        replace(box, skin=0, weights=np.ones((8, 1)), joints=np.full((8, 1), joint), points=points)
+        for joint, half, middle in parts
+        for box in [a_box(0, (half, 4.0, half))]
+        for points in [box.points + middle]
+    ]
+    drawn = replace(rig, content=Content(read_meshes=lambda: meshes))
+    built = rigtri.add_controls(drawn, joints=["b"])
+    size = next(own.size or 0.0 for own in built.records(ControlRecord).values() if own.joint == "b")
+    assert size < 1.6 * np.sqrt(2) * 0.3 * MARGIN * 1.01
+
+
 def test_skin_that_begins_in_the_plane_of_a_ring_is_no_wider_for_rounding() -> None:
     """Of a part that is a box from its joint on: its corners were on another side of the plane each time."""
     rig, random = chain((0, 0, 0), (1, 0, 0)), np.random.default_rng(1)
