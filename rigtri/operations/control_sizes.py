@@ -349,8 +349,9 @@ def _outside(radius: float, most: float, cuts: list[tuple[Floats, Floats]], norm
     at = np.concatenate([along for along, _ in found], axis=1)
     turns = np.concatenate([turns * sign for (_, turns), (_, sign) in zip(found, cuts, strict=True)], axis=1)
     while radius < most:
-        around = np.rint(np.where(at > MARGIN * radius, turns, 0.0).sum(axis=1))  # as wide as it is drawn
-        if 4 * np.count_nonzero(around) <= len(around):
+        beyond = at > MARGIN * radius  # as wide as it is drawn
+        into, out = (np.count_nonzero(beyond & (turns == way), axis=1) for way in (1.0, -1.0))
+        if 4 * np.count_nonzero(into != out) <= len(at):
             return radius
         radius *= _STEP
     return most
