@@ -104,10 +104,10 @@ def _trunk_over_no_legs(draft: Draft, sided: Sequence[Found], across: Vector) ->
     at, standing = draft.tree.at, Vector(*draft.tree.rig.rules.up)
     trunk = at[high] - at[low]
     trunk = (trunk - across * trunk.dot(across)).unit
+    # Arms that go aside go nowhere else but by noise.
     out = Vector()
     for joints in arms:
-        out = out + at[joints[-1]] - at[joints[0]]
-    out = (out - across * out.dot(across)).unit
+        out = out + (at[joints[-1]] - at[joints[0]]).unit * (1.0 / len(arms))
     hang = out.dot(-standing) > _HANG and abs(out.dot(trunk)) < _HANG
     return Vector() if hang or trunk.dot(standing) > _RISES else on_axis(trunk, _ALONG)
 

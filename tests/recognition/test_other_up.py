@@ -407,9 +407,12 @@ def test_who_lies_on_the_side_with_arms_along_the_body_kneels_on_no_hands(named:
     assert man.up == (1, 0, 0)
 
 
-def test_a_body_without_legs_stands_as_its_trunk_does() -> None:
-    """In a file with another up. Before, it faced the ceiling, with sure arms."""
-    (man,) = recognise(lying(without(MAN, "thigh", "shin", "foot", "toe"))).characters
+@pytest.mark.parametrize("ahead", [0.0, 0.03])
+def test_a_body_without_legs_stands_as_its_trunk_does(ahead: float) -> None:
+    """In a file with another up. Before, it faced the ceiling, with sure arms, also where hands are ahead."""
+    body = without(MAN, "thigh", "shin", "foot", "toe")
+    body = [(name, above, (x, y, z + ahead * name.startswith("hand"))) for name, above, (x, y, z) in body]
+    (man,) = recognise(lying(body)).characters
     assert man.up == (0, 0, 1)
     assert man.facing == pytest.approx((0, -1, 0), abs=1e-6)
 
