@@ -35,7 +35,8 @@ def uneven_above(rig: Rig) -> list[int]:
     sizes = (squares[0] + squares[1] + squares[2]) / 3.0
     off = np.abs(np.stack([*(squares - sizes), dot(x, y), dot(y, z), dot(z, x)])).max(axis=0)
     found = {node for node, odd in zip(nodes, off > 2.0 * _UNIFORM * sizes, strict=True) if odd}
-    for track in (t for clip in rig.clips for t in clip.tracks if t.path == "scale" and t.node in nodes):
+    moving = [clip for clip in rig.clips if not clip.nodes.isdisjoint(nodes)]
+    for track in (t for clip in moving for t in clip.tracks if t.path == "scale" and t.node in nodes):
         scales = np.abs(key_values(track))
         if (np.ptp(scales, axis=1) > _UNIFORM * scales.max(axis=1)).any():
             found.add(track.node)

@@ -277,7 +277,7 @@ def refuse_lost_zero(rig: Rig, before: Rig) -> None:
 
 def moved_controls(rig: Rig) -> frozenset[int]:
     """The controls and pole vectors that somebody has moved at rest, or that have keys."""
-    keyed = {track.node for clip in rig.clips for track in clip.tracks}
+    keyed = frozenset[int]().union(*(clip.nodes for clip in rig.clips))
     controls = rig.nodes_of(ControlRecord.type)
     moved = {k for k in controls if not rig.is_joint[k] and not np.array_equal(rig.local[k], _WORLD)}
     return frozenset(moved | keyed.intersection((*controls, *rig.nodes_of(PoleVectorRecord.type))))

@@ -256,6 +256,11 @@ class Clip:
         return columns(self.tracks)
 
     @cached_property
+    def nodes(self) -> frozenset[int]:
+        """The nodes that have tracks."""
+        return frozenset(track.node for track in self.tracks)
+
+    @cached_property
     def weights(self) -> dict[int, Track]:
         """The tracks of morph weights by their nodes, the first of each."""
         return {track.node: track for track in reversed(self.tracks) if track.path == "weights"}

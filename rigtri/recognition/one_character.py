@@ -134,16 +134,17 @@ def of_character(rig: Rig, name: str) -> Rig:
 def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:
     """The metadata that are about joints of other characters alone, and those of groups of such."""
     hidden: dict[int, Mapping[str, Any]] = {}
+    above, holding = rig.with_ancestors(nodes), set[int]()  # of the character, and of what is hidden
     # Groups come before what they hold, and what is below controls after these.
     for node, stored in sorted(rig.metadata.items(), reverse=True):
         if joints := about(rig, node):
             others = not joints & nodes
         else:
             parent = int(rig.parents[node])
-            elsewhere = parent >= 0 and not nodes & set(rig.below(parent))
-            others = elsewhere or not hidden.keys().isdisjoint(rig.below(node))
+            others = (parent >= 0 and parent not in above) or node in holding
         if others:
             hidden[node] = stored
+            holding |= rig.with_ancestors([node])
     return hidden
 
 

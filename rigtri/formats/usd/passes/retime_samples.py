@@ -359,12 +359,12 @@ def _aligned(source: Source, prepared: Source, rig: Rig, planned: Mapping[str, T
     # A track that is as it was read is the one that is read now, so that no pass writes it again.
     read = {(c.key, t.node, t.path, t.key): t for c in prepared.rig.clips for t in c.tracks}
     again = {id(t): read.get((c.key, t.node, t.path, t.key), t) for c in source.rig.clips for t in c.tracks}
+    # Also in clips of other animations, which play at the same time: a joint has one place for its keys.
+    fresh = {key for one in planned.values() for key, t in one.items() if t.key is None}
+    fresh |= {key for one in planned for key, t in _defaults(rig, one).items() if t.key is None}
     for shown in prepared.rig.clips:
         clip = known.get(shown.key, replace(shown, tracks=()))
         path = parts(shown.key)[1]
-        # Also in clips of other animations, which play at the same time: a joint has one place for its keys.
-        fresh = {key for one in planned.values() for key, t in one.items() if t.key is None}
-        fresh |= {key for one in planned for key, t in _defaults(rig, one).items() if t.key is None}
         if clip is before.get(shown.key) and path not in planned:
             yield shown
             continue
