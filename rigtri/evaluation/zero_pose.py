@@ -49,6 +49,10 @@ from rigtri.model.rig import Rig
 # Offsets are float32 and some nodes deep; a pose that anybody has set is farther off than this.
 SAME_POSITION = 2e-6
 _WORLD = np.eye(4)
+# What is wrong with a control that is `adrift`.
+COUNTS_FROM_NOTHING = (
+    "nothing is above it that it counts from: parent it to its offset again; in USD without !resetXformStack!"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +93,20 @@ class IkLimb:
     def holder(self) -> int:
         """What the end joint follows: the control, or the last pivot of the foot."""
         return self.pivots[-1] if self.pivots else self.control
+
+
+def adrift(rig: Rig) -> list[int]:
+    """Controls of joints and of roots that count from nothing, for no node is above them any more.
+
+    Somebody has parented them to the scene, or reset their stack of ops in USD.
+    """
+    return [
+        node
+        for node, record in sorted(rig.records(ControlRecord).items())
+        if rig.parents[node] < 0
+        and record.kind not in ("ik", *PIVOTS)
+        and rig.known(record.joint) is not None
+    ]
 
 
 class ControlsAtZero:

@@ -17,7 +17,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.solver_steps import ConstraintStep, RootStep, Step
 from rigtri.evaluation.timelines import Timeline
 from rigtri.evaluation.two_bone_ik import BEYOND
-from rigtri.evaluation.zero_pose import SAME_POSITION
+from rigtri.evaluation.zero_pose import COUNTS_FROM_NOTHING, SAME_POSITION, adrift
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.quaternions import rotate
 from rigtri.maths.ranking import first_largest
@@ -61,7 +61,8 @@ def solver_warnings(solver: Solver, posed: PoseCache, at: Moment) -> Iterator[No
 
 
 def lost_notices(rig: Rig) -> Iterator[Notice]:
-    """Notices of controls and constraints that move nothing: no one node is called what they name."""
+    """Notices of controls and constraints that move nothing: no one node is called what they name, or none is
+    above them."""
     for kind, called in _DRIVING.items():
         for node, record in rig.records(kind).items():
             lost = rig.lost_by(record)
@@ -69,6 +70,9 @@ def lost_notices(rig: Rig) -> Iterator[Notice]:
                 text = f"{called} '{rig.title(node)}' is left out, for no one node is {list_names(lost)}: "
                 text += "was it renamed, is there another of that name, or is another variant selected?"
                 yield Notice(f"{called.lower()}-lost", text, geometry=True, names=tuple(lost))
+    for node in adrift(rig):
+        text = f"Control '{rig.title(node)}' is left out, for {COUNTS_FROM_NOTHING}"
+        yield Notice("control-lost", text, geometry=True, names=(rig.title(node),))
 
 
 def clip_solver_warnings(

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from baked_files import rigged_file
 from baked_rigs import control, rigged, with_keyed_controls
 from places import SAMPLES, slow
 from program import cli
@@ -425,3 +426,26 @@ def test_a_control_whose_joint_was_renamed_is_named_wherever_it_is_left_out() ->
         (found,) = [notice for notice in report.warnings if notice.code == "control-lost"]
         assert found.names == ("head",)
         assert found.text.startswith("Control 'head_ctl' is left out")
+
+
+def test_a_control_that_counts_from_nothing_is_named_wherever_it_is_left_out() -> None:
+    rig = rigged("biped.glb")
+    node = control(rig, "head", "fk")
+    adrift = replace(rig, parents=np.where(np.arange(len(rig)) == node, -1, rig.parents))
+    baked, posed, scripted = Report(), Report(), Report()
+    bake(adrift, options=BakeOptions(to="joints"), report=baked)
+    pose_of(adrift, PoseOptions("rest"), posed)
+    planned(adrift, scripted)
+    for report in (baked, posed, scripted):
+        (found,) = [notice for notice in report.warnings if notice.code == "control-lost"]
+        assert found.names == ("head_ctl",)
+        assert "nothing is above it" in found.text
+
+
+def test_check_finds_a_control_whose_ops_reset_the_stack(tmp_path: Path) -> None:
+    source, reset = rigged_file("biped.usda", tmp_path / "rig.usda"), tmp_path / "reset.usda"
+    order = '["xformOp:translate"'
+    start, found, rest = source.read_text().partition('def Xform "head_ctl"')
+    reset.write_text(start + found + rest.replace(order, f'["!resetXformStack!", {order[1:]}', 1))
+    assert "usd.note.broken" not in cli("check", source).stdout
+    assert "'head_ctl': nothing is above it" in cli("check", reset).stdout

@@ -21,7 +21,9 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_root import add_root
 from rigtri.operations.conform import conform
 from rigtri.operations.set_rest import set_rest
+from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.motion_check import MotionCheck, refuse_other_motion
+from rigtri.operations.take_clips.standard_rest import standard_rest
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
@@ -244,3 +246,11 @@ def test_keys_that_stay_in_a_clip_of_the_same_name_are_named_with_the_way_out() 
     seen.tracks = {}
     with pytest.raises(GeometryError, match="take-clips cannot map"):
         refuse_other_motion(check, (), Report())
+
+
+def test_no_mesh_is_of_the_one_skin_that_joints_are_bound_by_at_rest() -> None:
+    """Before, joints of one skin were looked up in another, or in none."""
+    found = standard_rest(Counterparts(other_body(), biped())).counterparts()
+    for rig in (found.rig, found.other):
+        assert len(rig.skins) == 1
+        assert {mesh.skin for mesh in (*rig.content.read_outlines(), *rig.content.read_meshes())} <= {None}

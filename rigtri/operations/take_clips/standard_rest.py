@@ -154,4 +154,6 @@ def _posed_bones(both: Counterparts, joints: set[int]) -> Iterator[tuple[int, Fl
 
 
 def _bound_at_rest(rig: Rig, joints: Integers) -> Rig:
-    return replace(rig, skins=(Skin("", joints, inverse(rig.world[joints])),))
+    """The rig with one skin of these joints, bound where they are. Meshes, of other skins, are left out."""
+    content = rig.content.without_skins(range(len(rig.skins)))
+    return replace(rig, skins=(Skin("", joints, inverse(rig.world[joints])),), content=content)

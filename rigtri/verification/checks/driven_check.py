@@ -1,8 +1,9 @@
-"""Joints that a pose reader and a constraint or control both move, which edits by hand may make."""
+"""Controls that count from nothing, and joints that two things move, which edits by hand may make."""
 
 from __future__ import annotations
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.zero_pose import COUNTS_FROM_NOTHING, adrift
 from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import (
@@ -29,3 +30,9 @@ def check_driven(rig: Rig, rule: str, findings: Findings) -> None:
             findings.add(rule, *title_and_pointer(rig, control), in_words(rig, joint, control, clip))
     except GeometryError:
         return  # controls that cannot be evaluated
+
+
+def check_adrift(rig: Rig, rule: str, findings: Findings) -> None:
+    """Note controls without a node above them, which move nothing."""
+    for node in adrift(rig):
+        findings.add(rule, *title_and_pointer(rig, node), COUNTS_FROM_NOTHING)
