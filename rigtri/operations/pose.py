@@ -17,7 +17,7 @@ from rigtri.evaluation.active_controls import (
     pose_at,
     skeleton_size,
 )
-from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.constraint_solver import Parts, mirrored_as
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.rig_space import seen_alone
 from rigtri.evaluation.sampling import sample
@@ -213,7 +213,8 @@ def at_rest(rig: Rig, parts: Mapping[int, Parts], least: Floats) -> tuple[Rig, l
             matrix[node] = compose(*now)[0]
             if rig.rules.raw_quaternions:
                 # A joint of USD has the parts of its matrix, for clips that drive only some of them.
-                translation[node], rotation[node], scale[node] = decompose(matrix[node])
+                own = mirrored_as(Parts(*decompose(matrix[node])), rig.scale[node])
+                translation[node], rotation[node], scale[node] = own
         if plain:
             translation[node] = now.translation[0] if far else translation[node]
             rotation[node] = now.rotation[0] if turned else rotation[node]

@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import NOTHING, skeleton_size
 from rigtri.evaluation.bind_pose import placed_bind, with_unit_rotations
-from rigtri.evaluation.constraint_solver import Parts, to_parts
+from rigtri.evaluation.constraint_solver import Parts, mirrored_as, to_parts
 from rigtri.evaluation.old_rest import with_old_rest
 from rigtri.evaluation.rig_space import shearing_node
 from rigtri.maths.matrices import SKEW, local, multiply, skew
@@ -123,9 +123,9 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
     worlds = _bind(rig, report)
     found = _of_locals(rig, worlds, joints)
     if options.pose == "bind":
-        return found
+        return _mirrored_as_own(rig, found)
     # As it is bound, for up and ahead of a body may lean with how it rests.
-    layout = recognise(at_rest(rig, found, _least(rig))[0])
+    layout = recognise(at_rest(rig, _mirrored_as_own(rig, found), _least(rig))[0])
     if not layout.characters:
         why = "; ".join(layout.remarks)
         raise GeometryError(f"No character is recognised here: {why}. See with: rigtri recognise FILE")
@@ -139,9 +139,14 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
                 found.pop(node, None)
             if node in held or node in kept:
                 continue
-            was = found.get(node) or Parts(*(getattr(rig, p)[[node]] for p in PATHS))
+            was = found.get(node) or to_parts(rig.normalised_local[[node]])
             found[node] = was._replace(rotation=rotation[np.newaxis])
-    return found
+    return _mirrored_as_own(rig, found)
+
+
+def _mirrored_as_own(rig: Rig, parts: Mapping[int, Parts]) -> dict[int, Parts]:
+    """The parts, by node, with the signs of scale that nodes have in the file: clips may turn them alone."""
+    return {node: mirrored_as(part, rig.scale[node]) for node, part in parts.items()}
 
 
 def _kept_by_constraints(rig: Rig, turned: Mapping[int, Floats], report: Report) -> set[int]:
@@ -199,7 +204,7 @@ def _differs(rig: Rig, node: int, part: Parts, noise: float) -> bool:
 
     noise: what these leave, in radians and as a share.
     """
-    was = to_parts(rig.normalised_local[node])
+    was = mirrored_as(to_parts(rig.normalised_local[node]), rig.scale[node])
     place = float(np.abs(was.translation - part.translation).max())
     size = float(np.abs(was.scale - part.scale).max())
     turn = float(angle_between(was.rotation, part.rotation)[0])
@@ -274,7 +279,8 @@ def _of_names(rig: Rig, like: Rig, joints: list[int]) -> dict[int, Parts]:
     found = {}
     for node, other in theirs.items():
         own = (getattr(rig, path)[[node]] for path in PATHS)
-        found[node] = Parts(*own)._replace(rotation=to_parts(like.normalised_local[[other]]).rotation)
+        there = mirrored_as(to_parts(like.normalised_local[[other]]), rig.scale[node])
+        found[node] = Parts(*own)._replace(rotation=there.rotation)
     return found
 
 

@@ -520,3 +520,27 @@ def test_joints_that_springs_swing_keep_their_rest_pose(tmp_path: Path) -> None:
     assert (found.rotation[neck] != rig.rotation[neck]).any()
     (notice,) = [each for each in report.warnings if each.code == "spring-kept"]
     assert "swing hair about" in notice.text
+
+
+@pytest.mark.parametrize("pose", ["--like", "--pose bind", "--pose Anim@1", "--pose Anim@3"])
+@pytest.mark.parametrize("suffix", [".usda", ".glb"])
+def test_a_joint_that_is_mirrored_about_one_axis_keeps_the_signs_of_its_scale(
+    pose: str, suffix: str, tmp_path: Path
+) -> None:
+    """A clip that turns it, and does not scale it, shows it mirrored as before."""
+    mirrored, end = (at(*place).replace("1", "-1", 1) for place in ((0, 2, 0), (0, 4, 1)))
+    bones = skeleton(
+        rest=f"uniform matrix4d[] restTransforms = [{at(0, 0, 0)}, {mirrored}, {at(0, 2, 1)}]",
+        bind=f"uniform matrix4d[] bindTransforms = [{at(0, 0, 0)}, {mirrored}, {end}]",
+    )
+    moving = animation(scales="half3[] scales = [(-1, 1, 1), (1, 1, 1), (1, 1, 1)]")
+    source = save(tmp_path, scene(bones, moving, MESH))
+    if suffix == ".glb":
+        cli("convert", source, "-o", tmp_path / "in.glb", code=0)
+        source = tmp_path / "in.glb"
+    words = ("--like", source) if pose == "--like" else pose.split()
+    out = tmp_path / f"out{suffix}"
+    told = cli("set-rest", source, "-o", out, *words, code=0).output
+    assert ("rest so already" in told) == (pose in ("--like", "--pose bind"))
+    if suffix == ".usda":
+        assert deviation(source, out, at_rest=False) < 1e-6
