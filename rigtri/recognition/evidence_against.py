@@ -72,7 +72,7 @@ _ENOUGH = 3
 # Bones of counted joints are clearly those of a limb if they are so much alike.
 _CLEARLY = 0.45
 # Of an animal all of these do.
-_ANIMAL = frozenset(["ear", "tail"])
+_ANIMAL, _FACED = frozenset(["ear", "tail"]), frozenset(["face", "trunk"])
 
 
 def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
@@ -247,16 +247,16 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
 def _no_trunk(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """A limb by names where no trunk or head is named: chairs have arms and legs, too, and scales a head.
 
-    What has ears and a tail is an animal. Not one that a naming scheme knows, of clear words for all three
-    joints; nor four legs of such words, but for those beside names of a device, as of a camera's tripod.
+    What has ears and a tail is an animal, and so is a body with eyes. Not one that a naming scheme knows, of
+    clear words for all three joints; nor four legs of such words, but for those beside names of a device.
     """
     named = _is_named(draft, each)
     if not (named or _by_words(each)) or _has_fingers(draft, each):
         return ""
-    clear = (named and _has_clear_words(draft, each)) or _corners(draft, found) == 4
+    roles = frozenset[str]().union(*(roles_in_name(draft.tree.rig.names[k]) for k in draft.tree.nodes))
+    clear = (named and _has_clear_words(draft, each)) or _corners(draft, found) == 4 or roles >= _FACED
     if clear and not is_of_device(draft):
         return ""
-    roles = frozenset[str]().union(*(roles_in_name(draft.tree.rig.names[k]) for k in draft.tree.nodes))
     return "" if has_trunk(draft) or roles >= _ANIMAL else "nothing else of a body is named"
 
 

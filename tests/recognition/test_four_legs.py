@@ -459,3 +459,16 @@ def test_a_frog_is_no_broad_person_who_crouches() -> None:
     """Its upper arms, called so, go aside as clavicles do. Before, surely arms."""
     found = recognise(rig_with(reptile(0.0)))
     assert not any(chain.kind == "arm" and chain.is_sure for chain in found.chains)
+
+
+@pytest.mark.parametrize(("face", "sure"), [("eyes", True), ("lid", False)])
+def test_a_body_with_eyes_is_no_piece_of_furniture(face: str, sure: bool) -> None:
+    """What else is named does not tell an animal of a box from a stool."""
+    joints: list[Joint] = [("body", "", (0, 1, 0)), (face, "body", (0, 1.3, 0.5))]
+    for part, z in (("front", 0.4), ("back", -0.4)):
+        for side, x in (("l", 0.4), ("r", -0.4)):
+            joints.append((f"{side}-{part}leg", "body", (x, 0.8, z)))
+            joints.append((f"{side}-{part}leg001", f"{side}-{part}leg", (1.2 * x, 0.3, 1.2 * z)))
+    (found,) = recognise(rig_with(joints)).characters
+    legs = [chain for chain in found.chains if chain.kind == "leg"]
+    assert [chain.is_sure for chain in legs] == [sure] * 4
