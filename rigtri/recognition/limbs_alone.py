@@ -11,12 +11,14 @@ from rigtri.recognition.inanimate import has_hips_or_spine
 from rigtri.recognition.layout import NAMES, LimbKind
 from rigtri.recognition.limb_triples import triple_of
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords
-from rigtri.recognition.naming_schemes import roles_in_name
+from rigtri.recognition.naming_schemes import NO_LIMB, roles_in_name
 
 # How sure words of all three joints make a limb without a twin: where a trunk is named, and elsewhere.
 _SURE, _UNSURE = 0.85, 0.6
 # Bodies with more legs of a side than this have several of the same words.
 _SEVERAL = 2
+# An arm may be a gun.
+_NO_ARM = NO_LIMB - {"control", "attachment"}
 _NO_BONES = frozenset(["control", "helper", "twist", "end"])
 
 
@@ -44,6 +46,8 @@ def limbs_alone(draft: Draft, found: Sequence[Found]) -> Iterator[Found]:
             continue
         if draft.poses.has_weights and not any(map(draft.poses.moves_points, joints)):
             continue  # controls
+        if not _NO_ARM.isdisjoint(role for joint in joints for role in draft.poses.roles_of(joint)):
+            continue  # a wing, ``wing_upper_L``
         taken.update(path)
         sure = _SURE if trunk else _UNSURE
         yield Found(kind, side, joints, tuple(path[: triple.at[0]]), sure, (f"{NAMES}: words of limbs",))

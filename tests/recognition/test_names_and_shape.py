@@ -203,3 +203,15 @@ def test_an_arm_that_is_a_gun_is_one_by_its_names() -> None:
     rig = rig_with([(name, fixed.get(above, above), at) for name, above, at in joints])
     arms = {chain.name: chain for chain in recognise(rig).chains if chain.kind == "arm"}
     assert rig.names[arms["right arm"].bend[0]] == "gun_arm_upper_r"
+
+
+@pytest.mark.parametrize("words", ["upper lower hand", "shoulder elbow wrist"])
+def test_a_wing_whose_joints_have_words_of_an_arm_is_a_wing(words: str) -> None:
+    """``wing_upper_L`` … ``wing_hand_L`` were surely an arm of a body on four legs, and of a bird."""
+    places = ((0.1, 1.45, 0.2), (0.6, 1.75, 0.05), (1.1, 1.7, 0.3))
+    names = " ".join(f"wing_{word}.L" for word in words.split())
+    joints = [*HORSE, *both(line(names, "chest", *places))]
+    (dragon,) = recognise(rig_with(joints)).characters
+    wings = {chain.name: chain for chain in dragon.chains if chain.kind in ("arm", "wing")}
+    assert wings.keys() == {"left wing", "right wing"}
+    assert " ".join(joints[k][0] for k in wings["left wing"].bend) == names
