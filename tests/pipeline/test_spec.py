@@ -32,12 +32,14 @@ from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.registry import OPERATIONS
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
+from rigtri.pipeline.rigspec import expand
 from rigtri.pipeline.rigspec.build import build
 from rigtri.pipeline.rigspec.errors import SpecError
 from rigtri.pipeline.rigspec.load import load
 from rigtri.pipeline.rigspec.models.spec import STEP_MODELS
 from rigtri.pipeline.rigspec.models.steps import StepModel
 from rigtri.pipeline.rigspec.models.values import UNKNOWN, _before
+from rigtri.pipeline.rigspec.parse import parse
 from rigtri.pipeline.rigspec.spec_init import _name, starter
 from rigtri.pipeline.steps import applied
 from rigtri.report import Notice
@@ -391,6 +393,29 @@ def test_a_spec_that_is_none_is_one_clear_error(text: str, said: str, tmp_path: 
     assert said in result.stderr
     assert result.stderr.startswith("rigtri: ")
     assert json.loads(result.stdout)["error"]["message"]
+
+
+def test_specs_that_extend_the_next_one_twice_are_read_twice_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else the last of n is read 2ⁿ times: twenty small files took minutes."""
+    (tmp_path / "sub").mkdir()
+    for number in range(10):
+        bases = f"[s{number + 1}.yaml, sub/../s{number + 1}.yaml, s{number + 1}.yaml]"
+        write(tmp_path, f"extends: {bases}\nvariables: {{v{number}: {number}}}\n", f"s{number}.yaml")
+    write(tmp_path, "steps:\n- {do: strip}\n", "s10.yaml")
+    parsed: list[Path] = []
+
+    def counted(path: Path) -> Any:
+        parsed.append(path)
+        return parse(path)
+
+    monkeypatch.setattr(expand, "parse", counted)
+    spec = load(tmp_path / "s0.yaml")
+    assert [step.do for step in spec.steps] == ["strip"]
+    assert len(spec.model.variables) == 10
+    assert len(parsed) == 1 + 2 * 10
+    assert [path.name for path in spec.sources] == [f"s{number}.yaml" for number in range(11)]
 
 
 def test_files_that_are_no_specs_are_refused(tmp_path: Path) -> None:

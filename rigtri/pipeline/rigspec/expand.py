@@ -51,7 +51,7 @@ def merged(path: Path, given: Mapping[str, str]) -> Merged:
     """
     trees: dict[Path, Tree] = {}
     lost: list[Fault] = []
-    tree = _extended(path, (), trees, lost)
+    tree = _extended(path, (), trees, {}, lost)
     unset, unknown = _unset(tree, given), _fill(tree, given)
     _default(tree)
     _expand(tree)
@@ -61,8 +61,15 @@ def merged(path: Path, given: Mapping[str, str]) -> Merged:
     return Merged(tree, tuple(trees), bases, lost or [*unset, *unknown], not lost, unsure)
 
 
-def _extended(path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], lost: list[Fault]) -> Tree:
-    """A spec over its bases. trees: gets each by itself. lost: gets those that cannot be read."""
+def _extended(
+    path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], done: dict[Path, Tree], lost: list[Fault]
+) -> Tree:
+    """A spec over its bases.
+
+    trees: gets each by itself. done: gets each over its bases, by where these are seen from: where each of
+    twenty specs extends the next one twice, the last would else be read a million times. lost: gets those
+    that cannot be read.
+    """
     tree = parse(path)  # first, for only a plain file is certain to have a resolved path
     real = path.resolve()
     if real in chain:
@@ -70,15 +77,22 @@ def _extended(path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], lost
         raise FileError(f"specs extend each other in a cycle: {cycle}")
     if len(chain) >= MOST_EXTENDED:
         raise FileError(f"{path}: more than {MOST_EXTENDED} specs extend each other")
+    place = path.parent.resolve() / path.name  # a link extends what lies beside it, not beside its target
+    if place in done:
+        return done[place]
     trees[path] = tree
     bases = tree.values.get("extends", ())
     bases = [bases] if isinstance(bases, str) else bases
     if not isinstance(bases, list | tuple) or not all(isinstance(base, str) for base in bases):
         return tree  # the model reports what is wrong with it
     whole = Tree(tree.file, {}, Spot(tree.spot.place))
+    # Of a base that is named several times the last one counts.
+    last = {base: number for number, base in enumerate(bases)}
     for number, base in enumerate(bases):
+        if number != last[base]:
+            continue
         try:
-            _over(whole, _extended(path.parent / base, (*chain, real), trees, lost))
+            _over(whole, _extended(path.parent / base, (*chain, real), trees, done, lost))
         except SpecError as error:
             lost += error.found
         except FileError as error:
@@ -87,6 +101,7 @@ def _extended(path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], lost
     whole.values.pop("version", None)  # each file has its own
     _over(whole, tree)
     whole.file = tree.file
+    done[place] = whole
     return whole
 
 
