@@ -18,7 +18,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError, RigtriError
 from rigtri.frames.skeleton import Skeleton
-from rigtri.maths.matrices import nearest_rotation, transform_directions
+from rigtri.maths.matrices import determinant, nearest_rotation, transform_directions
 from rigtri.maths.quaternions import (
     angle_between,
     conjugate,
@@ -41,6 +41,7 @@ from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints.orient import FramePlan, plan_frames
 from rigtri.operations.orient_joints.unknown_bodies import Wording, warn_unsure
 from rigtri.operations.orient_joints.up_direction import PRESENT, STATED, UpSource
+from rigtri.operations.rigtri_nodes import group
 from rigtri.recognition.recognise import recognised_as
 from rigtri.report import Notice, Report
 
@@ -225,20 +226,31 @@ class ControlAxes:
         world, found = plan.targets.ref.world, dict[int, Floats]()
         for joint in joints.intersection(plan.requested.joints):
             rows = normalise(transform_directions(to_axes(delta[joint]), world[joint]))
-            hinge = rows[axis_of(up)[0]]
+            ahead, hinge = rows[axis_of(aim)[0]], rows[axis_of(up)[0]]
+            by_hinge, reversed_ = _hinge_of(plan, joint, style)
             # Right-handed, also over a joint that mirrors, whose hinge is reversed to mean the same.
-            hinge = -hinge if _is_reversed(plan, joint, style) else hinge
-            found[joint] = frame(rows[axis_of(aim)[0]], hinge, aim_axis=aim, up_axis=up)
+            hinge = -hinge if reversed_ else hinge
+            if self._held_mirrored:
+                # All axes are negated there: what aims, and is stated, points where it should after that, and
+                # the hinge is reversed, as that of a joint there.
+                ahead, hinge = -ahead, hinge if by_hinge else -hinge
+            found[joint] = frame(ahead, hinge, aim_axis=aim, up_axis=up)
         return found
 
+    @cached_property
+    def _held_mirrored(self) -> bool:
+        """Whether the node that holds all controls is mirrored, so that controls have left-handed axes."""
+        rig, holder = group(self._tree.rig)
+        return bool(determinant(rig.world[holder]) < 0)
 
-def _is_reversed(plan: FramePlan, joint: int, style: AxisStyle) -> bool:
-    """Whether the up axis of a joint is its hinge, and left-handed axes turn about that the other way."""
+
+def _hinge_of(plan: FramePlan, joint: int, style: AxisStyle) -> tuple[bool, bool]:
+    """Whether the up axis of a joint is its hinge, and whether left-handed axes reverse that."""
     targets, step = plan.targets, plan.requested.ups.step
     while joint in targets.aims and targets.aims[joint].how == "parent" and targets.tree.above[joint] >= 0:
         joint = targets.tree.above[joint]
-    from_hinge = step[joint] not in (STATED, PRESENT) and style.up_from != "pole"
-    return bool(targets.mirrored[joint]) and from_hinge
+    by_hinge = step[joint] not in (STATED, PRESENT) and style.up_from != "pole"
+    return by_hinge, by_hinge and bool(targets.mirrored[joint])
 
 
 def _request(style: AxisStyle) -> dict[str, Any]:

@@ -211,9 +211,8 @@ def test_other_axes_of_a_control_leave_the_controls_below_where_they_are() -> No
     assert far[[k for k in range(len(rig)) if k not in (changed, int(rig.parents[changed]))]].max() < 1e-6
 
 
-@pytest.mark.parametrize("preset", ["article", "maya", "blender", "talk"])
-def test_controls_below_a_mirrored_root_close_as_all_others_do(preset: str) -> None:
-    """Before, a positive turn of a control opened elbow and knee there: joints are left-handed."""
+def mirrored_and_plain() -> tuple[Rig, Rig]:
+    """A character below a root that mirrors x, and the same one below a plain root."""
     joints = [("root", "", (0.0, 0.0, 0.0)), *((name, above or "root", at) for name, above, at in MAN)]
     plain = rig_with(joints)
     flip, scale = np.array([-1.0, 1.0, 1.0]), np.ones((len(plain), 3))
@@ -225,11 +224,38 @@ def test_controls_below_a_mirrored_root_close_as_all_others_do(preset: str) -> N
         scale=scale,
         skins=(replace(skin, inverse_bind=inverse_bind),),
     )
-    here, there = (rigtri.add_controls(k, whole_character=True, preset=preset) for k in (mirrored, plain))
+    return mirrored, plain
+
+
+@pytest.mark.parametrize("preset", ["article", "maya", "blender", "talk"])
+def test_controls_below_a_mirrored_root_close_as_all_others_do(preset: str) -> None:
+    """Before, a positive turn of a control opened elbow and knee there: its joint's axes are left-handed."""
+    here, there = (rigtri.add_controls(k, whole_character=True, preset=preset) for k in mirrored_and_plain())
     names = [name for name in there.names if name.endswith("_ctl") and "root" not in name]
     assert len(names) > 10
     for name in names:
         np.testing.assert_allclose(here.world[here.find(name)], there.world[there.find(name)], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("preset", "hinge"),
+    [("article", 1), ("maya", 1), ("blender", 0), ("talk", 2)],
+)
+def test_controls_held_by_a_mirrored_node_aim_along_bones(preset: str, hinge: int) -> None:
+    """USD holds controls below the SkelRoot. Before, all their axes were reversed there, not hinges alone."""
+    mirrored, plain = mirrored_and_plain()
+    mirrored = replace(mirrored, rules=replace(mirrored.rules, group_parent=mirrored.find("root")))
+    here, there = (rigtri.add_controls(k, whole_character=True, preset=preset) for k in (mirrored, plain))
+    signs = np.where(np.arange(3) == hinge, -1.0, 1.0)[:, np.newaxis]  # so that a positive turn closes
+    names = [
+        name for name in there.names if name.endswith("_ctl") and "root" not in name and "_ik_" not in name
+    ]
+    assert len(names) > 10
+    for name in names:
+        a, b = (rig.world[rig.find(name), :3, :3] for rig in (here, there))
+        np.testing.assert_allclose(a, b * signs, atol=1e-6, err_msg=name)
+    again = rigtri.add_controls(here, whole_character=True, preset=preset)
+    assert np.array_equal(again.world, here.world)
 
 
 @pytest.mark.parametrize(("aim", "up", "told"), [("x", "-y", True), ("x", "-x", False), ("x", "w", False)])
