@@ -9,6 +9,7 @@ from rigtri.recognition.body_shape import lowest
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.limb_words import NO_WORDS
+from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.shape_doubts import ENDS_LOW
 
 # A trunk lies that goes up by less than this from the hips to the shoulders (a cosine, 30°).
@@ -53,10 +54,18 @@ def arm_below_a_lying_trunk(draft: Draft, each: Found, found: Sequence[Found]) -
 
 def arm_called_front(draft: Draft, each: Found) -> str:
     """An arm of which a joint is called a front one: people have none behind."""
-    words = (draft.words.get(joint, NO_WORDS) for joint in each.joints)
+    words = [draft.words.get(joint, NO_WORDS) for joint in each.joints]
+    if not _has_places_on_the_right(draft):
+        words = [word for word in words if word.corner != "left"]
     if each.kind == "arm" and any(word.place == "front" for word in words):
         return "its names say that it is in front, as a front leg is"
     return ""
+
+
+def _has_places_on_the_right(draft: Draft) -> bool:
+    """Whether names on the right say front or hind: where none does, ``lf`` is the left of ``rt``."""
+    names = draft.tree.rig.names
+    return any(words.place and parse_name(names[node]).side == "right" for node, words in draft.words.items())
 
 
 def arm_on_the_ground(draft: Draft, each: Found) -> str:

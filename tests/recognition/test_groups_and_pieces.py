@@ -126,6 +126,20 @@ def test_an_arm_of_which_a_joint_is_called_a_front_one_may_be_a_front_leg(end: s
     assert bool(arm_called_front(draft, limb(draft, "arm", f"upper_arm.L forearm.L {end}"))) == doubt
 
 
+@pytest.mark.parametrize(("right", "doubt"), [("rt", False), ("rf", True)])
+def test_lf_is_the_left_of_rt_and_the_front_left_of_rf(right: str, *, doubt: bool) -> None:
+    """Before, the left arm of ``rt_hand`` was called a front leg, and was not sure."""
+
+    def renamed(name: str) -> str:
+        plain, _, side = name.partition(".")
+        return f"{'lf' if side == 'L' else right}_{plain}" if side else name
+
+    draft = drafted([(renamed(name), renamed(above), at) for name, above, at in MAN])
+    for side in ("lf", right):
+        arm = limb(draft, "arm", f"{side}_upper_arm {side}_forearm {side}_hand")
+        assert bool(arm_called_front(draft, arm)) == doubt
+
+
 @pytest.mark.parametrize(("other", "doubt"), [("leg_c_1_L", True), ("leg_c_1_R", False), ("leg_c_4_L", 0)])
 def test_joints_that_are_counted_as_others_are_make_no_sure_limb(other: str, *, doubt: bool) -> None:
     """Before, joints of three legs of a crab that has no hierarchy were one leg, at 0.85."""
