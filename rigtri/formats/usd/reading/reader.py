@@ -139,7 +139,8 @@ class _Reader:
         prims = {node: prim for node, prim in self.nodes.animated.items() if node not in joints}
         held = self._tracks_of_ops(rig, prims)
         others = {node: prim for node, prim in prims.items() if node not in held}
-        tracks = xform_tracks(others, self.interpolation, self.warnings)
+        skeletons = map(self.nodes.node_of.__getitem__, self.skeletons)
+        tracks = xform_tracks(rig, skeletons, others, self.interpolation, self.warnings)
         tracks += [track for node in held for track in held[node]]
         if not tracks:
             return rig

@@ -5,7 +5,7 @@ They have keys as near to each other as it takes to go USD's way between the sam
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -17,7 +17,7 @@ from rigtri.evaluation.sampling import sample
 from rigtri.formats.usd.composition.time_samples import ops_times
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, compose, decompose, nearest_rotation, skew
-from rigtri.maths.quaternions import angle_between, from_axes
+from rigtri.maths.quaternions import angle_between, from_axes, slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Interpolation, Path, Track
 from rigtri.report import Notice
@@ -30,10 +30,18 @@ _ON_WAY, _HALVINGS = 1e-6, 10
 _SHEARED = 1e-5
 # So often is looked between two samples at most: elements go straight there, so shear is smooth.
 _LOOKS = 1000
+# Where a prim is looked at first between two samples, as a share of the way: no whole number of turns is one.
+_ASIDE = 0.381966
+# The largest angle from key to key at which tracks are compared halfway: whole turns look like none there.
+_QUARTER = 90.0
 
 
-def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[Track] | None:
+def sampled_tracks(
+    prim: Any, node: int, interpolation: Interpolation, *, scaled: bool = False
+) -> list[Track] | None:
     """The tracks of a prim with any ops, by its matrices; None where these are flat, or sheared at samples.
+
+    scaled: a track of scale in any case, not only where an op can scale.
 
     Between them elements of matrices go straight, which shears and shrinks what turns: tracks move the same
     way, turn as the nearest rotation does, which is the same in other axes, and scale from sample to sample,
@@ -54,10 +62,13 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
         return ((place, turn, size), sheared) if np.isfinite(turn).all() else None
 
     times = [float(time) for time in ops_times(xformable)]
+    wraps = _wraps(xformable, times)
+    if interpolation != "STEP":
+        times = _with_quarters(xformable, times, wraps)
     start = parts_at(times)
-    if start is None or start[1].any():
+    if start is None or start[1][np.isin(times, ops_times(xformable))].any():
         return None
-    found, wraps = start[0], _wraps(xformable, times)
+    found = start[0]
     for _ in range(_HALVINGS if interpolation != "STEP" and len(times) > 1 else 0):
         between = [(a + b) / 2.0 for a, b in pairwise(times)]
         there = parts_at(between)
@@ -75,7 +86,37 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
         times = np.array([*times, *(between[k] for k in new)])[order].tolist()
         found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, now, strict=True))
     tracks = _thinned(_tracks(node, interpolation, times, found), ops_times(xformable))
-    return tracks if can_scale(xformable) else tracks[:2]
+    return tracks if scaled or can_scale(xformable) else tracks[:2]
+
+
+def astray(prims: Sequence[Any], keys: Sequence[Floats], parts: tuple[Floats, ...]) -> list[int]:
+    """Which prims leave the way of their tracks between samples farther apart than a frame.
+
+    keys: the samples of each prim; parts: translation, rotation and scale at all of these, (k, c) each.
+    """
+    looked: list[Floats] = []
+    starts, of, first = [], [], 0
+    for row, (prim, times) in enumerate(zip(prims, keys, strict=True)):
+        way = np.diff(times)
+        long = np.flatnonzero(way > _frame(prim.GetStage()) * (1.0 + 1e-6))
+        if len(long):
+            looked.append(matrices_at(UsdGeom.Xformable(prim), times[long] + _ASIDE * way[long]))
+            starts.append(first + long)
+            of += [row] * len(long)
+        first += len(times)
+    if not looked:
+        return []
+    here = np.concatenate(starts)
+    one, other = ([part[rows] for part in parts] for rows in (here, here + 1))
+    local = np.concatenate(looked)
+    straight = (
+        one[0] + (other[0] - one[0]) * _ASIDE,
+        slerp(one[1], other[1], np.full(len(here), _ASIDE)),
+        one[2] + (other[2] - one[2]) * _ASIDE,
+    )
+    size = np.abs(local).max(axis=(1, 2), initial=1.0)
+    off = np.abs(compose(*straight) - local).max(axis=(1, 2)) / size
+    return sorted({of[k] for k in np.flatnonzero(off > _ON_WAY).tolist()})
 
 
 def matrices_at(xformable: Any, times: Iterable[float]) -> Floats:
@@ -182,6 +223,20 @@ def _wraps(xformable: Any, times: list[float]) -> Floats:
             way = np.diff(angles, axis=0)
             found |= (np.abs(way) > 180.0).any(axis=1) | _flips(way, angles[1:], op.GetOpName())
     return np.asarray(starts[found & (np.diff(times) <= frame * (1.0 + 1e-6))])
+
+
+def _with_quarters(xformable: Any, times: list[float], wraps: Floats) -> list[float]:
+    """The samples, and times between them from one to the next of which no angle goes more than a quarter."""
+    pieces = np.ones(max(len(times) - 1, 0))
+    for op in xformable.GetOrderedXformOps():
+        values: list[Any] = [op.Get(time) for time in times]
+        if op.GetOpName().startswith("xformOp:rotate") and all(value is not None for value in values):
+            way = np.abs(np.diff([np.ravel(value) for value in values], axis=0)).max(axis=1)
+            pieces = np.maximum(pieces, np.ceil(way / _QUARTER))
+    pieces[np.isin(times[:-1], wraps) | ~np.isfinite(pieces)] = 1.0
+    count = np.minimum(pieces, _LOOKS).astype(int)
+    between = [np.linspace(a, b, n + 1)[1:-1] for (a, b), n in zip(pairwise(times), count, strict=True)]
+    return [float(time) for time in np.unique(np.concatenate([times, *between]))]
 
 
 def _flips(way: Floats, ends: Floats, name: str) -> Booleans:

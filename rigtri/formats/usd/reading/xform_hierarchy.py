@@ -7,7 +7,7 @@ keys as near to each other as that takes, which are evaluated and not written.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from rigtri.formats.usd.composition.stage import why_locked
 from rigtri.formats.usd.composition.time_samples import has_splines, ops_times
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.node_keys import kind
-from rigtri.formats.usd.reading.sampled_xforms import notice_shear, sampled_tracks
+from rigtri.formats.usd.reading.sampled_xforms import astray, notice_shear, sampled_tracks
 from rigtri.maths.matrices import SKEW, decompose, decompose_flat, inverse, skew
 from rigtri.maths.quaternions import IDENTITY, multiply, norm, normalise, off_unit, rotate, to_axes
 from rigtri.maths.trigonometry import Floats
@@ -53,6 +53,8 @@ _UNIFORM = 1e-6
 _UNIT = 1e-6
 # An axis is turned onto another where no part of it is off by more than a double rounds, a few times over.
 _ONTO = 1e-14
+# So many prims that no rig needs are looked at between their samples: one takes about 20 ms.
+_FEW = 50
 
 
 def rooted(rig: Rig, stage: Any, root: str, interpolation: Interpolation, warnings: list[Notice]) -> Rig:
@@ -275,13 +277,25 @@ def value_numbers(value: Any) -> Floats:
     return np.array(value, dtype=np.float64)
 
 
+def _evaluated(rig: Rig, skeletons: Iterable[int]) -> set[int]:
+    """The nodes by which joints, controls and constraints are evaluated, with all above them."""
+    about = (node for stored in rig.metadata.values() for node in rig.named_by(stored))
+    return rig.with_ancestors({*skeletons, *rig.metadata, *about})
+
+
 def xform_tracks(
-    prims: Mapping[int, Any], interpolation: Interpolation, warnings: list[Notice]
+    rig: Rig,
+    skeletons: Iterable[int],
+    prims: Mapping[int, Any],
+    interpolation: Interpolation,
+    warnings: list[Notice],
 ) -> list[Track]:
     """Translation, rotation and scale of animated prims, by node, to measure: three tracks each.
 
-    Between samples Euler angles and pivots go ways that tracks do not; they go the same way in two files
-    that are compared. Nothing writes these tracks.
+    They go USD's way between samples above skeletons and what metadata is about, for these are evaluated by
+    them, and for other prims that a constraint may come to use, where these are few. Elsewhere, within a
+    frame, and where matrices are sheared, Euler angles and pivots go straight; they go the same way in two
+    files that are compared. Nothing writes these tracks.
     """
     if not prims:
         return []
@@ -298,11 +312,21 @@ def xform_tracks(
     paths = [str(prim.GetPath()) for prim in prims.values()]
     values = _parts(local, [paths[k] for k in of.tolist()], warnings)
     columns = [np.split(part, ends[:-1]) for part in values]
-    return [
-        Track(node, path, interpolation, times[row], columns[part][row])
-        for row, node in enumerate(prims)
-        for part, path in enumerate(PATHS)
-    ]
+    sampled = {}
+    if interpolation != "STEP":
+        nodes = list(prims)
+        off = [nodes[row] for row in astray(list(prims.values()), times, values)]
+        few, needed = len(off) <= _FEW, _evaluated(rig, skeletons)
+        sampled = {
+            node: sampled_tracks(prims[node], node, interpolation, scaled=True)
+            for node in off
+            if few or node in needed
+        }
+    found = []
+    for row, node in enumerate(prims):
+        held = [Track(node, p, interpolation, times[row], columns[k][row]) for k, p in enumerate(PATHS)]
+        found += sampled.get(node) or held
+    return found
 
 
 def _parts(local: Floats, paths: list[str], warnings: list[Notice]) -> tuple[Floats, Floats, Floats]:
