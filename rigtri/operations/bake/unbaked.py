@@ -22,6 +22,7 @@ from rigtri.maths.arrays import Booleans
 from rigtri.maths.ranking import largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Path as TrackPath
 from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PIVOTS, ControlRecord
@@ -94,21 +95,24 @@ def away_from_keys(rig: Rig, timeline: Timeline | None, node: int, times: Floats
     return solver.run(sampled).world(node) - PoseCache(rig, sampled).world(node)
 
 
-def moved_otherwise(rig: Rig, timeline: Timeline, nodes: frozenset[int]) -> dict[int, float]:
+def moved_otherwise(
+    rig: Rig, timeline: Timeline, taken: frozenset[tuple[int, TrackPath]]
+) -> dict[int, float]:
     """How far, as a share of the size, controls move nodes in a clip from where their own keys have them.
 
-    Only of those of ``nodes`` that controls at work in the clip move, and only where a node and those above
-    it have keys at once: between keys of one of them, joints go otherwise than controls and IK do.
+    taken: nodes and properties whose keys are asked about. Only of nodes that controls at work in the clip
+    move, and only where these keys of a node and of those above it are at once: between keys of one of them,
+    joints go otherwise than controls and IK do. Keys of their other properties may lie between these.
     """
     rig, _ = seen_alone(rig)
     driven = controls_at_work(rig, timeline)
     solver = Solver(rig, driven) if driven else None
-    if solver is None or not (found := nodes.intersection(solver.sets)):
+    if solver is None or not (found := {node for node, _ in taken}.intersection(solver.sets)):
         return {}
     keys = _Keys(rig, timeline.clip)
     sampled = sample_parts(rig, timeline.clip, keys.times)
     kept, posed, size = PoseCache(rig, sampled), solver.run(sampled), skeleton_size(rig)
-    return {node: _deviation(kept, posed, node, size, keys.enough(node, nodes)) for node in sorted(found)}
+    return {node: _deviation(kept, posed, node, size, keys.enough(node, taken)) for node in sorted(found)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,24 +135,29 @@ class _Keys:
             self._at_once([np.isin(self.times, track.times) for track in tracks]) | before | after
         )
 
-    def enough(self, node: int, nodes: Container[int]) -> Booleans:
-        """Where a node and those above it, of ``nodes`` alone, have keys at once, (f,).
+    def enough(self, node: int, taken: Container[tuple[int, TrackPath]]) -> Booleans:
+        """Where the keys of ``taken`` are at once that a node and those above it have, (f,).
 
-        Everywhere where too few keys are shared to tell by them.
+        Everywhere where too few keys, less than a quarter, are shared to tell by them: of clips of 30 frames
+        a second that were edited at 24, a track may have keys of both.
         """
-        keyed = [np.isin(self.times, track.times) for track in self._moving(node, nodes)]
+        keyed = [np.isin(self.times, track.times) for track in self._moving(node, taken)]
         at_once, most = self._at_once(keyed), max(map(np.count_nonzero, keyed), default=0)
-        return at_once if 2 * np.count_nonzero(at_once) >= most else np.ones_like(at_once)
+        return at_once if 4 * np.count_nonzero(at_once) >= most else np.ones_like(at_once)
 
     def _at_once(self, keyed: Sequence[Booleans]) -> Booleans:
         found: Booleans = np.logical_and.reduce([np.ones(len(self.times), dtype=bool), *keyed])
         return found
 
-    def _moving(self, node: int, nodes: Container[int] | None) -> list[Track]:
-        path = self.rig.path_to_root(node)
-        line = [k for k in path if (k not in self.rig.own if nodes is None else k in nodes)]
+    def _moving(self, node: int, taken: Container[tuple[int, TrackPath]] | None) -> list[Track]:
+        line = self.rig.path_to_root(node)
         tracks = (track for track in self.clip.tracks if track.node in line and track.path != "weights")
-        return [track for track in tracks if len(track.times) > 2]
+        return [
+            track
+            for track in tracks
+            if len(track.times) > 2
+            and (track.node not in self.rig.own if taken is None else (track.node, track.path) in taken)
+        ]
 
 
 def refuse_replaced(

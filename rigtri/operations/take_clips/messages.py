@@ -161,8 +161,9 @@ def warn_overruled(start: Rig, rig: Rig, report: Report) -> None:
     known = {id(track) for clip in start.clips for track in clip.tracks}
     for timeline in timelines(rig):
         tracks = [track for k in timeline.members for track in rig.clips[k].tracks]
-        new = {t.node for t in tracks if id(t) not in known and t.path != "weights"} - rig.own
-        far = moved_otherwise(rig, timeline, frozenset(new)) if new else {}
+        changed = (t for t in tracks if id(t) not in known and t.path != "weights")
+        new = frozenset((t.node, t.path) for t in changed if t.node not in rig.own)
+        far = moved_otherwise(rig, timeline, new) if new else {}
         if not (off := [node for node in far if far[node] > _OVERRULED]):
             continue
         names = [rig.title(node) for node in off]
