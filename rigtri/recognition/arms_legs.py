@@ -10,6 +10,7 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.biped_or_quadruped import may_be_front_legs
 from rigtri.recognition.body_shape import Body, stands_too, within
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.doubled_chains import moves_nothing
 from rigtri.recognition.facing import UNSURE, facing_of
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import is_further
@@ -144,6 +145,8 @@ def _shape_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
     if limbs is body.arms and lacks_hand(draft.tree, limbs):
         sure = min(sure, _HALF)
     sure = min(sure, _ROUGH) if draft.shape.is_rough or limbs.is_noisy else sure
+    if any(moves_nothing(draft, limbs.joints(which)) for which in (0, 1)):
+        sure = min(sure, _HALF)  # a control may stand where the bone does
     return min(sure, _HALF) if draft.shape.legs or len(limbs.at) < 3 else sure
 
 

@@ -16,6 +16,7 @@ from rigtri.recognition.arms_legs import find_limbs
 from rigtri.recognition.chains_in_names import order_of_chains
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
+from rigtri.recognition.doubled_chains import doubled_in
 from rigtri.recognition.evidence_against import doubted
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.further_limbs import lay_further_limbs
@@ -95,6 +96,8 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     shared = Counter(rig.humanoid.values())
     certain = {bone: node for bone, node in rig.humanoid.items() if node in inside and shared[node] == 1}
     body = list(nodes) if certain else _deforming(nodes, poses)
+    doubles = frozenset[int]() if certain else doubled_in(Tree(rig, body, poses.rest), poses)
+    body = [node for node in body if node not in doubles]
     controls = frozenset(nodes).difference(body)
     segments = segments_of(Tree(rig, body, poses.rest)) if not certain else frozenset()
     body = [node for node in body if node not in segments]

@@ -1,0 +1,64 @@
+"""Chains beside the bones of a body, in the same places, that move no point: of IK, FK and mechanisms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.pose_samples import Poses
+
+# Nearer than this part of the longest chain, or of one itself, joints stand in one place.
+_SAME_PLACE = 1e-3
+
+
+def doubled_in(tree: Tree, poses: Poses) -> frozenset[int]:
+    """The joints of chains that move no point and stand, three in a row, where bones that do so stand.
+
+    They are what animators move instead of these, IK, FK and mechanism chains, whatever they are called.
+    """
+    inner = [node for node in tree.nodes if any(tree.below[child] for child in tree.below[node])]
+    grid = _SAME_PLACE * max((tree.reach[node] for node in inner), default=0.0)
+    if grid <= 0.0:
+        return frozenset()
+    same: dict[tuple[int, ...], list[int]] = {}
+    for node in inner:
+        same.setdefault(tuple(np.rint(tree.places[node] / grid).astype(int).tolist()), []).append(node)
+    groups = [nodes for nodes in same.values() if len(nodes) > 1]
+    if not groups or not poses.weighed.any():
+        return frozenset()
+    moves = poses.weighed.tolist()
+    for node in reversed(tree.nodes):  # itself, or what is below it
+        moves[node] = moves[node] or any(moves[child] for child in tree.below[node])
+    idle = [(k, other) for nodes in groups for k in nodes if not moves[k] for other in nodes if moves[other]]
+    starts = {k for k, other in idle if _runs_along(tree, k, other)}
+    found = set[int]()
+    for node in tree.nodes:
+        if node in starts or tree.above[node] in found:
+            found.add(node)
+    return frozenset(found)
+
+
+def _runs_along(tree: Tree, start: int, other: int) -> bool:
+    """Whether two further joints of a chain stand where two below ``other`` do, as both of these do."""
+    near = _SAME_PLACE * tree.reach[start]
+    pairs = [(start, other)]
+    for _ in range(2):
+        pairs = [
+            (child, joint)
+            for k, beside in pairs
+            for child in tree.below[k]
+            for joint in tree.paths[beside][1:]
+            if (tree.at[joint] - tree.at[child]).length <= near
+        ]
+    return bool(pairs)
+
+
+def moves_nothing(draft: Draft, joints: Sequence[int]) -> bool:
+    """Whether none of some joints moves points or shows a mesh, in a file where others have weights."""
+    if not draft.poses.has_weights or any(map(draft.poses.moves_points, joints)):
+        return False
+    rig = draft.tree.rig
+    return not any(rig.attachment[k] >= 0 for joint in joints for k in (joint, *rig.children[joint]))
