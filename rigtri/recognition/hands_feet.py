@@ -13,7 +13,7 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES
-from rigtri.recognition.limb_ends import thumb_of
+from rigtri.recognition.limb_ends import next_toe, thumb_of
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import BESIDE, roles_in_name
 
@@ -68,8 +68,8 @@ def _foot(draft: Draft, leg: Found) -> None:
         heels = not draft.four and all(ahead[k] < -_HEEL * apart[k] for k in below)
         if not below or heels:
             break
-        furthest = max(ahead.values()) - _AS_FAR * shin.length
-        joints.append(next(k for k in below if ahead[k] >= furthest))
+        past = (tree.at[joints[-1]] - tree.at[ankle]).dot(facing) if draft.four else float("inf")
+        joints.append(next_toe(tree, ahead, _AS_FAR * shin.length, past))
     toes = draft.known_bones.get(f"{leg.side}Toes", -1)
     joints = [*tree.way(ankle, toes)] if toes >= 0 and tree.is_below(toes, ankle) else joints
     if not draft.four and leg.side and len(joints) > 1:

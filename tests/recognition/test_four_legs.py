@@ -65,6 +65,21 @@ def test_paws_are_no_hands(toes: int) -> None:
         assert not any(chain.kind in ("hand", "finger") for chain in found.chains)
 
 
+@pytest.mark.parametrize(("toes", "middle"), [(3, 1), (4, 1), (5, 2)])
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_a_paw_goes_on_with_its_middle_toe(toes: int, middle: int, noise: float) -> None:
+    """Before, with the first in the file, or that which noise had put ahead: paws aimed 40° aside."""
+    paws = [
+        (name, above, (x, y, z + noise * (name.split(".")[0] in ("toe0", f"finger{toes - 1}"))))
+        for name, above, (x, y, z) in with_paws(HORSE, toes)
+    ]
+    rig = rig_with(paws)
+    (found,) = recognise(rig).characters
+    ways = [[rig.names[joint] for joint in chain.joints] for chain in found.chains if chain.kind == "foot"]
+    for side in "LR":
+        assert [f"hand.{side}", f"finger.{side}", f"finger{middle}.{side}"] in ways
+
+
 @pytest.mark.parametrize("late", [False, True])
 def test_hands_on_the_ground_are_hands_where_a_thumb_stands_apart(late: bool) -> None:
     """Who is bound on all fours, and has the names of a person, has arms.
