@@ -29,7 +29,7 @@ from . import batch_engine, batch_job, ending, failures
 from .batch_messages import Files, opened_log, print_selection, print_summary
 from .build import assigned, set_option, spec_option, spec_strict_option, spec_tolerance_option
 from .help_format import Command, option
-from .option_types import Bytes, FilePath, Integer
+from .option_types import Bytes, FilePath, Integer, Number
 from .progress import Progress
 from .shared_options import dry_run_option, json_option, quiet_option, shared
 from .terminal_text import plain
@@ -97,7 +97,7 @@ CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
 @option("-j", "--jobs", type=Integer(1, 1024), help="Number of processes. [one per core]", group="how")
 @option(
     "--timeout",
-    type=click.FloatRange(0, min_open=True),
+    type=Number(0, min_open=True),
     metavar="SECONDS",
     help="Time limit for one file.",
     group="safety",

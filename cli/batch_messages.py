@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from typing import IO, TYPE_CHECKING, Any
 
@@ -93,11 +93,17 @@ def print_summary(session: Run, left: int, advice: Iterable[str], values: dict[s
 
 @contextmanager
 def opened_log(path: str | None) -> Iterator[IO[str] | None]:
-    """The file that gets a line for each file. FileError where it cannot be written."""
+    """The file that gets a line for each file.
+
+    FileError where it cannot be written, or holds anything but JSON lines, which more lines would damage.
+    """
     if path is None:
         yield None
         return
     try:
+        with suppress(FileNotFoundError), open(path, "rb") as before:
+            if before.read(1) not in (b"", b"{"):
+                raise FileError(f"--log {path} holds something else than JSON lines, which it would add to")
         file = open(path, "a", encoding="utf-8", errors="backslashreplace")  # noqa: SIM115
     except OSError as error:
         raise FileError(f"--log {path} cannot be written: {system_reason(error)}") from error

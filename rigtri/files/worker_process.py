@@ -46,6 +46,8 @@ _NO_ROOM = ("failed to map segment", "Cannot allocate memory", "cannot allocate 
 _TASKS = 500
 # So often, seconds apart, a process is started before that is given up: its server may have been killed.
 _STARTS, _BETWEEN = 5, 0.1
+# poll(2) takes milliseconds of 31 bits; whoever waits longer, in seconds, asks it again.
+_WAIT = 86_400.0
 # So many files may be open at least where a process is started: standard ones, pipes, the server of children.
 _FILES = 32
 # Names of sockets are short: about 100 characters, 32 of them below this folder's.
@@ -135,7 +137,7 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
     def _answer(self, name: str, pipe: Connection, on_event: Callable[[Any], None]) -> tuple[str, Any]:
         """What the child answers at the end of its task; meanwhile ``on_event`` gets its events."""
         end = None if self._seconds is None else time.monotonic() + self._seconds
-        while pipe.poll(None if end is None else max(end - time.monotonic(), 0.0)):
+        while _arrived(pipe, end):
             kind, value = pipe.recv()
             if kind != "event":
                 return kind, value
@@ -246,6 +248,16 @@ def _refuse_few_files() -> None:
             f"no process can be started to work on files: at most {most} files may be open at once, and it "
             f"takes {_FILES}. {MORE_FILES}"
         )
+
+
+def _arrived(pipe: Connection, end: float | None) -> bool:
+    """Wait for a message; False where there is none at a time of `time.monotonic`."""
+    if end is None:
+        return pipe.poll(None)
+    while not pipe.poll(min(max(end - time.monotonic(), 0.0), _WAIT)):
+        if time.monotonic() >= end:
+            return False
+    return True
 
 
 def send_event(value: Any) -> None:

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -48,6 +49,17 @@ def test_a_server_of_processes_that_is_killed_early_is_started_anew(monkeypatch:
     with WorkerProcess() as child:
         assert child("a.glb", abs, -3) == 3
     assert kills != [server._forkserver_pid]
+
+
+@SERVED
+def test_a_time_limit_may_be_longer_than_the_system_waits_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    with WorkerProcess(seconds=1e15) as child:
+        assert child("a.glb", abs, -3) == 3
+    ours, theirs = multiprocessing.Pipe()
+    monkeypatch.setattr(worker_process, "_WAIT", 1e-4)
+    assert not worker_process._arrived(ours, time.monotonic() + 1e-3)
+    theirs.send(1)
+    assert worker_process._arrived(ours, time.monotonic())
 
 
 class Ended:

@@ -192,6 +192,20 @@ def test_an_output_that_the_batch_has_not_written_is_not_replaced(batch: Batch, 
     assert statuses(batch("--json", "--overwrite")) == {"a.glb": "ok", "b.glb": "skipped", "c.glb": "skipped"}
 
 
+@pytest.mark.parametrize("seconds", ["nan", "inf", "1e300"])
+def test_a_time_limit_that_is_none_is_refused(seconds: str, batch: Batch, samples: Path) -> None:
+    add(samples / "biped.glb", "a")
+    assert batch("--timeout", seconds).exit_code == 2
+
+
+def test_a_log_adds_lines_to_nothing_but_lines(batch: Batch, samples: Path) -> None:
+    add(samples / "biped.glb", "a")
+    Path("other.glb").write_bytes(b"glTF")
+    result = batch("--log", "other.glb")
+    assert (result.exit_code, Path("other.glb").read_bytes()) == (3, b"glTF")
+    assert "other.glb holds something else than JSON lines" in result.stderr
+
+
 def test_a_file_that_ends_its_process_is_reported_and_the_others_are_not_affected(
     batch: Batch, samples: Path
 ) -> None:
