@@ -148,3 +148,5 @@ def sqlite_errors(path: Path) -> Iterator[None]:
         if name == "SQLITE_FULL" or name.startswith("SQLITE_IOERR"):
             remedy = "; make room on that disk and run the same command again, which skips what is done"
         raise FileError(f"{path}: the manifest cannot be used: {error}{remedy}") from error
+    except UnicodeDecodeError as error:  # what SQLite says of a damaged layout holds the damaged bytes
+        raise FileError(f"{path}: the manifest cannot be used: {damaged()}") from error

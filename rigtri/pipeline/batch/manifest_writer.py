@@ -16,7 +16,7 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 from rigtri.errors import UsageError
 from rigtri.pipeline.batch.axis_summary import Axes
@@ -28,9 +28,11 @@ from rigtri.pipeline.batch.manifest_lookup import (
     VERSION,
     Known,
     check,
+    damaged,
     look_up,
     name_of,
     sqlite_errors,
+    stored,
     writable,
 )
 
@@ -133,9 +135,9 @@ class Manifest:
 
     def about_to_be(self) -> dict[str, tuple[str, Record]]:
         """What a killed run was about to let appear: task and record by output."""
-        with self._lock:
+        with self._lock, sqlite_errors(self._path):
             rows = self._base.execute("SELECT output, task, record FROM ready").fetchall()
-        return {output: (task, _record(text)) for output, task, text in rows}
+            return {output: (task, _record(text)) for output, task, text in rows}
 
     def done(self, entry: Entry, task: str, record: Record) -> None:
         """Put down what became of an entry, in place of what was known of it."""
@@ -234,7 +236,13 @@ def _plain(value: Axes) -> dict[str, str]:
 
 
 def _record(text: str) -> Record:
-    fields: dict[str, Any] = json.loads(text)
-    axes = fields.pop("axes")
-    fields["warnings"] = tuple(fields["warnings"])
-    return Record(**fields, axes=axes and Axes(axes["joints"], bytes.fromhex(axes["turns"])))
+    fields = stored(text)
+    try:
+        axes = fields.pop("axes")
+        fields["warnings"] = tuple(fields["warnings"])
+        record = Record(**fields, axes=axes and Axes(axes["joints"], bytes.fromhex(axes["turns"])))
+    except (KeyError, TypeError, ValueError):
+        raise damaged() from None
+    if not all(isinstance(hashes, dict) for hashes in (record.seconds, record.read, record.made)):
+        raise damaged()
+    return record

@@ -220,6 +220,41 @@ def test_a_report_of_damaged_values_is_an_error_of_that_file(column: str, tmp_pa
         summarise([path])
 
 
+RECORD = '{"status": "ok", "warnings": [], "axes": null'
+
+
+@pytest.mark.parametrize(
+    "record",
+    ["{", "[]", "{}", '{"axes": null}', RECORD + ', "x": 1}', RECORD + ', "made": 1}', b"\xff",
+     RECORD.replace("null", "1") + "}", RECORD.replace("[]", "1") + "}"],
+)  # fmt: skip
+def test_damage_of_what_a_killed_run_was_about_to_write_is_an_error_of_that_file(
+    record: Any, tmp_path: Path
+) -> None:
+    path = wrote(tmp_path, {"a.glb": ok(1e-7, 1.0)})
+    with closing(sqlite3.connect(path)) as base, base:
+        base.execute("INSERT INTO ready VALUES ('out/b.glb', 'key', ?)", (record,))
+    with (
+        Manifest(path) as manifest,
+        pytest.raises(FileError, match=r"rigtri-batch\.sqlite: the manifest cannot be used: .* is damaged"),
+    ):
+        manifest.about_to_be()
+    with closing(sqlite3.connect(path)) as base, base:
+        base.execute("DROP TABLE ready")
+    with Manifest(path) as manifest, pytest.raises(FileError, match="no such table: ready"):
+        manifest.about_to_be()
+
+
+def test_a_damaged_layout_of_the_tables_is_an_error_of_that_file(tmp_path: Path) -> None:
+    path = wrote(tmp_path, {"a.glb": ok(1e-7, 1.0)})
+    path.write_bytes(path.read_bytes().replace(b"CREATE TABLE", b"CR\x8aATE TABLE"))
+    for read in (lambda: summarise([path]), lambda: known(path, tmp_path)):
+        with pytest.raises(
+            FileError, match=r"rigtri-batch\.sqlite: the manifest cannot be used: .* is damaged"
+        ):
+            read()
+
+
 def test_a_folder_in_place_of_a_manifest_is_said(tmp_path: Path) -> None:
     (tmp_path / "rigtri-batch.sqlite").mkdir()
     with pytest.raises(FileError, match=r"rigtri-batch\.sqlite is a folder and no manifest"):
