@@ -31,7 +31,8 @@ _RIGHT = frozenset({"r", "right", "rgt", "rt", "右"})
 SIDES = _LEFT | _RIGHT
 # Latin letters that no decomposition takes apart.
 _WRITTEN = {"ß": "ss", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe"}
-_OTHER = {"l": "r", "left": "right", "lft": "rgt", "r": "l", "right": "left", "rgt": "lft"}
+_OTHER = {"l": "r", "left": "right", "lft": "rgt", "lf": "rt"}
+_OTHER |= {right: left for left, right in _OTHER.items()}
 
 
 def words(name: str) -> list[str]:

@@ -38,6 +38,8 @@ def test_a_name_gives_its_side(name: str, expected: str) -> None:
         "lShldr",
         "RArm",
         "armL",
+        "lf_arm",
+        "RtArm",
     ],
 )
 def test_the_twin_of_the_twin_is_the_name_itself(name: str) -> None:
