@@ -29,7 +29,7 @@ from wrong_values import refusal
 from rigtri.verification.checks import RULES, Finding, check
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf.tolerant_reader import View
-from rigtri.verification.checks.usd import usd_validation
+from rigtri.verification.checks.usd import check_usd, usd_validation
 
 BROKEN = GLTF | VRM | USD | AXES | {"clips.far": [*GLTF["clips.far"], *USD["clips.far"]]}
 # What a mistake brings with it: the smallest file with the one has the other, too.
@@ -435,3 +435,15 @@ def test_openusd_knows_the_types_of_all_prims_before_its_validators_run(
     stage = Usd.Stage.Open(str(samples / "arm.usda"))
     assert usd_validation.openusd_findings(stage) == []
     assert asked
+
+
+def test_joints_are_looked_up_once_for_all_controls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asset, rigged = save(tmp_path, clean_usd()), tmp_path / "rigged.usda"
+    cli("add-controls", asset, "-o", rigged, "--joints", "*", code=0)
+    looked: list[str] = []
+    way = check_usd._joint_paths
+    monkeypatch.setattr(
+        check_usd, "_joint_paths", lambda path, tokens: (looked.append(path), way(path, tokens))[1]
+    )
+    assert not [found for found in check(rigged) if found.id.startswith("usd.note")]
+    assert len(looked) == len(set(looked)) > 0

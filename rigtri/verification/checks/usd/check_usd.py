@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import cache, partial
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -56,8 +57,9 @@ def check_usd(
     for prim in scene.bound:
         scene.guard(prim, bindings.check)
         scene.guard(prim, bindings.check_blend_shapes)
+    named = cache(partial(_joint_names, scene))
     for prim in scene.noted:
-        scene.guard(prim, _check_notes)
+        scene.guard(prim, partial(_check_notes, named=named))
     rig, least = None, 1 if scene.animations else LEAST_JOINTS
     if scene.noted or any(len(tokens) >= least for tokens in scene.tokens.values()):
         with suppress(RigtriError):  # a file that cannot be read as a rig has findings of other rules
@@ -99,13 +101,18 @@ def _check_package(path: Path, findings: Findings) -> None:
         findings.add("usd.package.junk", "package", "", f"{whole.junk} bytes follow the end of the package")
 
 
-def _check_notes(scene: Scene, prim: Any) -> None:
-    """What rigtri stored on a prim and, of joints, on their skeleton."""
+def _joint_names(scene: Scene) -> tuple[set[str], set[str]]:
+    """The tokens of all joints, and every name that metadata may call a joint or a skeleton by."""
     tokens = {path: _with_unsplit(scene, path) for path in scene.tokens}
     known = {token for path in tokens for token in tokens[path]}
     leaves = {token.rpartition("/")[2] for token in known}
     paths = {found for path in tokens for found in _joint_paths(path, tokens[path])}
-    names = {str(prim.GetName()) for prim in scene.skeletons} | leaves | known | paths
+    return known, {str(prim.GetName()) for prim in scene.skeletons} | leaves | known | paths
+
+
+def _check_notes(scene: Scene, prim: Any, named: Callable[[], tuple[set[str], set[str]]]) -> None:
+    """What rigtri stored on a prim and, of joints, on their skeleton. named: see `_joint_names`."""
+    known, names = named()
 
     def is_joint(name: str) -> bool:
         # Joints are stored by name or by path; by token behind the skeleton's path where that is no address.
