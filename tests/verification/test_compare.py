@@ -366,7 +366,10 @@ def test_what_a_clip_does_not_move_is_where_it_is_at_rest(
             assert_allclose([*mine.values()], [*theirs.values()], atol=1e-12)
 
 
-def test_a_character_is_posed_in_its_own_clips_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+@BOTH
+def test_a_character_is_posed_in_its_own_clips_alone(
+    compare: Compare, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Each clip of a crowd costs what one character does, however many there are."""
     posed: list[int] = []
     plain = Motion.locals_at
@@ -379,7 +382,7 @@ def test_a_character_is_posed_in_its_own_clips_alone(monkeypatch: pytest.MonkeyP
     most = []
     for count in (2, 8):
         before = many(count)
-        self_check(before, opened_again(turned(before)))
+        compare(before, opened_again(turned(before)))
         most.append(max(posed))
         posed.clear()
     assert most[0] == most[1] < 3 * len(NAMES)

@@ -12,8 +12,10 @@ VRMC_node_constraint 1.0; VRMC_vrm_animation 1.0.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
+from rigtri.errors import FileError
 from rigtri.formats.json_values import Value, index_of, object_in, short_repr
 from rigtri.formats.vrm.bindings import (
     CONSTRAINT,
@@ -94,9 +96,12 @@ def _spring_bones(springs: Value, above: Sequence[int], found: Bindings) -> None
         extended = extensions.get(EXTENDED) if extensions else None
         if extended is not None:
             _shape(extended, node, (*pointer, "extensions", EXTENDED), found)
-    for spring in springs.each("springs"):
-        joints = [joint.need("node").index(len(above), "node") for joint in spring.each("joints")]
-        found.swinging.update(joints[:-1])  # the last one is only the end of the bone that swings
+    listed = springs.raw.get("springs")
+    for number in range(len(listed) if isinstance(listed, list) else 0):
+        with suppress(FileError):  # a broken spring swings nothing; `check` has findings of it
+            spring = Value(listed[number], f"{springs.where}.springs[{number}]")
+            joints = [joint.need("node").index(len(above), "node") for joint in spring.each("joints")]
+            found.swinging.update(joints[:-1])  # the last one is only the end of the bone that swings
 
 
 def _shape(holder: Value, node: int, pointer: Pointer, found: Bindings) -> None:

@@ -94,14 +94,14 @@ class Deviation:
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """What of two rigs a clip moves: ``rig`` places it, the first ``count`` nodes are those of the first.
+    """What of two rigs a clip moves.
 
-    probes, sizes: what is to be measured, in terms of ``rig``. live: which rows of all probes
-    that is, (r,) each.
+    rig: the part that places it. nodes: which nodes of both together those are, (k,); None for all of them.
+    probes, sizes: what is to be measured. live: which rows of all probes that is, (r,) each.
     """
 
     rig: Rig
-    count: int
+    nodes: Integers | None
     probes: Sequence[Probe]
     sizes: Sequence[Floats]
     live: Sequence[Booleans]
@@ -113,22 +113,38 @@ class _Part:
         weighed = {track.node for track in clip.tracks if track.path == "weights"}
         live = [_live(probe, moved, count, weighed) for probe in found.probes]
         if all(rows.all() for rows in live):
-            return cls(both, count, found.probes, found.sizes, live)
+            return cls(both, None, found.probes, found.sizes, live)
         probes: list[Probe] = []
         sizes: list[Floats] = []
         for probe, size, rows in zip(found.probes, found.sizes, live, strict=True):
             if rows.any():
                 probes.append(probe.part(rows) if isinstance(probe, FramePoints) else probe)
                 sizes.append(size[rows])
-        points = [probe for probe in probes if isinstance(probe, FramePoints)]
-        if len(points) < len(probes):
-            return cls(both, count, probes, sizes, live)
-        nodes = [side + behind for p in points for side, behind in zip(p.nodes, (0, count), strict=True)]
-        used = np.concatenate([np.zeros(0, dtype=np.int64), *nodes])
-        rig, place = _part_of(replace(both, clips=(clip,)), used)
-        first = int(np.count_nonzero(place[:count] >= 0))
-        points = [replace(p, nodes=(place[p.nodes[0]], place[p.nodes[1] + count] - first)) for p in points]
-        return cls(rig, first, points, sizes, live)
+        points = [probe for probe in probes if isinstance(probe, FramePoints | MeshPoints)]
+        sides = [side + behind for p in points for side, behind in zip(p.nodes, (0, count), strict=True)]
+        kept = sorted(both.with_ancestors(np.concatenate([np.zeros(0, dtype=np.int64), *sides]).tolist()))
+        if len(points) < len(probes) or _costs_as_much(kept, both):
+            return cls(both, None, probes, sizes, live)
+        return cls(
+            replace(both, clips=(clip,)).subset(kept)[0], np.array(kept, dtype=np.int64), probes, sizes, live
+        )
+
+    def times_at_once(self) -> int:
+        """How many times of its clip go into one block."""
+        return min(_times_at_once(self.rig), _times_of_points(self.probes))
+
+    def worlds(self, motion: sampling.Motion, times: Floats, count: int, *, normalised: bool) -> Floats:
+        """World matrices of all nodes, (f, count, 4, 4); of those outside the part any numbers.
+
+        motion: of the part's rig.
+        """
+        found = sampling.worlds(self.rig, motion.locals_at(times, normalised=normalised))
+        if self.nodes is None:
+            return found
+        # The same order in memory; of rows that nobody writes and reads no memory is taken.
+        whole: Floats = np.empty((count, 4, 4, len(times))).transpose(3, 0, 1, 2)
+        whole[:, self.nodes] = found
+        return whole
 
 
 def _moved(rig: Rig, clip: Clip) -> Booleans:
@@ -172,11 +188,12 @@ def measure(
     block = min(max(map(_times_at_once, (before, after))), _times_of_points(found.probes))
     for clip, *clips in counted([*zip(both.clips, before.clips, after.clips, strict=True)], "clips"):
         part, times = _Part.of(found, both, count, clip), _moments(clip)
-        motion = sampling.Motion(part.rig, part.rig.clips[0] if part.rig is not both else clip)
-        for start in counted(range(0, len(times), block), "moments"):
-            some = times[start : start + block]
-            worlds = sampling.worlds(part.rig, motion.locals_at(some, normalised=normalised))
-            sides = worlds[:, : part.count], worlds[:, part.count :]
+        motion = sampling.Motion(part.rig, clip if part.nodes is None else part.rig.clips[0])
+        step = block if part.nodes is None else part.times_at_once()
+        for start in counted(range(0, len(times), step), "moments"):
+            some = times[start : start + step]
+            worlds = part.worlds(motion, some, len(both), normalised=normalised)
+            sides = worlds[:, :count], worlds[:, count:]
             found.add(SampledPoses(*sides, (clips[0], clips[1]), some), clip.name, part)
         found.add_still(clip.name, part)
     return found
@@ -293,11 +310,16 @@ def _needed(before: Rig, after: Rig, probes: Sequence[Probe]) -> tuple[tuple[Rig
 def _part_of(rig: Rig, nodes: Integers) -> tuple[Rig, Integers]:
     """A part of a rig that places ``nodes``, and where each node went, (n,)."""
     kept = sorted(rig.with_ancestors(nodes.tolist()))
-    if 5 * len(kept) >= 4 * len(rig):  # to pose the rest costs less than to leave it out
+    if _costs_as_much(kept, rig):
         return rig, np.arange(len(rig))
     place = np.full(len(rig), -1)
     place[kept] = np.arange(len(kept))
     return rig.subset(kept)[0], place
+
+
+def _costs_as_much(kept: Sequence[int], rig: Rig) -> bool:
+    """Whether to pose the rest of a rig costs less than to leave it out."""
+    return 5 * len(kept) >= 4 * len(rig)
 
 
 def side_by_side(before: Rig, after: Rig, m: Correspondence, *, added: bool = False) -> tuple[Rig, Rig]:
