@@ -48,15 +48,15 @@ def test_each_of_several_instances_counts_at_its_node(played: tuple[str, ...], f
 def test_animations_are_numbered_and_none_is_0() -> None:
     stage, instances = crowd("wave", "walk", "")
     labels = ("/crowd", "/crowd/n0", "/crowd/n1", "/crowd/n2")
-    rig = SimpleNamespace(labels=labels)
-    source: Any = SimpleNamespace(rig=rig, instances=instances, skeletons={"/crowd/n0/skel": SKELETON})
+    source: Any = SimpleNamespace(instances=instances, skeletons={"/crowd/n0/skel": SKELETON})
+    source.labelled = {label: node for node, label in enumerate(labels)}
     assert played_by_instances(source) == {
         1: {"animation of 'skel'": "2"},
         2: {"animation of 'skel'": "1"},
         3: {"animation of 'skel'": "0"},
     }
     # Where only a node above is known, the way from there tells them apart.
-    source.rig = SimpleNamespace(labels=labels[:1])
+    source.labelled = {"/crowd": 0}
     assert played_by_instances(source) == {
         0: {f"animation of 'n{k}/skel'": number for k, number in enumerate("210")}
     }
