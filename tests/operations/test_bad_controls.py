@@ -17,6 +17,8 @@ from program import cli
 from rigtri.errors import GeometryError
 from rigtri.export.blender.script import planned
 from rigtri.maths.matrices import inverse, multiply, transform_points
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.animation import Path as TrackPath
@@ -449,3 +451,24 @@ def test_check_finds_a_control_whose_ops_reset_the_stack(tmp_path: Path) -> None
     reset.write_text(start + found + rest.replace(order, f'["!resetXformStack!", {order[1:]}', 1))
     assert "usd.note.broken" not in cli("check", source).stdout
     assert "'head_ctl': nothing is above it" in cli("check", reset).stdout
+
+
+@pytest.mark.parametrize("posed", ["head", "forearm_L"])
+def test_a_posed_control_without_keys_beside_keyed_ones_is_told(posed: str) -> None:
+    """In USD a default of a shot hides the keys that the asset has; the joint plays what it played before."""
+    rig = with_keyed_controls()
+    clip, node = rig.clips[0].name, control(rig, posed, "fk")
+    rotation = rig.rotation.copy()
+    rotation[node] = product(rotation[node], from_axis_angle(np.array([1.0, 0.0, 0.0]), 0.4))
+    clips = tuple(
+        replace(each, tracks=tuple(track for track in each.tracks if track.node != node))
+        for each in rig.clips
+    )
+    report = Report()
+    bake(replace(rig, rotation=rotation, clips=clips), options=BakeOptions(to="joints"), report=report)
+    told = [notice for notice in report.warnings if notice.code == "control-idle"]
+    assert {notice.joint for notice in told} == {f"{posed}_ctl"}
+    assert f"keys in '{clip}'" in told[0].text
+    quiet = Report()
+    bake(replace(rig, clips=clips), options=BakeOptions(to="joints"), report=quiet)
+    assert "control-idle" not in {notice.code for notice in quiet.warnings}

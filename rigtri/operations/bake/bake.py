@@ -69,7 +69,7 @@ from rigtri.operations.bake.unbaked import (
     refuse_replaced,
     warn_overruled,
 )
-from rigtri.operations.bake.warnings import fidelity, warn_of_result, why_nothing
+from rigtri.operations.bake.warnings import fidelity, warn_idle, warn_of_result, why_nothing
 from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
 from rigtri.operations.options.bake import BakeOptions as BakeOptions
@@ -264,6 +264,7 @@ class _Baker:
             if track.path in {path for path, _ in solver.writes[node]}
         ]
         self.report.extend(clip_solver_warnings(solver, timeline, times, parts))
+        warn_idle(self.rig, timeline, key_times(timeline.clip), self.report)
         room = times_of(put_tracks(self.rig, timeline, tracks))
         fresh = [
             track

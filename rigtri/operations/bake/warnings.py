@@ -8,12 +8,15 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import NOTHING
+from rigtri.evaluation.active_controls import NOTHING, controls_at_work, idle_in, joints_of
 from rigtri.evaluation.curve_refinement import MOST_A_SECOND
 from rigtri.evaluation.inverse_solver import Block
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.rig_space import uneven_above
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import Timeline
 from rigtri.evaluation.zero_pose import ControlsAtZero
-from rigtri.maths.quaternions import dot
+from rigtri.maths.quaternions import angle_between, dot
 from rigtri.maths.ranking import SAME_SHARE, first_largest, largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -30,10 +33,32 @@ from rigtri.text import list_names
 # Two keys of a spline are on opposite sides where the cosine between their quaternions is below this:
 # less than 120° apart, and by way of components more than 240°.
 _OPPOSITE = -0.5
+# A control that would turn its joint by more, in radians (0.1°), is posed by somebody.
+_IDLE = 0.0017
 
 
 def _clips(report: Report) -> list[Mapping[str, Any]]:
     return [entry for entry in report.added if entry.get("type") == "clip"]
+
+
+def warn_idle(rig: Rig, timeline: Timeline, times: Floats, report: Report) -> None:
+    """Warn of controls that are posed, beside others with keys, and pose no joint, which has keys of its own.
+
+    times: where joints are compared, (f,). Not where these keys are what the control makes of the joint.
+    """
+    at_work, idle = controls_at_work(rig, timeline), idle_in(rig, timeline)
+    if not at_work or not idle:
+        return
+    sampled = sample_parts(rig, timeline.clip, times)
+    own, posed = PoseCache(rig, sampled), Solver(rig, at_work | idle).run(sampled)
+    for control in sorted(idle):
+        joints = sorted(joints_of(rig, [control]))
+        off = [float(angle_between(own.part(k).rotation, posed.part(k).rotation).max()) for k in joints]
+        if max(off, default=0.0) > _IDLE:
+            text = f"Control '{rig.title(control)}' is posed and has no keys in '{timeline.name}', where "
+            names = list_names([rig.title(joint) for joint in joints])
+            text += f"{names} has keys of its own, which stay: key the control, too, to pose the joint there"
+            report.warn("control-idle", text, joint=rig.title(control), geometry=True)
 
 
 def why_nothing(rig: Rig) -> str:
