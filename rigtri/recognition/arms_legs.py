@@ -18,6 +18,7 @@ from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
 from rigtri.recognition.limb_pairs import Limbs, ends_in_hand, lacks_hand
 from rigtri.recognition.limb_triples import TIE, bends_within, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement, in_order
+from rigtri.recognition.limbs_alone import without_stumps
 from rigtri.recognition.standing import CLEAR, FIRST_APART, GUESS, is_clear, row_of_legs, stand_by_names
 from rigtri.text import a
 
@@ -58,7 +59,7 @@ def find_limbs(draft: Draft) -> list[Found]:
     stand_by_names(draft, named, pairs)
     pairs = _sided(draft, pairs)
     found = [_agreed(draft, each, pairs) for each in named]
-    for each in ranked(pairs, lambda each: each.confidence, SAME_SCORE):
+    for each in ranked([*without_stumps(draft, named, pairs)], lambda each: each.confidence, SAME_SCORE):
         taken = {joint for other in found for joint in other.joints}
         if not taken.intersection(each.joints):
             found.append(each)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Literal
 
 from rigtri.recognition.character_draft import Draft
@@ -11,10 +12,12 @@ from rigtri.recognition.inanimate import has_hips_or_spine
 from rigtri.recognition.layout import NAMES, LimbKind
 from rigtri.recognition.limb_triples import triple_of
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords
+from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import NO_LIMB, roles_in_name
 
 # How sure words of all three joints make a limb without a twin: where a trunk is named, and elsewhere.
 _SURE, _UNSURE = 0.85, 0.6
+_STUMP = "but its twin is longer by its names"
 # Bodies with more legs of a side than this have several of the same words.
 _SEVERAL = 2
 # An arm may be a gun.
@@ -34,13 +37,12 @@ def limbs_alone(draft: Draft, found: Sequence[Found]) -> Iterator[Found]:
     for node in tree.nodes:
         if not _starts(draft, node):
             continue
-        path = list(tree.paths[node])
-        words = [draft.words.get(joint, NO_WORDS) for joint in path]
-        triple = triple_of(tree, [path], [], draft.words) if taken.isdisjoint(path) else None
-        if triple is None or triple.named < 1.0:
+        path = tree.paths[node]
+        joints = _named_by_words(draft, path) if taken.isdisjoint(path) else ()
+        if not joints:
             continue
-        joints = tuple(path[k] for k in triple.at)
-        kind, side = _kind([words[k] for k in triple.at]), draft.side_in_names(joints)
+        kind = _kind([draft.words.get(joint, NO_WORDS) for joint in joints])
+        side = draft.side_in_names(joints)
         same = [each for each in found if (each.kind, each.side) == (kind, side)]
         if not kind or not side or (same and not (kind == "leg" and len(same) >= _SEVERAL)):
             continue
@@ -50,16 +52,52 @@ def limbs_alone(draft: Draft, found: Sequence[Found]) -> Iterator[Found]:
             continue  # a wing, ``wing_upper_L``
         taken.update(path)
         sure = _SURE if trunk else _UNSURE
-        yield Found(kind, side, joints, tuple(path[: triple.at[0]]), sure, (f"{NAMES}: words of limbs",))
+        before = tuple(path[: path.index(joints[0])])
+        yield Found(kind, side, joints, before, sure, (f"{NAMES}: words of limbs",))
+
+
+def without_stumps(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]) -> Iterator[Found]:
+    """The limbs of pairs, but those of two joints that are alike only as a thigh is like half a leg.
+
+    Where names tell all three joints on one side alone, the other one is a stump: not sure, and no limb if an
+    end joint ends it. What is whole is found by its names. named: the limbs that a naming scheme knows.
+    """
+    for each in pairs:
+        if each.pair is None or len(each.joints) > 2:
+            yield each
+            continue
+        one, other = each.pair.joints(0), each.pair.joints(1)
+        mine, twin = (one, other) if each.joints == one else (other, one)
+        own, whole = _is_whole(draft, named, mine), _is_whole(draft, named, twin)
+        if own == whole:
+            yield each
+        elif whole and "end" not in roles_in_name(draft.tree.rig.names[mine[-1]]):
+            yield replace(each, confidence=min(each.confidence, _UNSURE), evidence=(*each.evidence, _STUMP))
+
+
+def _is_whole(draft: Draft, named: Sequence[Found], joints: Sequence[int]) -> bool:
+    """Whether names tell three joints of the limb that begins with these."""
+    known = any(len(each.joints) == 3 and set(joints) <= set(each.joints) for each in named)
+    return known or bool(_named_by_words(draft, draft.tree.paths[joints[0]]))
+
+
+def _named_by_words(draft: Draft, path: Sequence[int]) -> tuple[int, ...]:
+    """The three joints of a path that words name, () where they do not name all."""
+    triple = triple_of(draft.tree, [path], [], draft.words)
+    return tuple(path[k] for k in triple.at) if triple is not None and triple.named >= 1.0 else ()
 
 
 def _starts(draft: Draft, node: int) -> bool:
-    """Whether words of a limb begin with a joint, and it is a bone."""
-    levels = draft.words.get(node, NO_WORDS).levels
-    above = draft.words.get(draft.tree.above[node], NO_WORDS)
-    if not {"before", "upper"} & levels.keys() or (above.levels and not above.trunk):
+    """Whether words of a limb begin with a joint, and it is a bone.
+
+    What says no side above one that does is of the body: a ``root`` is of a limb on its side alone.
+    """
+    names, over = draft.tree.rig.names, draft.tree.above[node]
+    own, above = (draft.words.get(joint, NO_WORDS) for joint in (node, over))
+    if not {"before", "upper"} & own.levels.keys():
         return False
-    return _NO_BONES.isdisjoint(roles_in_name(draft.tree.rig.names[node]))
+    of_body = above.trunk or (parse_name(names[node]).side and not parse_name(names[over]).side)
+    return (not above.levels or bool(of_body)) and _NO_BONES.isdisjoint(roles_in_name(names[node]))
 
 
 def _kind(words: Sequence[LimbWords]) -> LimbKind | Literal[""]:

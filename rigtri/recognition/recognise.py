@@ -176,8 +176,12 @@ def _places_of_legs(draft: Draft, found: Sequence[Found]) -> dict[int, str]:
         if {each.side for each in ahead[:2]} == {"left", "right"}:
             return {id(each): "front " if k > 1 else "hind " for k, each in enumerate(ahead)}
     places_of = {id(each): {draft.words.get(k, NO_WORDS).place for k in each.joints} for each in legs}
-    if len(legs) == 2 and sides["left"] and not any(words.place == "hind" for words in draft.words.values()):
+    of_limbs = (words for words in draft.words.values() if words.kind or words.levels)
+    hind = any(words.place == "hind" for words in of_limbs)  # and no hair at the back
+    if len(legs) == 2 and sides["left"] and not hind:
         return {}  # a body on two legs, which some call front left and front right
+    if len(legs) == 1 and not hind and all(draft.words.get(k, NO_WORDS).corner for k in legs[0].joints):
+        return {}  # one leg, which ``lf`` puts on the left
     return {leg: "front " for leg, places in places_of.items() if places == {"front"}}
 
 
@@ -230,7 +234,8 @@ def _form(draft: Draft) -> Form:
         return "creature"
     if draft.four:
         return "quadruped"
-    if kinds.count("leg") == 2 and ("head" in kinds or kinds.count("arm") == 2):
+    legs, head, arms = kinds.count("leg"), "head" in kinds, kinds.count("arm") == 2
+    if (legs == 2 and (head or arms)) or (legs == 1 and head and arms):  # one leg may be lost
         return "biped"
     return "hand" if "hand" in kinds and "arm" not in kinds else "partial"
 

@@ -36,7 +36,7 @@ def lay_trunk(draft: Draft, found: Sequence[Found]) -> None:
         return
     legs, arms = pairs_of_limbs(draft, found)
     draft.hips, draft.chest = _hips(draft, legs, arms), _parent_of_limbs(draft, arms)
-    _spine(draft, legs if len(legs) == 2 else found)
+    _spine(draft, legs if 0 < len(legs) < 3 else found)
     _head(draft, arms or legs, has_arms=bool(arms))
     _tail(draft, legs)
 
@@ -74,7 +74,7 @@ def _hips(draft: Draft, legs: Sequence[Found], arms: Sequence[Found]) -> int:
     tree = draft.tree
     named = draft.known_bones.get("hips", -1)
     low, high = _parent_of_limbs(draft, legs), _parent_of_limbs(draft, arms)
-    if len(legs) < 2 or low < 0:
+    if len(legs) < (1 if arms else 2) or low < 0:
         return named
     if named >= 0 and (draft.certain or all(tree.is_below(k.joints[0], named) for k in legs)):
         return named
@@ -84,7 +84,7 @@ def _hips(draft: Draft, legs: Sequence[Found], arms: Sequence[Found]) -> int:
 
 
 def _spine(draft: Draft, found: Sequence[Found]) -> None:
-    """found: what it is as sure as: two legs, from which a spine leads to whatever hangs above them."""
+    """found: what it is as sure as: the legs, from which a spine leads to whatever hangs above them."""
     tree, bones = draft.tree, draft.known_bones
     if draft.hips >= 0:
         draft.call("hips", draft.hips)
