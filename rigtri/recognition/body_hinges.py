@@ -353,11 +353,13 @@ def _front_paws(character: Character, at: Floats, left: Floats) -> Iterator[int]
     """
     if character.form != "quadruped":
         return
-    feet = {chain.joints[0]: chain.joints for chain in character.sure_chains if chain.kind == "foot"}
-    for leg in (k for k in character.sure_chains if k.is_front and len(k.bend) == 3):
+    feet = {chain.joints[0]: chain.joints for chain in character.chains if chain.kind == "foot"}
+    for leg in (k for k in character.limbs if k.is_front and len(k.bend) == 3):
         shoulder, elbow, wrist = at[list(leg.bend)]
-        hinge = normalise(cross(elbow - shoulder, wrist - elbow))
-        if bend_angle(shoulder, elbow, wrist) < STRAIGHT or abs(float(dot(hinge, left))) > LATERAL:
+        across = float(dot(normalise(cross(elbow - shoulder, wrist - elbow)), left))
+        is_straight = bend_angle(shoulder, elbow, wrist) < STRAIGHT
+        # Of a leg that is not sure an elbow that is bent back shows that it is one.
+        if (is_straight or abs(across) > LATERAL) if leg.is_sure else (not is_straight and across < -LATERAL):
             yield from feet.get(leg.bend[2], ())
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from posed_bodies import Pose, PosedBody, posed_body
-from recognition_bodies.skeletons import line, rig_with
+from recognition_bodies.skeletons import HORSE, both, line, rig_with
 
 from rigtri import add_polevector, orient_joints
 from rigtri.maths.quaternions import from_axis_angle, multiply
@@ -202,6 +202,32 @@ def test_front_legs_that_are_not_sure_have_the_hinge_of_their_own_bend() -> None
         assert out.world[out.find(name), 1, 0] < -0.99, name
     for name in ("thigh_l", "calf_l"):
         assert out.world[out.find(name), 1, 0] > 0.99, name
+    assert "unsure-limb" in [notice.code for notice in report.warnings]
+
+
+def test_front_legs_behind_shoulder_blades_need_no_names_for_the_hinge_of_their_own_bend() -> None:
+    """A shoulder bends ahead as a knee does, and an elbow back: before, one sign was for both."""
+    front = [
+        (0.12, 1.49, 0.63),
+        (0.14, 1.15, 0.8),
+        (0.14, 0.83, 0.65),
+        (0.14, 0.38, 0.68),
+        (0.14, 0.19, 0.71),
+    ]
+    leg = line("blade.L upper.L elbow.L wrist.L paw.L", "chest", *front)
+    for toe, x in (("inner", 0.12), ("outer", 0.16)):
+        leg += line(f"{toe}.L {toe}_end.L", "paw.L", (x, 0.16, 0.76), (x, 0.14, 0.82))
+    kept = [
+        joint for joint in HORSE if joint[0].split(".")[0] not in ("upper_arm", "forearm", "hand", "finger")
+    ]
+    named = rig_with([*kept, *both(leg)])
+    rig, report = replace(named, names=("",) * len(named)), Report()
+    assert [named.names[chain.bend[1]] for chain in unsure(rig)] == ["elbow.L", "elbow.R"]
+    out = orient_joints(rig, report=report)
+    lateral = {name: round(float(x)) for name, x in zip(named.names, out.world[:, 1, 0], strict=True)}
+    for side in "LR":
+        assert [lateral[f"{part}.{side}"] for part in ("upper", "elbow")] == [-1, -1]
+        assert [lateral[f"{part}.{side}"] for part in ("thigh", "shin", "wrist", "paw")] == [1, 1, 1, 1]
     assert "unsure-limb" in [notice.code for notice in report.warnings]
 
 

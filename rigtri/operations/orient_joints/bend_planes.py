@@ -25,7 +25,7 @@ from rigtri.recognition.bend_direction import CLEAR, Bend, areas_and_sines, in_m
 from rigtri.recognition.body_hinges import Body, body_of
 from rigtri.recognition.hand_hinges import NOT_ITS_BEND
 from rigtri.recognition.layout import NAMES
-from rigtri.recognition.limb_bends import LimbBends
+from rigtri.recognition.limb_bends import NATURAL, LimbBends
 from rigtri.recognition.limbs import Limb, unsure
 from rigtri.report import Report
 
@@ -102,7 +102,7 @@ def bend_planes(
     taken: set[int] = set()
     rig, ref = targets.tree.rig, targets.ref
     limb_bends = LimbBends(rig, ref.world, ref.other, targets.limbs, bodies, facing)
-    limbs = [*targets.limbs, *_unsure_limbs(targets)]
+    limbs = [*targets.limbs, *_unsure_limbs(targets, bodies)]
     for limb, posed in zip(limbs, in_pose(limbs, ref.world), strict=True):
         members = _members(targets, limb)
         if not members:
@@ -150,13 +150,27 @@ def _warn_unheard(limb_bends: LimbBends, limb: Limb, found: Bend, report: Report
         )
 
 
-def _unsure_limbs(targets: Targets) -> list[Limb]:
-    """What names call limbs, and is clearly bent: that is the truth whatever they are."""
+def _unsure_limbs(targets: Targets, bodies: Sequence[Body]) -> list[Limb]:
+    """What names call limbs, or stands where front legs do, and is clearly bent: that is the truth.
+
+    Where shape alone does not tell which joint of a front leg is the elbow, only one that points back may be.
+    """
     taken = {node for limb in targets.limbs for node in limb.triple}
-    chains = [k.bend for k in unsure(targets.tree.rig) if k.evidence[0].startswith(NAMES)]
-    limbs = [Limb(a, b, c) for a, b, c in chains if taken.isdisjoint((a, b, c))]
+    chains = [k for k in unsure(targets.tree.rig) if k.is_front or k.evidence[0].startswith(NAMES)]
+    chains = [chain for chain in chains if taken.isdisjoint(chain.bend)]
+    limbs = [Limb(*chain.bend) for chain in chains]
     posed = in_pose(limbs, targets.ref.world)
-    return [limb for limb, found in zip(limbs, posed, strict=True) if found.sine >= CLEAR]
+    return [
+        limb
+        for chain, limb, found in zip(chains, limbs, posed, strict=True)
+        if found.sine >= CLEAR
+        and (chain.evidence[0].startswith(NAMES) or _points_back(found, body_of(bodies, limb.start)))
+    ]
+
+
+def _points_back(found: Bend, body: Body | None) -> bool:
+    """Whether a joint is bent as elbows are."""
+    return body is not None and bool(dot(found.direction, -body.chest) >= NATURAL)
 
 
 def _own_thumbs(targets: Targets, bodies: Sequence[Body]) -> set[int]:
