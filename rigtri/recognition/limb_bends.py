@@ -16,7 +16,7 @@ import numpy as np
 from rigtri.maths.angle_limits import cosine_below, sine_below
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import angle, dot, normalise, perpendicular
+from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular
 from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
@@ -31,11 +31,14 @@ from rigtri.recognition.bend_direction import (
     towards,
 )
 from rigtri.recognition.body_hinges import Body, body_of
+from rigtri.recognition.thumb_bends import hides, noise_of_twins
 from rigtri.report import Report
 
 # A small bend is accepted within this of the natural side (a cosine), from the second on where its twin
 # is so near to the mirror image.
 NATURAL, MIRRORED = cosine_below(60), cosine_below(30)
+# Noise of joints is known by few bones: a small bend counts where so many deviations leave its plane.
+DEVIATIONS = 2.0
 # A bend is against a direction where it is farther from it than a right angle (a cosine).
 AGAINST = -cosine_below(90)
 # A knee that bends aside by less than this (a sine) may be the shape of a leg.
@@ -124,8 +127,9 @@ class LimbBends:
     def _shown(self, limb: Limb, natural: Bend | None) -> tuple[Bend | None, Bend | None]:
         """What a limb shows that is accepted, and what it shows before that is not.
 
-        Of a pose that is not accepted the motion says on which side it errs, and not which plane is right:
-        where it is near the natural one, that is taken.
+        What noise may have bent near the natural side is neither. Of a pose that is not accepted the motion
+        says on which side it errs, and not which plane is right: where it is near the natural one, that is
+        taken.
         """
         doubted = None
         for found in self._own(limb):
@@ -133,7 +137,8 @@ class LimbBends:
                 errs = doubted is not None and natural is not None
                 near = natural is not None and bool(dot(found.direction, natural.direction) >= NATURAL)
                 return natural if errs and near else found, doubted
-            doubted = doubted or found
+            if natural is not None and dot(found.direction, natural.direction) < MIRRORED:
+                doubted = doubted or found
         return None, doubted
 
     def _other_side(self, limb: Limb, natural: Bend | None, doubted: Bend | None) -> Bend | None:
@@ -178,11 +183,26 @@ class LimbBends:
 
     def _is_believable(self, limb: Limb, found: Bend, natural: Bend) -> bool:
         near = float(dot(found.direction, natural.direction))
-        return (
-            (self._is_clear(limb, found) and not self._is_shape(limb, found, natural))
-            or near >= MIRRORED
-            or (near >= NATURAL and self._is_mirrored(limb, found, natural))
-        )
+        if self._is_clear(limb, found):
+            return near >= MIRRORED or not self._is_shape(limb, found, natural)
+        if found.source == "pose" and self._is_noise(limb):
+            return False
+        return near >= MIRRORED or (near >= NATURAL and self._is_mirrored(limb, found, natural))
+
+    def _is_noise(self, limb: Limb) -> bool:
+        """Whether noise of joints may have turned the plane of a limb, as the bones of both sides show it."""
+        a, b, c = self.world[list(limb.triple), 3, :3]
+        height = float(length(cross(b - a, c - b)) / length(c - a))
+        body = body_of(self.bodies, limb.start)
+        mine = [k for k in self.limbs if k.side == "left" and (body is None or k.start in body.nodes)]
+        twins = [(k, twin) for k in mine if (twin := self._twin(k)) is not None]
+        one, other = ([bone for pair in twins for bone in self._bones(pair[k])] for k in (0, 1))
+        return hides(DEVIATIONS * noise_of_twins(one, other), height)
+
+    def _bones(self, limb: Limb) -> list[float]:
+        """The lengths of the upper and the lower bone, file units."""
+        points = self.world[list(limb.triple), 3, :3]
+        return [float(bone) for bone in length(points[1:] - points[:-1])]
 
     def _is_shape(self, limb: Limb, found: Bend, natural: Bend) -> bool:
         """Whether a knee that bends little and aside is bandy or a knock knee: the foot points ahead.

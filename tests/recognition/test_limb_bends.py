@@ -184,6 +184,18 @@ def test_a_limb_that_is_not_believed_follows_a_clear_motion_of_the_other_side() 
             assert max(found[part]) < 1 if degrees > 0 else min(found[part]) > 179
 
 
+@pytest.mark.parametrize("seed", [1, 4, 11, 15])
+def test_a_bend_that_noise_of_the_joints_may_have_turned_is_not_taken(seed: int) -> None:
+    """Also near the natural side: before, hinges and poles were up to 39° off, without a word."""
+    body = posed_body(Pose(elbow=2.0, knee=2.0, forward=25.0, noise=0.6, seed=seed))
+    assert max(max(found) for found in off(body.rig, body).values()) < 29
+
+
+def test_a_small_bend_without_noise_is_the_plane_of_the_limb() -> None:
+    body = posed_body(Pose(elbow=2.0, knee=2.0, forward=25.0))
+    assert max(max(found) for found in off(body.rig, body).values()) < 0.1
+
+
 def test_front_legs_that_are_not_sure_have_the_hinge_of_their_own_bend() -> None:
     """A clear bend is the truth whatever they are, and no joint above or below them has a vote."""
     trunk = [(0.5, -0.3), (0.52, -0.1), (0.52, 0.1), (0.62, 0.28), (0.82, 0.48)]

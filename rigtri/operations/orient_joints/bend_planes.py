@@ -158,7 +158,7 @@ def _unsure_limbs(targets: Targets, bodies: Sequence[Body]) -> list[Limb]:
     taken = {node for limb in targets.limbs for node in limb.triple}
     chains = [k for k in unsure(targets.tree.rig) if k.is_front or k.evidence[0].startswith(NAMES)]
     chains = [chain for chain in chains if taken.isdisjoint(chain.bend)]
-    limbs = [Limb(*chain.bend) for chain in chains]
+    limbs = [Limb(a, b, c) for a, b, c in (chain.bend for chain in chains)]
     posed = in_pose(limbs, targets.ref.world)
     return [
         limb
