@@ -29,7 +29,7 @@ from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.operations.snap import SnapOptions, snap
 from rigtri.pipeline.edit import edit
-from rigtri.report import Report
+from rigtri.report import Notice, Report
 
 ARM = ("upper_arm_L", "forearm_L", "hand_L")
 NAMES = ["biped.glb", slow("biped.usda")]
@@ -417,31 +417,31 @@ def test_a_mirrored_control_of_other_axes_than_its_joint_s_mirrors_along_its_own
     np.testing.assert_allclose(found[:3, :3], expected, atol=1e-6)
 
 
+def left_out(rig: Rig) -> list[Notice]:
+    """What `bake`, `pose` and `export-blender` each say of the one control that they leave out."""
+    baked, posed, scripted = Report(), Report(), Report()
+    bake(rig, options=BakeOptions(to="joints"), report=baked)
+    pose_of(rig, PoseOptions("rest"), posed)
+    planned(rig, scripted)
+    found = [[n for n in r.warnings if n.code == "control-lost"] for r in (baked, posed, scripted)]
+    assert [len(notices) for notices in found] == [1, 1, 1]
+    return [notice for (notice,) in found]
+
+
 def test_a_control_whose_joint_was_renamed_is_named_wherever_it_is_left_out() -> None:
     rig = rigged("biped.glb")
     renamed = replace(rig, names=tuple("Kopf" if name == "head" else name for name in rig.names))
-    baked, posed, scripted = Report(), Report(), Report()
-    bake(renamed, options=BakeOptions(to="joints"), report=baked)
-    pose_of(renamed, PoseOptions("rest"), posed)
-    planned(renamed, scripted)
-    for report in (baked, posed, scripted):
-        (found,) = [notice for notice in report.warnings if notice.code == "control-lost"]
-        assert found.names == ("head",)
-        assert found.text.startswith("Control 'head_ctl' is left out")
+    for notice in left_out(renamed):
+        assert notice.names == ("head",)
+        assert notice.text.startswith("Control 'head_ctl' is left out")
 
 
 def test_a_control_that_counts_from_nothing_is_named_wherever_it_is_left_out() -> None:
     rig = rigged("biped.glb")
     node = control(rig, "head", "fk")
-    adrift = replace(rig, parents=np.where(np.arange(len(rig)) == node, -1, rig.parents))
-    baked, posed, scripted = Report(), Report(), Report()
-    bake(adrift, options=BakeOptions(to="joints"), report=baked)
-    pose_of(adrift, PoseOptions("rest"), posed)
-    planned(adrift, scripted)
-    for report in (baked, posed, scripted):
-        (found,) = [notice for notice in report.warnings if notice.code == "control-lost"]
-        assert found.names == ("head_ctl",)
-        assert "nothing is above it" in found.text
+    for notice in left_out(replace(rig, parents=np.where(np.arange(len(rig)) == node, -1, rig.parents))):
+        assert notice.names == ("head_ctl",)
+        assert "nothing is above it" in notice.text
 
 
 def test_check_finds_a_control_whose_ops_reset_the_stack(tmp_path: Path) -> None:
