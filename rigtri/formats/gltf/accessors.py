@@ -12,7 +12,7 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.buffers import Buffers, compression_of
-from rigtri.formats.json_values import Value
+from rigtri.formats.json_values import Value, short_repr
 from rigtri.maths.trigonometry import Floats
 
 FLOAT = 5126
@@ -230,7 +230,7 @@ class Accessors:
         normalized, sparse = raw.get("normalized") is True, raw.get("sparse") is not None
         if raw.get("bufferView") is None:
             if count * width > MOST_ZEROS:
-                accessor.fail(f"claims {count:g} elements without bytes for them")
+                accessor.fail(f"claims {short_repr(count)} elements without bytes for them")
             return Layout(component, width, count, normalized, sparse)
         view = accessor.natural("bufferView")
         layout = Layout(component, width, count, normalized, sparse, view)

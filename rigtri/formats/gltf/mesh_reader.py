@@ -188,7 +188,7 @@ class MeshReader:
             if len(joints) < BLOCK and len(self._influenced) < MOST_KEPT:  # these are all that it has
                 self._influenced[id(primitive.raw)] = joints, weights
             joints, weights = _within(primitive, joints, weights, len(moves))
-            moves[joints.ravel()[np.flatnonzero(weights > 0)]] = True
+            moves[joints.ravel()[np.flatnonzero(weights != 0)]] = True
             if moves.all():
                 return
 

@@ -92,6 +92,7 @@ def test_data_that_start_at_an_odd_offset_are_read(tmp_path: Path) -> None:
         ({"sparse": {}}, "missing"),
         ({"sparse": {"count": 9, "indices": {}, "values": {}}}, "replaces 9"),
         ({"bufferView": None, "count": 10**12}, "without bytes"),
+        ({"bufferView": None, "count": 10**400}, "without bytes"),
     ],
 )
 def test_accessors_out_of_bounds_are_named(change: dict[str, Any], words: str, tmp_path: Path) -> None:
@@ -291,3 +292,12 @@ def test_what_a_primitive_draws_is_told_by_its_mode(mode: int | None, kind: str,
     surface = mesh.surface()
     assert surface is not None
     assert surface.kind == kind
+
+
+def test_joints_of_negative_weights_move_points(tmp_path: Path) -> None:
+    """Before, prune-joints took such joints for idle ones, and its own proof refused the result."""
+    builder = small(3)
+    attributes = builder.gltf["meshes"][0]["primitives"][0]["attributes"]
+    attributes["WEIGHTS_0"] = builder.accessor([[-1, 0, 0, 0], [0, 0, 0, 0], [0, 1, 0, 0]])
+    (skin,) = opened(builder, tmp_path).rig.skins
+    assert skin.weighted.tolist() == [True, True, False]
