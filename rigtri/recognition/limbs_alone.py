@@ -18,6 +18,7 @@ from rigtri.recognition.naming_schemes import NO_LIMB, roles_in_name
 # How sure words of all three joints make a limb without a twin: where a trunk is named, and elsewhere.
 _SURE, _UNSURE = 0.85, 0.6
 _STUMP = "but its twin is longer by its names"
+_HALF = "but it has an upper bone alone by its names"
 # Bodies with more legs of a side than this have several of the same words.
 _SEVERAL = 2
 # An arm may be a gun.
@@ -60,7 +61,8 @@ def without_stumps(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
     """The limbs of pairs, but those of two joints that are alike only as a thigh is like half a leg.
 
     Where names tell all three joints on one side alone, the other one is a stump: not sure, and no limb if an
-    end joint ends it. What is whole is found by its names. named: the limbs that a naming scheme knows.
+    end joint ends it. What is whole is found by its names. Two thighs that end joints end are two stumps, not
+    sure. named: the limbs that a naming scheme knows.
     """
     for each in pairs:
         if each.pair is None or len(each.joints) > 2:
@@ -69,9 +71,13 @@ def without_stumps(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
         one, other = each.pair.joints(0), each.pair.joints(1)
         mine, twin = (one, other) if each.joints == one else (other, one)
         own, whole = _is_whole(draft, named, mine), _is_whole(draft, named, twin)
-        if own == whole:
+        ends = "end" in roles_in_name(draft.tree.rig.names[mine[-1]])
+        half = ends and draft.words.get(mine[0], NO_WORDS).levels == {"upper": 1.0}
+        if own == whole and half:
+            yield replace(each, confidence=min(each.confidence, _UNSURE), evidence=(*each.evidence, _HALF))
+        elif own == whole:
             yield each
-        elif whole and "end" not in roles_in_name(draft.tree.rig.names[mine[-1]]):
+        elif whole and not ends:
             yield replace(each, confidence=min(each.confidence, _UNSURE), evidence=(*each.evidence, _STUMP))
 
 

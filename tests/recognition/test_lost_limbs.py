@@ -26,10 +26,12 @@ _LF = ("Root", "cog spineA spineB neck head", "upArm loArm hand", "upLeg loLeg f
 _PLAIN = ("Root", "hips spine chest neck head", "UpperArm LowerArm Hand", "Thigh Shin Foot", "Left", "Right")
 
 
-def _body(called: tuple[str, ...], *, end: str = "_end", lost: str = "leg", hair: bool = False) -> Rig:
+def _body(
+    called: tuple[str, ...], *, end: str = "_end", lost: str = "leg", hair: bool = False, both: bool = False
+) -> Rig:
     """A body without what follows its right thigh, or upper arm, but for a joint of that name and ``end``.
 
-    Without an ``end`` the foot, or hand, alone is lost.
+    Without an ``end`` the foot, or hand, alone is lost; ``both``: on the left, too.
     """
     root, trunk, arms, legs, left, right = called
     middle = trunk.split()
@@ -40,10 +42,10 @@ def _body(called: tuple[str, ...], *, end: str = "_end", lost: str = "leg", hair
     for kind, words, points, over in (("arm", arms, _ARM, middle[2]), ("leg", legs, _LEG, middle[0])):
         for which, sign in ((left, 1.0), (right, -1.0)):
             names = [f"{which}{word}" for word in words.split()]
-            if kind == lost and which == right:
+            if is_lost := kind == lost and (both or which == right):
                 names = [names[0], f"{names[0]}{end}" if end else names[1]]
             for k, (name, (x, y, z)) in enumerate(zip(names, points, strict=False)):
-                half = 0.5 if end and kind == lost and which == right and k else 0.0
+                half = 0.5 if end and is_lost and k else 0.0
                 below = np.array(points[0]) * half + np.array((x, y, z)) * (1.0 - half)
                 places[name] = (sign * float(below[0]), float(below[1]), float(below[2]))
                 above[name] = names[k - 1] if k else over
@@ -90,3 +92,8 @@ def test_a_body_with_one_leg_has_hips_and_a_spine(called: tuple[str, ...]) -> No
     assert rig.names[character.hips] == trunk[0]
     spine = next(chain for chain in character.chains if chain.kind == "spine")
     assert [rig.names[k] for k in spine.joints] == trunk[1:3]
+
+
+def test_two_stumps_are_no_sure_legs() -> None:
+    rig = _body(_PLAIN, both=True)
+    assert [chain.is_sure for chain in recognise(rig).chains if chain.kind == "leg"] == [False, False]
