@@ -11,6 +11,7 @@ from rigtri.recognition.body_shape import Body, lies
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import up_of_stretched
 from rigtri.recognition.found_limb import Found
+from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.many_legs import up_of_row
 from rigtri.recognition.naming_schemes import roles_in_name
@@ -94,7 +95,8 @@ def _apart(draft: Draft, one: Found, other: Found, *, in_row: bool) -> Vector:
 def _trunk_over_no_legs(draft: Draft, sided: Sequence[Found], across: Vector) -> Vector:
     """Where the trunk of a body with arms and fewer legs than two rises, unit, if not up in the file.
 
-    Nothing where the arms hang from it to the file's ground: so do the front legs of an animal.
+    Nothing where the arms hang from it to the file's ground: so do the front legs of an animal, which have no
+    thumbs, and no wheels behind them.
     """
     arms = [each.joints for each in sided if each.kind == "arm"]
     legs = {each.side for each in sided if each.kind == "leg"}
@@ -109,7 +111,24 @@ def _trunk_over_no_legs(draft: Draft, sided: Sequence[Found], across: Vector) ->
     for joints in arms:
         out = out + (at[joints[-1]] - at[joints[0]]).unit * (1.0 / len(arms))
     hang = out.dot(-standing) > _HANG and abs(out.dot(trunk)) < _HANG
+    hang = hang and (bool(legs) or not (_has_thumbs(draft, arms) or _is_on_wheels(draft, low, trunk)))
     return Vector() if hang or trunk.dot(standing) > _RISES else on_axis(trunk, _ALONG)
+
+
+def _has_thumbs(draft: Draft, arms: Sequence[tuple[int, ...]]) -> bool:
+    """Whether names tell of a thumb below the end of each arm."""
+    names, branch = draft.tree.rig.names, draft.tree.branch
+    return all(any(finger_in_name(names[k]) == "Thumb" for k in branch(joints[-1])) for joints in arms)
+
+
+def _is_on_wheels(draft: Draft, low: int, trunk: Vector) -> bool:
+    """Whether a trunk rises from what names call wheels, its lowest joint above the middle of these."""
+    at, names = draft.tree.at, draft.tree.rig.names
+    ways = [at[low] - at[k] for k in draft.tree.nodes if "machine" in roles_in_name(names[k])]
+    total = Vector()
+    for way in ways:
+        total = total + way
+    return total.unit.dot(trunk) > _RISES
 
 
 def _ends_of_trunk(draft: Draft) -> tuple[int, int]:

@@ -417,6 +417,24 @@ def test_a_body_without_legs_stands_as_its_trunk_does(ahead: float) -> None:
     assert man.facing == pytest.approx((0, -1, 0), abs=1e-6)
 
 
+@pytest.mark.parametrize("below", ["wheels", "thumbs"])
+def test_arms_ahead_of_a_body_without_legs_hang_from_no_trunk_that_lies(below: str) -> None:
+    """It is on wheels, or has thumbs, as no front leg of an animal. Before, up was ahead."""
+    fists = {"upper_arm": (0.2, 1.4, 0.05), "forearm": (0.22, 1.38, 0.3), "hand": (0.2, 1.4, 0.55)}
+    body = []
+    for name, above, (x, y, z) in without(MAN, "thigh", "shin", "foot", "toe"):
+        at = fists.get(name[:-2], (abs(x), y, z))
+        body.append((name, above, (-at[0] if name.endswith(".R") else at[0], *at[1:])))
+    if below == "wheels":
+        corners = {"FL": (1, 0.3), "FR": (-1, 0.3), "BL": (1, -0.3), "BR": (-1, -0.3)}
+        body += [(f"wheel_{k}", "hips", (0.25 * x, 0.1, z)) for k, (x, z) in corners.items()]
+    else:
+        body += both(line("thumb_01.L thumb_02.L", "hand.L", (0.17, 1.42, 0.58), (0.16, 1.43, 0.61)))
+    (man,) = recognise(lying(body)).characters
+    assert man.up == (0, 0, 1)
+    assert man.facing == pytest.approx((0, -1, 0), abs=1e-6)
+
+
 def test_front_legs_called_arms_hang_from_a_trunk_that_lies() -> None:
     """Of which the hind ones are not known: what rises from the hips to the head is no upright trunk."""
     (front,) = recognise(rig_with(without(HORSE, "thigh", "shin", "foot", "toe"))).characters
