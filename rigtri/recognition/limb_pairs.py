@@ -12,13 +12,15 @@ from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
 from rigtri.recognition.limb_ends import HAND, branches, has_thumb, loose_ends
 from rigtri.recognition.limb_triples import CLAVICLES, Triple, sharpest_of, triple_of
-from rigtri.recognition.limb_words import NO_WORDS, LimbWords, Place
-from rigtri.recognition.naming_schemes import NO_LIMB
+from rigtri.recognition.limb_words import LEVELS, NO_WORDS, LimbWords, Place
+from rigtri.recognition.naming_schemes import BESIDE, NO_LIMB, roles_in_name
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair
 
 # So many of the longest pairs are tried as legs and as arms.
 TRIED = 10
+# How far names say three joints of which they call two clearly, and the third nothing, but for rounding.
+_TWO_OF_THREE = 0.66
 # A first bone that is shorter than this part of the next may be a clavicle.
 _COLLAR = 0.5
 
@@ -97,8 +99,26 @@ def limbs_of(
         if bend is not None or len(pair.paths[0]) > 1:
             limbs = _limbs(tree, pair, bend)
             words = [names[k] for k in (*limbs.joints(0), *limbs.joints(1)) if k in names]
-            found.append(replace(limbs, kind=_kind_of(limbs, words, poses), place=_place_of(limbs, names)))
+            limbs = replace(limbs, kind=_kind_of(limbs, words, poses), place=_place_of(limbs, names))
+            found.append(replace(limbs, named=1.0) if _is_armed(tree, limbs, names) else limbs)
     return found
+
+
+def _is_armed(tree: Tree, limbs: Limbs, names: Mapping[int, LimbWords]) -> bool:
+    """Whether names say upper and lower arm, and a gun alone follows: a machine's, in place of a hand.
+
+    What is only held moves no points, and is of no limb.
+    """
+    if limbs.kind != "arm" or len(limbs.at) < 3 or limbs.named < _TWO_OF_THREE:
+        return False
+    for *bones, end in (limbs.joints(0), limbs.joints(1)):
+        words = [names.get(joint, NO_WORDS) for joint in bones]
+        clear = all(word.levels == {level: 1.0} for word, level in zip(words, LEVELS[1:3], strict=True))
+        beside = {k: BESIDE.intersection(roles_in_name(tree.rig.names[k])) for k in tree.below[bones[1]]}
+        follow = [k for k, roles in beside.items() if not roles or "attachment" in roles]
+        if not clear or follow != [end] or "attachment" not in beside[end]:
+            return False
+    return True
 
 
 def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:

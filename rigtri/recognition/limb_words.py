@@ -180,8 +180,8 @@ def in_order(names: Sequence[LimbWords]) -> list[Mapping[Level, float]]:
 
     Of joints that are only numbered, two are the upper and the lower bone, three end the limb, and more
     say nothing, nor do three of an arm before its hand: the first may be a clavicle. After a
-    ``leg_middle`` the ``leg_lower`` ends it, and so does the knee of a front leg after its elbow: the
-    wrist. A shoulder or hip before an ``arm`` or ``thigh`` is no upper bone.
+    ``leg_middle`` the ``leg_lower`` ends it, clearly after a ``leg_upper``, and so does the knee of a front
+    leg after its elbow: the wrist. A shoulder or hip before an ``arm`` or ``thigh`` is no upper bone.
     """
     same = Counter(name.plain for name in names if name.plain)
     count, seen, middle, lower = max(same.values(), default=0), Counter[str](), False, False
@@ -200,6 +200,8 @@ def in_order(names: Sequence[LimbWords]) -> list[Mapping[Level, float]]:
             levels = {"end": 1.0}
         elif k < upper and {"before", "upper"} == levels.keys():
             levels = {"before": levels["before"]}
+        elif name.is_middle and k == upper + 1 < len(names) - 1 and names[k + 1].levels == {"lower": 1.0}:
+            levels = {"lower": 1.0}
         lower = lower or levels == {"lower": 1.0}
         middle = middle or name.is_middle
         found.append(levels)

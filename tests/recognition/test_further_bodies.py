@@ -97,6 +97,41 @@ def test_feelers_beside_the_middle_are_no_abdomen() -> None:
     assert sorted(legs(found)) == [("left", False)] * 3 + [("right", False)] * 3
 
 
+def test_words_of_upper_and_lower_bones_make_the_limbs_of_a_mech_sure() -> None:
+    """Arms end in guns, and what follows their barrels is long; legs have an upper, middle and lower bone."""
+    joints = [
+        *TRUNK,
+        *both(
+            [
+                *line(
+                    "ArmUpper.L ArmLower.L Gun.L Muzzle.L",
+                    "chest",
+                    (0.2, 1.4, 0),
+                    (0.26, 1.1, -0.04),
+                    (0.27, 0.9, 0.15),
+                    (0.27, 0.9, 0.6),
+                ),
+                *line(
+                    "LegUpper.L LegMiddle.L LegLower.L Foot.L",
+                    "hips",
+                    (0.13, 0.9, 0),
+                    (0.14, 0.65, 0.2),
+                    (0.14, 0.35, -0.2),
+                    (0.14, 0.08, 0),
+                ),
+            ]
+        ),
+    ]
+    rig = rig_with(joints)
+    rig = replace(rig, attachment=np.zeros(len(rig), dtype=np.int64))
+    limbs = [chain for chain in recognise(rig).chains if chain.kind in ("arm", "leg")]
+    assert {(chain.name, *(rig.names[k] for k in chain.bend)) for chain in limbs if chain.is_sure} == {
+        (f"{side} {kind}", *(f"{name}.{side[0].upper()}" for name in names.split()))
+        for kind, names in (("arm", "ArmUpper ArmLower Gun"), ("leg", "LegUpper LegMiddle LegLower"))
+        for side in ("left", "right")
+    }
+
+
 def test_an_arm_that_ends_in_a_gun_is_an_arm() -> None:
     guns = [
         *TRUNK,

@@ -141,7 +141,10 @@ def test_arms_of_parted_straight_bones_are_what_their_names_say() -> None:
 @pytest.mark.parametrize(
     ("names", "agreed"),
     [
-        ("leg_upper leg_middle leg_lower", 2.5 / 3),  # the middle says half, and the lower ends the limb
+        (
+            "leg_upper leg_middle leg_lower",
+            1.0,
+        ),  # between both the middle is clear, and the lower ends the limb
         ("leg_upper leg_lower leg_foot", 1.0),
     ],
 )
