@@ -447,3 +447,13 @@ def test_joints_are_looked_up_once_for_all_controls(tmp_path: Path, monkeypatch:
     )
     assert not [found for found in check(rigged) if found.id.startswith("usd.note")]
     assert len(looked) == len(set(looked)) > 0
+
+
+@pytest.mark.parametrize("key", ["scale", "rotation"])
+def test_an_integer_that_no_float_can_hold_is_a_finding_of_a_bone_too(key: str, tmp_path: Path) -> None:
+    builder = avatar_1()
+    bones = builder.gltf["extensions"]["VRMC_vrm"]["humanoid"]["humanBones"]
+    node = builder.gltf["nodes"][bones["hips"]["node"]]
+    node[key] = [10**400, 1, 1, 1][: 3 + (key == "rotation")]
+    found = check(builder.glb(tmp_path / "a.vrm"))
+    assert [finding.id for finding in found if finding.pointer.endswith(key)] == ["gltf.json.value"]

@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from rigtri.formats.json_values import short_repr
+from rigtri.errors import FileError
+from rigtri.formats.json_values import Value, short_repr
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.recognition.humanoid_order import ABOVE, ABOVE_0
 from rigtri.recognition.layout import REQUIRED
@@ -113,9 +114,10 @@ def is_above(view: View, ancestor: int, node: int) -> bool:
 def _numbers(view: View, node: int, key: str, count: int) -> list[float] | None:
     """The numbers of a node; None where there are none, or wrong ones, which are reported already."""
     raw = view.nodes[node].get(key)
-    if isinstance(raw, list) and len(raw) == count and all(type(x) in (int, float) for x in raw):
-        return raw
-    return None
+    try:
+        return None if raw is None else Value(raw, key).numbers(count)
+    except FileError:
+        return None
 
 
 def _check_scales(view: View, found: Mapping[str, int]) -> None:
