@@ -43,7 +43,7 @@ class Curl(NamedTuple):
     height: float = 0.0
 
 
-def curl_of(fingers: Sequence[Sequence[int]], at: Floats, palm: Floats | None) -> Curl:
+def curl_of(fingers: Sequence[Sequence[int]], wrist: int, at: Floats, palm: Floats | None) -> Curl:
     """What the fingers show; those that are straight, or only spread, have no vote.
 
     at: the places of all nodes, (n, 3). palm: about which they close by their places, unit, (3,).
@@ -59,7 +59,7 @@ def curl_of(fingers: Sequence[Sequence[int]], at: Floats, palm: Floats | None) -
             across = cross(b - a, c - b)
             heights.append(float((length(across) / length(c - a)).max()))
             plane = normalise(across.cumsum(axis=0)[-1])
-            shown.append((plane, len(finger) > len(PHALANGES)))
+            shown.append((plane, _has_metacarpal(finger, wrist, at)))
     least = max(SHOWN, HARDLY * max(most, default=0.0))
     normals = [
         plane
@@ -73,6 +73,12 @@ def curl_of(fingers: Sequence[Sequence[int]], at: Floats, palm: Floats | None) -
     closes = 0.0 if palm is None else float(dot(hinge, palm))
     agreement = float(length(common)) / len(normals)
     return Curl(hinge, sorted(most)[half], agreement, closes, sorted(heights)[half])
+
+
+def _has_metacarpal(finger: Sequence[int], wrist: int, at: Floats) -> bool:
+    """Whether the first joint of a finger is in the palm: it is one of four, or nearer to the wrist."""
+    to_first, first = length(at[finger[0]] - at[wrist]), length(at[finger[1]] - at[finger[0]])
+    return len(finger) > len(PHALANGES) or bool(first > to_first)
 
 
 def mean_of_pair(curls: Sequence[Curl]) -> list[Curl]:

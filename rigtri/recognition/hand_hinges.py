@@ -332,7 +332,7 @@ class _PosedHand:
     @cached_property
     def curl(self) -> Curl:
         """What the bends of the fingers show."""
-        return curl_of(self.fingers, self.at, self._across)
+        return curl_of(self.fingers, self.wrist, self.at, self._across)
 
     def bones(self, finger: Sequence[int]) -> list[float]:
         """The lengths of the bones from the wrist to the end of a finger, file units."""

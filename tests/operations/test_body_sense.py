@@ -423,17 +423,19 @@ def test_fingers_that_look_bent_aside_close_towards_the_palm() -> None:
         assert axes[body.parts[part]] @ body.hinges[body.parts[part]] > 0.9
 
 
-def test_open_fingers_with_metacarpals_have_no_vote_beside_bent_ones() -> None:
+@pytest.mark.parametrize("count", [3, 4])
+def test_open_fingers_with_metacarpals_have_no_vote_beside_bent_ones(count: int) -> None:
     """Before, how the two open fingers of a peace sign are spread turned the hand by 45°."""
     fingers = []
     for finger, aside in (("index", 0.035), ("middle", 0.02), ("ring", -0.01), ("little", -0.03)):
         open_, bent = [(0.83, 1.45), (0.86, 1.45)], [(0.79, 1.41), (0.76, 1.41)]
         outer = [(*place, aside) for place in (open_ if aside > 0 else bent)]
-        names = " ".join(f"{finger}{k}.L" for k in range(4))
-        fingers += line(names, "hand.L", (0.71, 1.45, 0.3 * aside), (0.79, 1.45, aside), *outer)
+        names = " ".join(f"{finger}{k}.L" for k in range(count))
+        places = [(0.71, 1.45, 0.3 * aside), (0.79, 1.45, aside), *outer]
+        fingers += line(names, "hand.L", *places[:count])
     rig = rig_with([*TRUNK, *both([*ARM, *fingers, *LEG])])
     axes = hinge_axes(orient_joints(rig), "+y")
-    for name in ("hand.L", "index1.L", "ring1.L", "ring2.L"):
+    for name in ("hand.L", "index1.L", "ring1.L", f"ring{count - 2}.L"):
         assert axes[rig.find(name)] @ (0, 0, -1) > 0.95, name
 
 
