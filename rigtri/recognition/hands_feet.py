@@ -13,7 +13,7 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES
-from rigtri.recognition.limb_ends import next_toe, thumb_of
+from rigtri.recognition.limb_ends import moves_as_finger, next_toe, thumb_of
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import BESIDE, roles_in_name
 
@@ -28,8 +28,8 @@ _CALLED = {
 }
 _WORDS = {"Thumb": "thumb", "Little": "little finger"}
 _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: PHALANGES}
-# Of what is below a hand, chains longer than this part of the lower arm are no fingers.
-_LONG = 1.2
+# Of what is below a hand, chains longer than this part of the lower arm are no fingers, or those of a mitten.
+_LONG, _MITTEN = 1.2, 2.0
 # What points back by this (a sine, 20°) is a heel; feet that trail may be stretched beyond the shin.
 _HEEL = 0.35
 # A shin that goes ahead or back by this (a cosine) is one of who kneels or sits on the ground.
@@ -74,8 +74,7 @@ def _foot(draft: Draft, leg: Found) -> None:
     joints = [*tree.way(ankle, toes)] if toes >= 0 and tree.is_below(toes, ankle) else joints
     if not draft.four and leg.side and len(joints) > 1:
         draft.call(f"{leg.side}Toes", toes if toes in joints else joints[1])
-    words = ("follows the leg",)
-    draft.add_chain("foot", "foot", leg.side, joints, leg.confidence, words)
+    draft.add_chain("foot", "foot", leg.side, joints, leg.confidence, ("follows the leg",))
 
 
 def _ahead_of(shin: Vector, draft: Draft) -> Vector:
@@ -139,24 +138,25 @@ def _beside(draft: Draft, arm: Found) -> list[list[int]]:
 
 
 def _lower(draft: Draft, arm: Found) -> float:
-    at = draft.tree.at
-    return (at[arm.joints[2]] - at[arm.joints[1]]).length
+    return (draft.tree.at[arm.joints[2]] - draft.tree.at[arm.joints[1]]).length
 
 
 def finger_chains(draft: Draft, hand: int, size: float) -> list[list[int]]:
     """The chains that begin at a hand, or at a joint that it branches in, and are short: root to end.
 
-    What is called a finger is one, however long; and of three chains or more most are.
+    What is called a finger is one, however long; of three chains or more most are, and of two a mitten's.
     """
     tree, found = draft.tree, []
     below = [child for child in tree.below[hand] if not _is_other(draft, child)]
     long = {child: tree.bone[child] + tree.reach[child] for child in below}
     usual = sorted(long.values())[len(long) // 2] if len(long) > 2 else 0.0
+    moving = [child for child in below if moves_as_finger(tree, draft.poses, child)]
+    most = max(_LONG * max(size, usual), _MITTEN * size if len(moving) == 2 else 0.0)
     for child in below:
         path = [*tree.paths[child]]
         if len([k for k in tree.below[child] if tree.reach[k] > 0 or tree.bone[k] > 0]) > 1:
             found += finger_chains(draft, child, size)
-        elif long[child] < _LONG * max(size, usual) or not size > 0 or _is_called_finger(draft, path):
+        elif long[child] < most or not size > 0 or _is_called_finger(draft, path):
             found.append(_without_end(draft, path))
     return found
 

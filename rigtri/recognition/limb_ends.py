@@ -16,8 +16,8 @@ from rigtri.recognition.limb_words import NO_WORDS, LimbWords
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair
 
-# So many fingers make a hand.
-HAND = 4
+# So many fingers make a hand, and so many joints a finger.
+HAND, _FINGER = 4, (2, 3, 4)
 # A thumb begins this much nearer to the wrist than fingers do, or points this far aside (a cosine).
 _NEAR, _APART = 0.7, cosine_below(20)
 # The outer toes of a paw spread less far than this (a cosine).
@@ -45,6 +45,13 @@ def next_toe(tree: Tree, ahead: Mapping[int, float], slack: float, past: float) 
     apart = [max((tree.at[k] - tree.at[other]).length for other in toes) for k in toes]
     near = min(apart) + _AS_NEAR * (max(apart) - min(apart))
     return next(k for k, far in zip(toes, apart, strict=True) if far <= near)
+
+
+def moves_as_finger(tree: Tree, poses: Poses, root: int) -> bool:
+    """Whether a chain has as many joints as a finger, which all move points but for its end."""
+    chain = tree.paths[root]
+    chain = chain if poses.moves_points(chain[-1]) else chain[:-1]
+    return len(chain) in _FINGER and all(map(poses.moves_points, chain))
 
 
 def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: float = _APART) -> int:

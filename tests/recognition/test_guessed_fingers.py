@@ -81,6 +81,17 @@ def test_a_mitten_of_one_numbered_finger_is_what_its_scheme_says() -> None:
     assert {name for name, _ in found.values()} == {"left index finger"}
 
 
+@pytest.mark.parametrize("slots", [False, True])
+def test_the_mitten_of_a_short_arm_may_be_longer_than_its_lower_bone(slots: bool) -> None:
+    """Before, the mitten was something held, and the thumb all of the hand."""
+    body = posed_body(Pose("none", short=0.5, hands=1.2, fingers=1, ends=True, slots=slots))
+    (character,) = recognise(body.rig).characters
+    known = {chain.name: chain.joints[0] for chain in character.chains if chain.kind == "finger"}
+    for side in ("left", "right"):
+        assert known[f"{side} thumb"] == body.parts[f"{side} thumb 1"]
+        assert known[f"{side} finger"] == body.parts[f"{side} index 1"]
+
+
 def test_what_is_held_is_no_finger() -> None:
     """A joint without weight in the hand, of which no name says what it is."""
     body = posed_body(Pose("none", slots=True, curl=10.0))
