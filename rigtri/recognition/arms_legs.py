@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from rigtri.maths.ranking import SAME_SCORE, ranked
+from rigtri.maths.scalar_vector import Vector
 from rigtri.model.joint_names import Side
 from rigtri.recognition.biped_or_quadruped import may_be_front_legs
 from rigtri.recognition.body_shape import Body, stands_too, within
@@ -19,7 +20,15 @@ from rigtri.recognition.limb_pairs import Limbs, ends_in_hand, lacks_hand
 from rigtri.recognition.limb_triples import TIE, bends_within, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement, in_order
 from rigtri.recognition.limbs_alone import without_stumps
-from rigtri.recognition.standing import CLEAR, FIRST_APART, GUESS, is_clear, row_of_legs, stand_by_names
+from rigtri.recognition.standing import (
+    CLEAR,
+    FIRST_APART,
+    GUESS,
+    is_clear,
+    lone_left,
+    row_of_legs,
+    stand_by_names,
+)
 from rigtri.text import a
 
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
@@ -37,6 +46,8 @@ _STUNTED = 0.25
 _DOUBT = 0.25
 # From here on it denies names of sides; below, only those of joints that a negative scale has mirrored.
 _DENIES = 0.6
+# Limbs without twins go to their sides by this (a cosine) from where a body faces to its left.
+_ASIDE = 0.5
 # Of a body of many legs it has to be so sure before any side is given.
 _SEEN = 0.5
 # Another way to see the body that is as good as this counts against both.
@@ -57,7 +68,7 @@ def find_limbs(draft: Draft) -> list[Found]:
     named = list(_by_name(draft))
     pairs = [each for limbs in draft.shape.limbs for each in _of_pair(draft, limbs, bool(named))]
     stand_by_names(draft, named, pairs)
-    pairs = _sided(draft, pairs)
+    pairs = _sided(draft, pairs, named)
     found = [_agreed(draft, each, pairs) for each in named]
     for each in ranked([*without_stumps(draft, named, pairs)], lambda each: each.confidence, SAME_SCORE):
         taken = {joint for other in found for joint in other.joints}
@@ -201,12 +212,12 @@ def _body_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
     return sure
 
 
-def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
+def _sided(draft: Draft, pairs: Sequence[Found], named: Sequence[Found]) -> list[Found]:
     """Limbs of the shape with the sides they stand on, where that can be seen."""
     by_names = any(draft.facing) and any(draft.left)
     if draft.shape.plane is None or draft.shape.body is None:
         return [replace(each, side=_side(draft, each)) for each in pairs] if by_names else []
-    sure, why = _faces(draft, draft.shape.body, pairs, by_names)
+    sure, why = _faces(draft, draft.shape.body, pairs, named)
     share = 1.0 if by_names else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 2.0 * _DOUBT)
     because = () if by_names else tuple(f"{FACES}{w}" for w in why[:1])
     if draft.shape.legs and not by_names and sure < _SEEN:
@@ -221,15 +232,21 @@ def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
     return found
 
 
-def _faces(draft: Draft, body: Body, pairs: Sequence[Found], by_names: bool) -> tuple[float, tuple[str, ...]]:
-    """How sure it is by its shape where a body faces, and why; sets that, where names do not tell it."""
-    plane = draft.shape.plane
+def _faces(
+    draft: Draft, body: Body, pairs: Sequence[Found], limbs: Sequence[Found]
+) -> tuple[float, tuple[str, ...]]:
+    """How sure it is by its shape where a body faces, and why; sets that, where names do not tell it.
+
+    limbs: those that a naming scheme knows.
+    """
+    plane, by_names = draft.shape.plane, any(draft.facing) and any(draft.left)
     assert plane is not None
     legs = draft.shape.legs or row_of_legs(draft.shape, pairs)
     named, body = (draft.facing, replace(body, up=draft.up)) if by_names else (None, body)
     ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses, named=named, legs=legs)
     if not by_names:
-        draft.stand(body.up, ahead)
+        lone = lone_left(draft, limbs).cross(body.up) if sure < _DOUBT else Vector()
+        draft.stand(body.up, -ahead if lone.dot(ahead) < -_ASIDE * lone.length else ahead)
     elif sure > _DOUBT and draft.facing.dot(ahead) < -0.5:
         if (sure > _DENIES and not UNSURE.issuperset(why)) or draft.is_mirrored:
             words, draft.facing = "is on the right of where it faces", -draft.facing

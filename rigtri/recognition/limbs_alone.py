@@ -10,6 +10,7 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.inanimate import has_hips_or_spine
 from rigtri.recognition.layout import NAMES, LimbKind
+from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import triple_of
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords
 from rigtri.recognition.name_parsing import parse_name
@@ -79,6 +80,13 @@ def without_stumps(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
             yield each
         elif whole and not ends:
             yield replace(each, confidence=min(each.confidence, _UNSURE), evidence=(*each.evidence, _STUMP))
+
+
+def is_half_whole(draft: Draft, named: Sequence[Found], limbs: Limbs | None) -> bool:
+    """Whether two limbs of two joints are alike only so far: names tell three joints of one of them alone."""
+    if limbs is None or len(limbs.at) > 2:
+        return False
+    return _is_whole(draft, named, limbs.joints(0)) != _is_whole(draft, named, limbs.joints(1))
 
 
 def _is_whole(draft: Draft, named: Sequence[Found], joints: Sequence[int]) -> bool:

@@ -13,6 +13,7 @@ from rigtri.recognition.facing import up_of_stretched
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.limb_pairs import Limbs
+from rigtri.recognition.limbs_alone import is_half_whole
 from rigtri.recognition.many_legs import up_of_row
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.shape_analysis import Shape
@@ -46,6 +47,7 @@ def stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
         for other in sided
         if one.side == "left" and other.side == "right" and _are_twins(one, other)
     ]
+    stumps = [limbs for limbs in draft.shape.limbs if is_half_whole(draft, named, limbs)]
     row = row_of_legs(draft.shape, pairs)
     across = Vector()
     for one, other in twins:
@@ -56,15 +58,33 @@ def stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
         up = stretched
     elif row:
         up = up_of_row(row, up, across.unit)
-    elif any(trunk := _trunk_over_no_legs(draft, sided, across.unit)):
+    elif any(trunk := _trunk_over_no_legs(draft, [k for k in sided if k.pair not in stumps], across.unit)):
         up = trunk
-    elif body is not None and (
-        is_clear(body)
-        or abs(across.unit.dot(up)) > _LATERAL
-        or (_has_legs_of(body, legs, arms) and lies(draft.tree, body, up))
+    elif (
+        body is not None
+        and body.legs not in stumps
+        and (
+            is_clear(body)
+            or abs(across.unit.dot(up)) > _LATERAL
+            or (_has_legs_of(body, legs, arms) and lies(draft.tree, body, up))
+        )
     ):
         up = body.up
     draft.stand(up, across.cross(up))
+
+
+def lone_left(draft: Draft, named: Sequence[Found]) -> Vector:
+    """From the trunk to where limbs begin that names put on the left, against those on the right, file units.
+
+    An arm and a leg without twins tell so which way is left.
+    """
+    tree, total = draft.tree, Vector()
+    for each in named:
+        over = tree.above[(*each.before, *each.joints)[0]]
+        if each.side and over >= 0:
+            way = tree.at[each.joints[0]] - tree.at[over]
+            total = total + (way if each.side == "left" else -way)
+    return total
 
 
 def row_of_legs(shape: Shape, pairs: Sequence[Found]) -> tuple[Limbs, ...]:
