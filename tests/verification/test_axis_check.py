@@ -12,12 +12,12 @@ from body_files import AXES, FINGERS, backwards, rolled, with_poles
 from broken_vrm import avatar_0
 from places import SAMPLES, one_in, real_files, samples_of_all_kinds
 from posed_bodies import Pose, posed_body, poses
-from recognition_bodies.skeletons import HORSE, MAN, TRUNK, line, rig_with
+from recognition_bodies.skeletons import ARM, HORSE, LEG, MAN, TRUNK, both, line, rig_with
 
 from rigtri import add_polevector, mirror, orient_joints
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.reframe import reframe
-from rigtri.maths.quaternions import IDENTITY, from_axis_angle
+from rigtri.maths.quaternions import IDENTITY, from_axis_angle, rotate
 from rigtri.maths.vectors import normalise
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS
@@ -26,6 +26,7 @@ from rigtri.recognition.limbs import recognise as recognised
 from rigtri.recognition.recognise import recognise
 from rigtri.verification.checks import axis_check, check
 from rigtri.verification.checks.axis_check import axis_findings
+from rigtri.verification.checks.axis_rolls import roll_between, roll_within
 
 
 def rules(rig: Rig) -> set[str]:
@@ -167,6 +168,34 @@ def test_a_thumb_that_is_no_mirror_image_of_the_other_is_named(part: str) -> Non
     ((rule, node, text),) = axis_findings(rolled(body, **{part: 45.0}))
     assert (rule, node) == ("axes.roll", body.parts[f"left thumb {part[-1]}"])
     assert "no mirror image of it" in text
+
+
+def test_thumbs_of_a_fist_and_of_an_open_hand_need_not_be_mirror_images() -> None:
+    """Before, a thumb beside a fist was rolled otherwise against its fingers than the other one."""
+    joints = [*TRUNK, *both([*ARM, *LEG])]
+    thumb = [(0.725, 1.438, 0.028), (0.754, 1.424, 0.061), (0.775, 1.414, 0.086), (0.79, 1.4, 0.1)]
+    for side, sign, bends in (("L", 1.0, (70.0, 155.0)), ("R", -1.0, (20.0, 35.0))):
+        for finger, z in (("index", 0.03), ("middle", 0.01), ("ring", -0.01), ("little", -0.03)):
+            a, b = np.radians(bends)
+            steps = [(0.79, 1.45, z), (0.04 * np.cos(a), -0.04 * np.sin(a), 0.0)]
+            steps.append((0.03 * np.cos(b), -0.03 * np.sin(b), 0.0))
+            places = np.cumsum(steps, axis=0) * (sign, 1.0, 1.0)
+            names = " ".join(f"{finger}{k}.{side}" for k in range(1, 4))
+            joints += line(names, f"hand.{side}", *map(tuple, places.tolist()))
+        names = " ".join(f"thumb{k}.{side}" for k in range(1, 5))
+        joints += line(names, f"hand.{side}", *((sign * x, y, z) for x, y, z in thumb))
+    assert rules(orient_joints(rig_with(joints))) == set()
+
+
+def test_bones_that_share_the_axis_that_they_flex_about_are_not_rolled() -> None:
+    """Noise tilts short bones, which then have no one plane: the shortest turn between them is aslant."""
+    hinge, bones = np.array([0.0, 0.0, 1.0]), normalise(np.array([[1.0, 0.1, 0.3], [-0.2, 1.0, 0.3]]))
+    up = normalise(hinge - (bones @ hinge)[:, None] * bones)
+    axes = np.stack([bones, up, np.cross(bones, up)], axis=1)
+    assert roll_between(axes, (0, 1.0), 0, 1) > 30 > 25 > roll_within(axes, (0, 1.0), 0, 1)
+    turn = from_axis_angle(bones[1], np.radians(50.0))
+    axes[1] = [bones[1], rotate(turn, up[1]), rotate(turn, np.cross(bones[1], up[1]))]
+    assert roll_within(axes, (0, 1.0), 0, 1) > 30
 
 
 @pytest.mark.ci

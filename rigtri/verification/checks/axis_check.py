@@ -20,7 +20,6 @@ from rigtri.errors import RigtriError
 from rigtri.frames.skeleton import Skeleton, reference, skeleton
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import handedness
-from rigtri.maths.quaternions import between, from_axis_angle, rotate
 from rigtri.maths.ranking import largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular
@@ -33,6 +32,7 @@ from rigtri.recognition.limb_bends import LimbBends
 from rigtri.recognition.limbs import recognise as recognised
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
+from rigtri.verification.checks.axis_rolls import Signed, roll_between, roll_within
 from rigtri.verification.checks.cycle_check import title_and_pointer
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.pole_check import pole_findings
@@ -44,6 +44,8 @@ AIMS = cosine_below(20)
 # Degrees: of the axes of fingers, of the two bones of a limb, of neighbours in the trunk, and of the trunk's
 # axes off the facing direction.
 FINGERS, LIMB, TRUNK, FORWARD = 30.0, 20.0, 30.0, 35.0
+# Degrees: hands are in one pose where thumb and fingers are as far apart on both sides but for this.
+POSED = 20.0
 # A bone shorter than this share of the longest of its chain has no direction.
 TINY = 1e-3
 # About an axis that flexes, a joint moves its bone within this (a cosine) of the way in which it bends.
@@ -57,8 +59,6 @@ THUMB = cosine_below(75)
 _BENDS = {"arm": "elbow", "leg": "knee"}
 # Bodies whose trunk and limbs have one sense.
 _BODIES = ("biped", "quadruped")
-# A signed axis of a joint: 0 to 2, and 1 or −1.
-Signed = tuple[int, float]
 Found = tuple[str, int, str]
 
 
@@ -224,23 +224,13 @@ class _Seen:
         off += [joint for joint in odd if joint not in off]
         return None if odd else best
 
-    def _roll(self, aim: Signed, one: int, other: int, folds: Floats | None = None) -> float:
-        """How far a joint is rolled against another about the axis that aims, degrees.
-
-        folds: the axis about which bones fold back, (3,): opposite ones have no shortest turn.
-        """
-        (k, sign), up = aim, (aim[0] + 1) % 3
-        start, end, axis = self.axes[one, k] * sign, self.axes[other, k] * sign, self.axes[one, up]
-        if folds is not None and dot(start, end) < 0:
-            half = from_axis_angle(perpendicular(folds, start), np.pi)
-            start, axis = rotate(half, start), rotate(half, axis)
-        return float(np.degrees(angle(rotate(between(start, end), axis), self.axes[other, up])))
-
     def _hand(self, side: str, hand: Sequence[Chain], off: list[int]) -> Iterator[Found]:
         aim = self._aim([finger.joints[:2] for finger in hand], off)  # type: ignore[misc]
         if aim is None:
             return
-        rolls = [(self._roll(aim, a.joints[0], b.joints[0]), a, b) for a, b in combinations(hand, 2)]
+        rolls = [
+            (roll_between(self.axes, aim, a.joints[0], b.joints[0]), a, b) for a, b in combinations(hand, 2)
+        ]
         most, a, b = largest(rolls, lambda roll: roll[0])
         if most > FINGERS:
             text = f"the fingers of the {f'{side} hand'.strip()} curl about axes up to {most:.0f}° apart"
@@ -274,24 +264,36 @@ class _Seen:
             yield from self._rolled(joint, target, least, closing, "closes the fingers")
 
     def _unlike_thumbs(self, known: set[int]) -> Iterator[Found]:
-        """The joints of a thumb that are rolled otherwise against the fingers than its twin's."""
-        rolls: list[list[tuple[int, float]]] = []
+        """The joints of a thumb that are rolled otherwise against the fingers than its twin's.
+
+        Of hands in one pose: the same rule rolls them otherwise beside a fist than beside open fingers.
+        """
+        rolls, poses = list[list[tuple[int, float]]](), list[list[float]]()
         for side, hand in self.hands:
             thumb = self.chains.get(f"{side} thumb".strip())
             finger, bones = hand[0].joints[:2], [*pairwise(thumb.joints if thumb else ())]
             aim = self._aim([finger, *bones], []) if bones else None  # type: ignore[list-item]
-            rolls.append([(joint, self._roll(aim, finger[0], joint)) for joint, _ in bones] if aim else [])
-        for (joint, one), (twin, other) in zip(*rolls, strict=False) if len(rolls) == 2 else ():
+            rolls.append([(k, roll_between(self.axes, aim, finger[0], k)) for k, _ in bones] if aim else [])
+            poses.append(self._pose(finger, bones))
+        if len(rolls) != 2 or any(abs(a - b) > POSED for a, b in zip(*poses, strict=False)):
+            return
+        for (joint, one), (twin, other) in zip(*rolls, strict=False):
             if abs(one - other) > FINGERS and not {joint, twin} & known:
                 against = f"{one:.0f}° against the fingers, '{self.rig.title(twin)}' by {other:.0f}°"
                 yield "axes.roll", joint, f"is rolled by {against}: no mirror image of it"
+
+    def _pose(self, finger: Sequence[int], thumb: Sequence[tuple[int, int]]) -> list[float]:
+        """How far the first bone of a finger is from the palm's and from the thumb's, degrees each."""
+        others = [(int(self.rig.parents[finger[0]]), finger[0]), *thumb[:1]]
+        bone = self.at[finger[1]] - self.at[finger[0]]
+        return [float(np.degrees(angle(bone, self.at[end] - self.at[start]))) for start, end in others]
 
     def _rolled_fingers(self, hand: Sequence[Chain]) -> Iterator[Found]:
         """The joints within a finger that are rolled against the one above."""
         for finger in hand:
             aim = self._aim([*pairwise(finger.joints)], [])
             for above, joint in pairwise(finger.joints if aim else ()):
-                roll = self._roll(aim, above, joint) if aim else 0.0
+                roll = roll_within(self.axes, aim, above, joint) if aim else 0.0
                 if roll > FINGERS:
                     yield "axes.roll", joint, f"is rolled by {roll:.0f}° against '{self.rig.title(above)}'"
 
@@ -313,7 +315,7 @@ class _Seen:
         if len(trunk) > 2 and not dot(bone[trunk[-1]], bone[trunk[-2]]) > FLEXES:
             trunk = trunk[:-1]  # a head without a bone of its own
         for below, joint in pairwise(trunk):
-            roll = self._roll(aim, below, joint, None if self.body is None else self.body.left)
+            roll = roll_between(self.axes, aim, below, joint, None if self.body is None else self.body.left)
             if roll > TRUNK:
                 yield "axes.trunk", joint, f"is rolled by {roll:.0f}° against '{self.rig.title(below)}'"
         if self.body is None:
@@ -349,7 +351,7 @@ class _Seen:
             aim = self._aim([limb.triple[:2], limb.triple[1:]], off)
             if aim is None:
                 continue
-            roll = self._roll(aim, limb.start, limb.middle)
+            roll = roll_between(self.axes, aim, limb.start, limb.middle)
             if roll > LIMB:
                 text = f"its hinge is rolled by {roll:.0f}° against that of '{self.rig.title(limb.start)}'"
                 yield "axes.hinge", limb.middle, f"{text}: they are the two bones of one limb"
