@@ -405,17 +405,24 @@ def test_a_mirrored_constraint_warns_of_keys_of_the_control_that_follows(samples
     rig = add_controls(read(samples / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
     rule = ConstrainOptions(child="hand_L_ik_ctl", driver=(("head", 1.0),))
     rig = constrain(rig, options=rule)
-    still, keyed = Report(), Report()
-    mirror(rig, options=MirrorOptions(from_side="left"), report=still)
+    still, keyed, limb = Report(), Report(), Report()
+    arm = {rig.find("upper_arm_R"), *rig.below(rig.find("upper_arm_R"))}
+    without = [replace(c, tracks=tuple(t for t in c.tracks if t.node not in arm)) for c in rig.clips]
+    mirror(replace(rig, clips=tuple(without)), options=MirrorOptions(from_side="left"), report=still)
     assert "mirror-moves" not in {notice.code for notice in still.warnings}
+    # From now on IK moves the limb in all clips; before, it moved otherwise than by its keys without a word.
+    mirror(rig, options=MirrorOptions(from_side="left"), report=limb)
+    (text,) = [notice.text for notice in limb.warnings if notice.code == "mirror-moves"]
+    assert "upper_arm_R" in text
+    assert "in walk, wave and follow" in text
     keys = Track(rig.find("hand_R_ik_ctl"), "translation", "STEP", np.zeros(1), np.full((1, 3), 0.1))
-    rig = replace(rig, clips=(Clip("reach", (keys,)), *rig.clips))
-    mirror(rig, options=MirrorOptions(from_side="left"), report=keyed)
+    only = replace(rig, clips=(Clip("reach", (keys,)), *without))
+    mirror(only, options=MirrorOptions(from_side="left"), report=keyed)
     (text,) = [notice.text for notice in keyed.warnings if notice.code == "mirror-moves"]
     assert text.startswith("hand_R_ik_ctl has keys in reach")
     rule = ConstrainOptions(type="polevector", child="hand_L", driver=(("head", 1.0),))
     pole = replace(keys, node=rig.find("forearm_R_pole"))
-    rig = replace(rig, clips=(Clip("reach", (keys, pole)), *rig.clips[1:]))
+    rig = replace(rig, clips=(Clip("reach", (keys, pole)), *rig.clips))
     mirror(constrain(rig, options=rule), options=MirrorOptions(from_side="left"), report=keyed)
     assert "_pole have keys in reach, walk, wave and follow a" in keyed.warnings[-1].text
     # A pole vector without keys bends the limb that its IK control moves.
@@ -480,9 +487,28 @@ def _controlled(samples: Path) -> Rig:
     return add_controls(read(samples / "tpose.glb").rig, whole_character=True)
 
 
-@pytest.mark.parametrize("keyed", ["foot_R_ik_ctl", "shin_R_pole", ""])
-def test_a_pole_vector_whose_limb_moves_in_clips_stays_where_it_rests(keyed: str, samples: Path) -> None:
+@pytest.mark.parametrize("following", ["foot_R_ik_ctl", "shin_R_pole"])
+def test_a_pole_vector_of_a_limb_that_a_constraint_moves_stays_where_it_rests(
+    following: str, samples: Path
+) -> None:
+    """IK moves the limb in every clip, without keys of its own: before, mirror moved its pole in silence."""
     rig = _controlled(samples)
+    key = Track(rig.find("hand_L_ctl"), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0, 0, 1]]))
+    there = rig.translation.copy()
+    there[rig.find("shin_L_pole")] += (0.1, 0.0, 0.05)
+    rig = replace(rig, translation=there, clips=(Clip("step", (key,)),))
+    rig = constrain(rig, options=ConstrainOptions(child=following, driver=(("head", 1.0),)))
+    report = Report()
+    out = mirror(rig, options=MirrorOptions(from_side="left"), report=report)
+    pole = rig.find("shin_R_pole")
+    assert (out.translation[pole] == there[pole]).all()
+    (said,) = [each.text for each in report.warnings if "'shin_R_pole' at rest would change" in each.text]
+    assert "limb moves in step" in said
+
+
+@pytest.mark.parametrize("keyed", ["foot_R_ik_ctl", "shin_R_pole", "foot_R_heel_ctl", ""])
+def test_a_pole_vector_whose_limb_moves_in_clips_stays_where_it_rests(keyed: str, samples: Path) -> None:
+    rig = add_controls(_controlled(samples), foot_roll=True, whole_character=True)
     pole, there = rig.find("shin_R_pole"), rig.translation.copy()
     there[rig.find("shin_L_pole")] += (0.1, 0.0, 0.05)
     key = Track(rig.find(keyed or "hand_R_ctl"), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0, 0, 1]]))

@@ -12,6 +12,7 @@ from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.triangle import bend_sine
 from rigtri.maths.vectors import length, triple
+from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import PIVOTS, ControlRecord, OffsetRecord, PoleVectorRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
@@ -198,12 +199,13 @@ def _pole(rig: Rig, node: int, there: PoleVectorRecord, options: MirrorOptions, 
 
 
 def _moving(rig: Rig, pole: int, record: PoleVectorRecord | ControlRecord) -> list[str]:
-    """The clips in which a pole vector or the IK control of its limb has keys: there IK counts from the rest
-    position of the pole vector.
+    """The clips in which IK moves a limb, counted from the rest position of its pole vector: that, the IK
+    control or a pivot of the foot has keys there, or follows a constraint.
     """
-    control = find(rig, ControlRecord, kind="ik", chain=record.chain)
-    nodes = {pole, control}
-    return [clip.name for clip in rig.clips if any(track.node in nodes for track in clip.tracks)]
+    controls = rig.records(ControlRecord)
+    nodes = {pole, *(node for node, each in controls.items() if each.chain == record.chain)}
+    always = not nodes.isdisjoint(rule.child for rule in constraints_of(rig).values())
+    return [clip.name for clip in rig.clips if always or any(track.node in nodes for track in clip.tracks)]
 
 
 def _home(rig: Rig, node: int) -> tuple[Rig, int]:
