@@ -29,8 +29,9 @@ _INFOS = {
     "fingers": "The fingers of one hand curl about axes that are more than 30° apart.",
     "hands": "The fingers of both hands do not close by the same axis and sign.",
     "roll": "A hand or thumb is rolled against the axis that closes the fingers, by more than 60° (75°), a "
-    "thumb by more than 30° otherwise than its twin, a joint of a finger so far against the one above it, a "
-    "foot against the axis that bends the knee, or a clavicle against the one that bends the elbow.",
+    "thumb by more than 30° otherwise than its twin in the same pose, a joint of a finger so far against the "
+    "one above it, a foot against the axis that bends the knee, or a clavicle against the one that "
+    "bends the elbow.",
     "hinge": "The hinge of a knee or elbow turns by more than 20° between the two bones of the limb.",
     "trunk": "A joint of the trunk is rolled by more than 30° against the one below it, or all of the trunk "
     "bends about another axis than the knees.",
