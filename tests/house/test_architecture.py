@@ -257,3 +257,9 @@ def test_reasons_to_leave_a_test_out_are_messages_that_there_are() -> None:
     for message in messages:
         words = max(re.split(r"\.\*|\d+(?!\.)", message.replace("\\.", ".")), key=len).strip(" ,")
         assert words in said, message
+
+
+def test_modules_of_tests_have_names_of_their_own() -> None:
+    """Two of one name cannot be collected in one run."""
+    names = sorted(path.name for path in ROOT.glob("tests/**/test_*.py"))
+    assert names == sorted({*names})
