@@ -493,7 +493,7 @@ def mutate(source: Path, folder: Path, random: Random) -> tuple[Path, list[str]]
                 mutation_ = random.choice(LAYER)
                 try:
                     mutation_(twin, random)
-                except (Tf.ErrorException, TypeError, ValueError, LookupError, AttributeError):
+                except (Tf.ErrorException, TypeError, ValueError, LookupError, AttributeError, OverflowError):
                     continue  # what this one needs is not there any more
                 done.append(mutation_.__name__.strip("_"))
             content = str(twin.ExportToString())
