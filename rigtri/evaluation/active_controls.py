@@ -52,12 +52,6 @@ def posed_in(rig: Rig, timeline: Timeline) -> frozenset[int]:
     return frozenset(node for node in posed if keyed.isdisjoint(joints_of(rig, [node])))
 
 
-def idle_in(rig: Rig, timeline: Timeline) -> frozenset[int]:
-    """The controls posed at rest that move nothing in a timeline, where their joints alone have keys."""
-    keyed = frozenset(track.node for track in timeline.clip.tracks)
-    return moved_at_rest(rig, skeleton_size(rig)) - keyed - posed_in(rig, timeline)
-
-
 def joints_of(rig: Rig, controls: Iterable[int]) -> frozenset[int]:
     """The joints that controls are for: each one's own, and those of its limb."""
     records = rig.records(ControlRecord)

@@ -240,7 +240,8 @@ class _Baker:
     # --- to joints
 
     def _to_joints(self, timeline: Timeline) -> None:
-        solver = self._solver(controls_at_work(self.rig, timeline))
+        at_work = controls_at_work(self.rig, timeline)
+        solver = self._solver(at_work)
         nodes = [node for node in solver.sets if self.rig.type_of(node) != "twist"]
         if not solver.steps or not nodes:
             return
@@ -264,7 +265,7 @@ class _Baker:
             if track.path in {path for path, _ in solver.writes[node]}
         ]
         self.report.extend(clip_solver_warnings(solver, timeline, times, parts))
-        warn_idle(self.rig, timeline, key_times(timeline.clip), self.report)
+        warn_idle(self.rig, timeline, at_work, self.report)
         room = times_of(put_tracks(self.rig, timeline, tracks))
         fresh = [
             track

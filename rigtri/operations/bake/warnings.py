@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import NOTHING, controls_at_work, idle_in, joints_of
+from rigtri.evaluation.active_controls import NOTHING, joints_of, moved_at_rest, skeleton_size
 from rigtri.evaluation.curve_refinement import MOST_A_SECOND
 from rigtri.evaluation.inverse_solver import Block
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.rig_space import uneven_above
+from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline
 from rigtri.evaluation.zero_pose import ControlsAtZero
@@ -41,15 +42,16 @@ def _clips(report: Report) -> list[Mapping[str, Any]]:
     return [entry for entry in report.added if entry.get("type") == "clip"]
 
 
-def warn_idle(rig: Rig, timeline: Timeline, times: Floats, report: Report) -> None:
+def warn_idle(rig: Rig, timeline: Timeline, at_work: frozenset[int], report: Report) -> None:
     """Warn of controls that are posed, beside others with keys, and pose no joint, which has keys of its own.
 
-    times: where joints are compared, (f,). Not where these keys are what the control makes of the joint.
+    at_work: those that move something in the timeline. Not where the joint's keys are what the control makes
+    of it.
     """
-    at_work, idle = controls_at_work(rig, timeline), idle_in(rig, timeline)
-    if not at_work or not idle:
+    idle = moved_at_rest(rig, skeleton_size(rig)) - at_work if at_work else frozenset[int]()
+    if not idle:
         return
-    sampled = sample_parts(rig, timeline.clip, times)
+    sampled = sample_parts(rig, timeline.clip, key_times(timeline.clip))
     own, posed = PoseCache(rig, sampled), Solver(rig, at_work | idle).run(sampled)
     for control in sorted(idle):
         joints = sorted(joints_of(rig, [control]))
