@@ -99,22 +99,29 @@ def test_the_ring_of_a_weapon_s_slot_is_not_as_wide_as_the_weapon(half: tuple[fl
     assert 0 < rings["c"] < 2.5 * rings["b"]
 
 
+def with_boxes(rig: Rig, *parts: tuple[int, float, tuple[float, float, float]]) -> Rig:
+    """The rig with upright boxes for skin: of each its joint, half its width, and its middle."""
+    meshes = [
+        replace(box, skin=0, weights=np.ones((8, 1)), joints=np.full((8, 1), joint), points=points)
+        for joint, half, middle in parts
+        for box in [a_box(0, (half, 4.0, half))]
+        for points in [box.points + middle]
+    ]
+    return replace(rig, content=Content(read_meshes=lambda: meshes))
+
+
+def size_of(rig: Rig, joint: str) -> float:
+    return next(own.size or 0.0 for own in rig.records(ControlRecord).values() if own.joint == joint)
+
+
 def test_the_ring_of_a_leg_is_outside_a_skirt_but_not_as_wide_as_a_tent() -> None:
     """Skin that others move stands all around the leg. Before, 1.6 times the leg was as wide as it went."""
     hips, thigh = 0, 1
     rig, size = chain((0, 10, 0), (1, 6, 0), (1, 0, 0)), float(np.linalg.norm([1, 10]))
 
     def ring(skirt: float) -> float:
-        parts = [(thigh, 0.3, (1.0, 3.0, 0.0)), (hips, skirt, (1.0, 6.0, 0.0))]
-        meshes = [
-            replace(box, skin=0, weights=np.ones((8, 1)), joints=np.full((8, 1), joint), points=points)
-            for joint, half, middle in parts
-            for box in [a_box(0, (half, 4.0, half))]
-            for points in [box.points + middle]
-        ]
-        drawn = replace(rig, content=Content(read_meshes=lambda: meshes))
-        built = rigtri.add_controls(drawn, joints=["a", "b"])
-        return next(own.size or 0.0 for own in built.records(ControlRecord).values() if own.joint == "b")
+        drawn = with_boxes(rig, (thigh, 0.3, (1.0, 3.0, 0.0)), (hips, skirt, (1.0, 6.0, 0.0)))
+        return size_of(rigtri.add_controls(drawn, joints=["a", "b"]), "b")
 
     assert ring(0.9) > 0.9 * MARGIN
     assert ring(1.2) > 1.2 * MARGIN
@@ -144,16 +151,9 @@ def test_a_ring_among_other_limbs_is_no_wider_than_it_needs_to_be() -> None:
     """Where the plane of a limb cuts others far away it was as wide as any may be, 15 % of the character."""
     rig = chain((0, 10, 0), (1, 6, 0), (1, 5, 0), (1, 0, 0))
     others = ((3, 0), (-3, 0), (0, 3), (0, -3), (3, 3), (-3, -3))
-    parts = [(1, 0.3, (1.0, 3.0, 0.0)), *((0, 0.6, (1.0 + x, 3.0, z)) for x, z in others)]
-    meshes = [
-        replace(box, skin=0, weights=np.ones((8, 1)), joints=np.full((8, 1), joint), points=points)
-        for joint, half, middle in parts
-        for box in [a_box(0, (half, 4.0, half))]
-        for points in [box.points + middle]
-    ]
-    drawn = replace(rig, content=Content(read_meshes=lambda: meshes))
-    built = rigtri.add_controls(drawn, joints=["b"])
-    size = next(own.size or 0.0 for own in built.records(ControlRecord).values() if own.joint == "b")
+    limbs = [(0, 0.6, (1.0 + x, 3.0, z)) for x, z in others]
+    drawn = with_boxes(rig, (1, 0.3, (1.0, 3.0, 0.0)), *limbs)
+    size = size_of(rigtri.add_controls(drawn, joints=["b"]), "b")
     assert size < 1.6 * np.sqrt(2) * 0.3 * MARGIN * 1.01
 
 
