@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError, RigtriError
+from rigtri.evaluation.sampling import world_of
 from rigtri.frames.skeleton import Skeleton
 from rigtri.maths.matrices import determinant, nearest_rotation, transform_directions
 from rigtri.maths.quaternions import (
@@ -241,7 +242,7 @@ class ControlAxes:
     def _held_mirrored(self) -> bool:
         """Whether the node that holds all controls is mirrored, so that controls have left-handed axes."""
         rig, holder = group(self._tree.rig)
-        return bool(determinant(rig.world[holder]) < 0)
+        return bool(determinant(world_of(rig, holder)) < 0)
 
 
 def _hinge_of(plan: FramePlan, joint: int, style: AxisStyle) -> tuple[bool, bool]:

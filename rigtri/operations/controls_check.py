@@ -1,8 +1,8 @@
-"""What IK makes of scale noise: controls that would move their limb otherwise after new axes or another rest.
+"""Controls that would move joints otherwise after an edit: after new axes, or with another rest pose.
 
-A scale that is nearly uniform counts as uniform, and in other axes, or at rest in another pose, bones are
-longer or shorter by a share of its noise. That is unseen, but not where a limb is straight or folded: there
-the bend changes by the root of it.
+IK shows scale noise. A scale that is nearly uniform counts as uniform, and in other axes, or at rest in
+another pose, bones are longer or shorter by a share of its noise. That is unseen, but not where a limb is
+straight or folded: there the bend changes by the root of it.
 """
 
 from __future__ import annotations
@@ -179,14 +179,14 @@ def deviations(
         Solver(rig, controls_at_work(rig, line)).run(sample_parts(rig, line.clip, times))
         for rig, line in (one, other)
     ]
-    found = dict[int, Apart]()
+    size, found = skeleton_size(one[0]), dict[int, Apart]()
     for node in nodes:
         was, now = (each.world(node) for each in posed)
         # Of a node that stands still there is one row.
         far, turn = (
             np.broadcast_to(np.nan_to_num(each), times.shape)
             for each in (
-                length(was[:, 3, :3] - now[:, 3, :3]) / skeleton_size(one[0]),
+                length(was[:, 3, :3] - now[:, 3, :3]) / size,
                 angle_between(from_axes(unsheared_axes(was)), from_axes(unsheared_axes(now))),
             )
         )

@@ -83,8 +83,14 @@ def rolling_toes(tree: Skeleton, limbs: Iterable[Limb]) -> dict[Limb, int | str]
 
     Where a paw without skin ends is not known: the shares of `_HEEL` and `_TIP` are those of people's feet.
     """
-    rig, skin = tree.rig, SkinSections(tree)
-    standing = _standing(tree)
+    return _toes(tree, limbs, SkinSections(tree), _standing(tree))
+
+
+def _toes(
+    tree: Skeleton, limbs: Iterable[Limb], skin: SkinSections, standing: Floats
+) -> dict[Limb, int | str]:
+    """As `rolling_toes`. standing: as `_standing`."""
+    rig = tree.rig
     feet = [
         (c, one) for one in recognise(rig).characters for c in one.chains if c.kind == "foot" and c.is_sure
     ]
@@ -120,7 +126,7 @@ def rolling_feet(
         return []
     poses = reference(tree, "nodes").world, _standing(tree)
     found = list[Foot]()
-    for limb, toe in rolling_toes(tree, limbs).items():
+    for limb, toe in _toes(tree, limbs, skin, poses[1]).items():
         if isinstance(toe, int) and (options.foot_roll or tuple(map(rig.address, limb.triple)) in known):
             found.append(_foot(rig, limb, toe, skin, options.style or AxisStyle(), poses))
         elif isinstance(toe, str) and options.foot_roll:

@@ -204,12 +204,11 @@ def _spread(track: Track) -> Track:
 
 def _layers(followers: Sequence[_Follower]) -> list[list[int]]:
     """The numbers of followers, those below others after these, so that each layer is found at once."""
-    layers, layer_of = list[list[int]](), dict[int, int]()
+    layers, layer_of = dict[int, list[int]](), dict[int, int]()
     for number, one in enumerate(followers):
         layer_of[one.node] = layer = layer_of.get(one.parent, -1) + 1
-        layers += [[]] * (layer == len(layers))
-        layers[layer] = [*layers[layer], number]
-    return layers
+        layers.setdefault(layer, []).append(number)
+    return list(layers.values())
 
 
 def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: int) -> list[Track]:

@@ -1,4 +1,4 @@
-"""The hinge of a limb that make-limb builds, carried from bone to bone without roll."""
+"""How joints that make-limb builds roll: by the hinge, carried from bone to bone, or as --up-from says."""
 
 from __future__ import annotations
 
@@ -7,19 +7,18 @@ from itertools import pairwise
 import numpy as np
 
 from rigtri.errors import UsageError
-from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, normalise, perpendicular
 from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.option_kinds import vector
-from rigtri.operations.orient_joints.up_direction import crossing
+from rigtri.operations.orient_joints.up_direction import crossing, transport_up
 
 
 def transported(normal: Floats, before: Floats, aim: Floats) -> Floats:
     """What goes from a bone to the next without rolling, across that one."""
-    turned = rotate(between(normalise(before), normalise(aim)), normal)
+    turned = transport_up(normal, normalise(before), normalise(aim))
     across = perpendicular(turned, aim)
     return normalise(across) if np.isfinite(across).all() and crossing(turned, aim) else normal
 

@@ -126,15 +126,14 @@ def refuse_moving(rig: Rig, record: PoseReaderRecord, before: PoseReaderRecord |
                 f"'{rig.title(rule.child)}' follows a constraint, which a pose reader would replace; drive "
                 "another joint, for example a child of it"
             )
-    for node, control, where in controlled(rig, new) if rig.nodes_of("control") else ():
+    for node, control, where in controlled(rig, new):
         raise GeometryError(
             f"'{rig.title(control)}' moves '{rig.title(node)}' in clip '{where}', which a pose reader would "
             "replace; drive a joint without a control, for example a child of it"
         )
     for clip in rig.clips:
         for track in clip.tracks:
-            own = driven.get(track.node, set()) - mine.get(track.node, set())
-            if track.path in own and not _at_rest(rig, track):
+            if track.path in new.get(track.node, ()) and not _at_rest(rig, track):
                 raise GeometryError(
                     f"'{rig.title(track.node)}' has keys of its own in clip '{clip.name}', which a pose "
                     "reader would replace; drive a joint without keys, for example a child of it"
@@ -147,6 +146,8 @@ def controlled(rig: Rig, driven: Mapping[int, set[Path]]) -> Iterator[tuple[int,
 
     Not where that is what their own keys do, as once `bake` has given controls the motion of joints.
     """
+    if not (driven and rig.nodes_of("control")):
+        return
     # The solver of controls, which a character without them does not import.
     from rigtri.evaluation.active_controls import controls_at_work
     from rigtri.evaluation.solver import Solver
@@ -170,7 +171,7 @@ def controlled(rig: Rig, driven: Mapping[int, set[Path]]) -> Iterator[tuple[int,
         for node in both:
             for path in sorted(driven[node]):
                 values, kept = (cache.part(node)[PATHS.index(path)] for cache in (posed, own_keys))
-                if not _is_rest(rig, node, path, values) and not _is_same(values, kept, path):
+                if not _is_rest(rig, node, path, values) and not _is_same(values, kept, path, _BAKED):
                     left.discard(node)
                     yield node, moved[node], timeline.name
                     break
@@ -178,9 +179,7 @@ def controlled(rig: Rig, driven: Mapping[int, set[Path]]) -> Iterator[tuple[int,
 
 def warn_controlled(rig: Rig, report: Report) -> None:
     """Warn of motion of controls that pose readers take the place of; rig: with the keys of these."""
-    readers = rig.records(PoseReaderRecord)
-    driven = driven_joints(rig) if readers and rig.nodes_of("control") else {}
-    for node, control, clip in controlled(rig, driven) if driven else ():
+    for node, control, clip in controlled(rig, driven_joints(rig)):
         text = f"{in_words(rig, node, control, clip)}, and the reader takes the place of that motion"
         report.warn("driven-twice", f"{text}: take the control's keys out, or the joint out of the reader")
 
@@ -198,18 +197,15 @@ def _at_rest(rig: Rig, track: Track) -> bool:
     return _is_rest(rig, track.node, track.path, key_values(track))
 
 
-def _is_same(values: Floats, kept: Floats, path: Path) -> bool:
-    """Whether values of a control are those of a joint's keys, within what a bake leaves between these."""
+def _is_same(values: Floats, kept: Floats, path: Path, most: float) -> bool:
+    """Whether values are others to so much: radians, or a share of what is above 1."""
     if path == "rotation":
-        return bool(angle_between(values, kept).max() <= _BAKED)
-    return bool(np.abs(values - kept).max() <= _BAKED * max(1.0, float(np.abs(kept).max())))
+        return bool(angle_between(values, kept).max() <= most)
+    return bool(np.abs(values - kept).max() <= most * max(1.0, float(np.abs(kept).max())))
 
 
 def _is_rest(rig: Rig, node: int, path: Path, values: Floats) -> bool:
-    rest = PoseCache(rig).part(node)[PATHS.index(path)]
-    if path == "rotation":
-        return bool(angle_between(values, rest).max() <= _SAME)
-    return bool(np.abs(values - rest).max() <= _SAME * max(1.0, float(np.abs(rest).max())))
+    return _is_same(values, PoseCache(rig).part(node)[PATHS.index(path)], path, _SAME)
 
 
 def without_driven(rig: Rig, driven: Mapping[int, set[Path]]) -> Rig:

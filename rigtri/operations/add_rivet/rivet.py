@@ -207,14 +207,10 @@ class _Ground:
     def has_face(self, primitive: int, rows: Integers) -> bool:
         """Whether points, or others in their places, as along seams, are the corners of a triangle."""
         found, points = self.triangles[primitive], self.meshes[primitive].points
+        within = SAME_PLACE * float(length(points.max(axis=0) - points.min(axis=0)))
         for corner in rows:
-            near = distance(points, points[corner]) <= SAME_PLACE * self._size_of(primitive)
-            found = found[near[found].any(axis=1)]
+            found = found[(distance(points, points[corner]) <= within)[found].any(axis=1)]
         return len(found) > 0
-
-    def _size_of(self, primitive: int) -> float:
-        points = self.meshes[primitive].points
-        return float(length(points.max(axis=0) - points.min(axis=0)))
 
     def _seat(self, primitive: int, row: int, weights: Floats) -> _Seat:
         mesh, before = self.meshes[primitive], sum(map(len, self.triangles[:primitive]))

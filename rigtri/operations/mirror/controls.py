@@ -97,10 +97,9 @@ def _control(
             stretch=bool(record.stretch),
             foot_roll=find(rig, ControlRecord, kind="ball", chain=record.chain) is not None or None,
         )
-    known = len(report.warnings)
     rig = add_controls(rig, options=made, report=report)
     if bends:  # as on this side: nobody has said it, and there is no doubt
-        report.warnings[known:] = [one for one in report.warnings[known:] if one.code != "straight"]
+        report.warnings[:] = [one for one in report.warnings if one.code != "straight"]
     found = find(rig, ControlRecord, kind=record.kind, joint=there.joint)
     if found is None or rig.is_joint[found]:
         return rig  # a joint has no offset above it: it stands where the limb ends

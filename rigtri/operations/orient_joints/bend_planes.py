@@ -109,8 +109,7 @@ def bend_planes(
             continue
         taken.update(members)
         if posed.sine < STRAIGHT_SINE:
-            name = f"{rig.title(limb.start)} - {rig.title(limb.middle)} - {rig.title(limb.end)}"
-            planes.straight.update(dict.fromkeys(members, (name, posed.sine)))
+            planes.straight.update(dict.fromkeys(members, (rig.chain_title(limb.triple), posed.sine)))
         found = limb_bends.of(limb, report)
         if found is not None:
             _set_bend(planes.normals, members, found)

@@ -184,9 +184,7 @@ def _stated(targets: Targets, joint: int) -> Floats | None:
     """
     ref = targets.ref
     source = UpSource.read(targets.tree.rig, targets.styles[joint].up_from)
-    if source.kind == "keep":
-        source = source._replace(axis=axis_of(targets.styles[joint].up), node=joint)
-    letter, sign = source.axis
+    letter, sign = axis_of(targets.styles[joint].up) if source.kind == "keep" else source.axis
     match source.kind:
         case "world":
             return np.asarray(np.eye(3)[letter] * sign)

@@ -123,8 +123,7 @@ def _found_again(
     ]
     if (there[record.primitive].mesh.skin is None) != (here[0].mesh.skin is None):
         return None
-    order = [record.primitive, *range(len(here))] if record.primitive < len(here) else range(len(here))
-    for primitive in order:
+    for primitive in sorted(range(len(here)), key=lambda k: k != record.primitive):
         same = rows if primitive == record.primitive else None
         points = _points(here[primitive], corners, same)
         if points is not None:

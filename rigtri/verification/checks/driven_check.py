@@ -23,8 +23,6 @@ def check_driven(rig: Rig, rule: str, findings: Findings) -> None:
         if ruled_too(constraint, driven):
             text = f"'{rig.title(constraint.child)}' is driven by a pose reader too"
             findings.add(rule, *title_and_pointer(rig, node), text)
-    if not driven or not rig.nodes_of("control"):
-        return
     try:
         for joint, control, clip in controlled(rig, driven):
             findings.add(rule, *title_and_pointer(rig, control), in_words(rig, joint, control, clip))
