@@ -112,6 +112,8 @@ def _bare_or_rigid(rig: Rig, nodes: Iterable[int]) -> list[int]:
     shows, nodes = rig.attachment >= 0, list(nodes)
     if not shows[nodes].any():
         return nodes
+    if not rig.rules.rigid:
+        return [node for node in nodes if not shows[node]]
     columns = (column for clip in rig.clips for column in clip.columns if column.path != "weights")
     moved = {node for column in columns for node in column.nodes.tolist()}
 

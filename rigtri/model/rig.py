@@ -249,7 +249,7 @@ class Rig(NodeNames):
     @cached_property
     def own(self) -> frozenset[int]:
         """Nodes that rigtri has added, with what shows the lines of controls and holds joints of ours."""
-        made = {node for node in self.metadata if self.type_of(node) in ADDED}
+        made = set(self.nodes_of(*ADDED))
         if not made:
             return frozenset()
         # A skeleton that holds none but joints of ours is a prim between them and the group.
@@ -276,8 +276,7 @@ class Rig(NodeNames):
         """Nodes that show the lines of what rigtri has added, each below it: USD has them so."""
         return frozenset(
             child
-            for node in self.metadata
-            if self.type_of(node) in ADDED
+            for node in self.nodes_of(*ADDED)
             for child in self.children[node]
             if self.names[child].endswith(DRAWING)
             and self.attachment[child] == child

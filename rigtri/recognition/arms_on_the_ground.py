@@ -54,10 +54,9 @@ def arm_below_a_lying_trunk(draft: Draft, each: Found, found: Sequence[Found]) -
 
 def arm_called_front(draft: Draft, each: Found) -> str:
     """An arm of which a joint is called a front one: people have none behind."""
-    words = [draft.words.get(joint, NO_WORDS) for joint in each.joints]
-    if not _has_places_on_the_right(draft):
-        words = [word for word in words if word.corner != "left"]
-    if each.kind == "arm" and any(word.place == "front" for word in words):
+    words = [draft.words.get(joint, NO_WORDS) for joint in each.joints] if each.kind == "arm" else []
+    front = [word for word in words if word.place == "front"]
+    if front and (any(word.corner != "left" for word in front) or _has_places_on_the_right(draft)):
         return "its names say that it is in front, as a front leg is"
     return ""
 

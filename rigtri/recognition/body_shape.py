@@ -148,9 +148,10 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
         if front_legs and trust < 1.0 and abs(tall) > _UPRIGHT and seen:
             continue  # from hind to front legs it goes ahead
         above = abs(lowest(tree, legs, up) - lowest(tree, arms, up)) / height(tree, legs, up)
-        level = above < LEVEL or (above < 2.0 * LEVEL and has_tail(tree, legs, arms, on, REPTILE))
-        level = level and abs(tall) < 0.6 and go_aside(tree, legs, arms)
-        lies = abs(tall) < 0.6 and min(hangs, stands) > (SPRAWLS if level else 0.75)
+        flat = abs(tall) < 0.6
+        level = flat and (above < LEVEL or (above < 2.0 * LEVEL and has_tail(tree, legs, arms, on, REPTILE)))
+        level = level and go_aside(tree, legs, arms)
+        lies = flat and min(hangs, stands) > (SPRAWLS if level else 0.75)
         four = front_legs or (lies and above < LEVEL)
         turned = [
             (1.0, trust * within(stands, 0.0, 0.7)),

@@ -24,8 +24,8 @@ def doubled_in(tree: Tree, poses: Poses) -> frozenset[int]:
     if grid <= 0.0:
         return frozenset()
     same: dict[tuple[int, ...], list[int]] = {}
-    for node in inner:
-        same.setdefault(tuple(np.rint(tree.places[node] / grid).astype(int).tolist()), []).append(node)
+    for node, cell in zip(inner, np.rint(tree.places[inner] / grid).astype(int).tolist(), strict=True):
+        same.setdefault(tuple(cell), []).append(node)
     groups = [nodes for nodes in same.values() if len(nodes) > 1]
     if not groups or not poses.weighed.any():
         return frozenset()
@@ -60,5 +60,4 @@ def moves_nothing(draft: Draft, joints: Sequence[int]) -> bool:
     """Whether none of some joints moves points or shows a mesh, in a file where others have weights."""
     if not draft.poses.has_weights or any(map(draft.poses.moves_points, joints)):
         return False
-    rig = draft.tree.rig
-    return not any(rig.attachment[k] >= 0 for joint in joints for k in (joint, *rig.children[joint]))
+    return not any(map(draft.poses.shows_mesh, joints))

@@ -35,7 +35,7 @@ from rigtri.recognition.thumb_bends import hides, noise_of_twins
 from rigtri.report import Report
 
 # A small bend is accepted within this of the natural side (a cosine), from the second on where its twin
-# is so near to the mirror image.
+# is so near to the mirror image, unless noise of joints may have turned its plane.
 NATURAL, MIRRORED = cosine_below(60), cosine_below(30)
 # Noise of joints is known by few bones: a small bend counts where so many deviations leave its plane.
 DEVIATIONS = 2.0
@@ -70,7 +70,8 @@ class LimbBends:
 
         From 10° on a bend is the truth, in the pose or in the motion. Below, it is taken within 60° of what
         knees and elbows do where the body faces, but from 30° on only where it is no noise: where the limb
-        of the other side mirrors it. Else they bend as knees and elbows do, with a warning.
+        of the other side mirrors it; and none whose plane noise of the joints may have turned. Else they bend
+        as knees and elbows do, with a warning.
 
         Source: docs/presets.md, "Limbs".
         """

@@ -129,7 +129,8 @@ def triple_of(
     words_of = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
     words_of = [words for words in words_of if any(word.levels for word in words)]
     levels_of = [in_order(words) for words in words_of]
-    further = {k for words in words_of for k in range(1, len(path) - 1) if _is_axis_apart(words, bones, k)}
+    axes_of = [words for words in words_of if any(word.joint for word in words)]  # of robots
+    further = {k for words in axes_of for k in range(1, len(path) - 1) if _is_axis_apart(words, bones, k)}
     straight = [-1.0 if k in further else least for k, least in enumerate(straight)]
     places, first, found = list(combinations(range(len(path)), 3)), 0, []
     whole = _LIMB if begin_as_one(tree, paths) else _WHOLE
@@ -138,9 +139,9 @@ def triple_of(
         first = int(max(behind, default=0.0) > whole)
     for at in places:
         quality = _quality(bones, at, now, ever, straight, moves, min(first, at[0]))
-        if quality == 0.0 or any(_are_axes(words, at) for words in words_of):
+        if quality == 0.0 or any(_are_axes(words, at) for words in axes_of):
             continue  # a joint between bends, a bone has no length, or is between axes of one joint
-        if any(_is_axis_within(tree, path, words, at) for words in words_of):
+        if any(_is_axis_within(tree, path, words, at) for words in axes_of):
             continue
         quality -= _LED if at[0] < first else 0.0
         led = fsum(bones[first + 1 : at[0] + 1]) > SAME_PLACE * _size(bones, at)  # by no group

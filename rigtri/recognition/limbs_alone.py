@@ -82,9 +82,9 @@ def without_stumps(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
             yield replace(each, confidence=min(each.confidence, _UNSURE), evidence=(*each.evidence, _STUMP))
 
 
-def is_half_whole(draft: Draft, named: Sequence[Found], limbs: Limbs | None) -> bool:
+def is_half_whole(draft: Draft, named: Sequence[Found], limbs: Limbs) -> bool:
     """Whether two limbs of two joints are alike only so far: names tell three joints of one of them alone."""
-    if limbs is None or len(limbs.at) > 2:
+    if len(limbs.at) > 2:
         return False
     return _is_whole(draft, named, limbs.joints(0)) != _is_whole(draft, named, limbs.joints(1))
 

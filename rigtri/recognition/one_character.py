@@ -144,7 +144,7 @@ def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:
             others = (parent >= 0 and parent not in above) or node in holding
         if others:
             hidden[node] = stored
-            holding |= rig.with_ancestors([node])
+            holding.update(rig.path_to_root(node))
     return hidden
 
 

@@ -178,6 +178,10 @@ class Poses:
         """Whether a joint moves points, or in a file without skins shows a mesh, itself or by a child."""
         if self.rig.skins:
             return self.moves_points(node)
+        return self.shows_mesh(node)
+
+    def shows_mesh(self, node: int) -> bool:
+        """Whether something is drawn at a node itself, or at a child."""
         return any(self.rig.attachment[k] >= 0 for k in (node, *self.rig.children[node]))
 
     @property

@@ -96,14 +96,17 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     shared = Counter(rig.humanoid.values())
     certain = {bone: node for bone, node in rig.humanoid.items() if node in inside and shared[node] == 1}
     body = list(nodes) if certain else _deforming(nodes, poses)
-    doubles = frozenset[int]() if certain else doubled_in(Tree(rig, body, poses.rest), poses)
-    body = [node for node in body if node not in doubles]
+    own_tree = Tree(rig, body, poses.rest)
+    if not certain and (doubles := doubled_in(own_tree, poses)):
+        body = [node for node in body if node not in doubles]
+        own_tree = Tree(rig, body, poses.rest)
     controls = frozenset(nodes).difference(body)
-    segments = segments_of(Tree(rig, body, poses.rest)) if not certain else frozenset()
-    body = [node for node in body if node not in segments]
+    segments = frozenset[int]() if certain else segments_of(own_tree)
+    if segments:
+        body = [node for node in body if node not in segments]
+        own_tree = Tree(rig, body, poses.rest)
     reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
     bones = certain or (reading.bones if reading is not None else {})
-    own_tree = Tree(rig, body, poses.rest)
     after = {} if certain else order_of_chains(own_tree)
     if after := {**after, **followers(own_tree, bones)}:
         poses.after.update(after)

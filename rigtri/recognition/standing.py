@@ -49,9 +49,7 @@ def stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
     ]
     stumps = [limbs for limbs in draft.shape.limbs if is_half_whole(draft, named, limbs)]
     row = row_of_legs(draft.shape, pairs)
-    across = Vector()
-    for one, other in twins:
-        across = across + _apart(draft, one, other, in_row=one.pair is not None and one.pair in row)
+    across = sum((_apart(draft, *two, in_row=two[0].pair in row) for two in twins), Vector())
     legs, arms = ([each.joints for each in named if each.kind == kind] for kind in ("leg", "arm"))
     up = Vector(*draft.tree.rig.rules.up)
     if (stretched := up_of_stretched(draft.tree, legs, arms, across.unit)) is not None:
@@ -104,10 +102,7 @@ def _apart(draft: Draft, one: Found, other: Found, *, in_row: bool) -> Vector:
     """From a limb to its twin where they first part; of a row of legs, which stand apart, from all joints."""
     ways = [draft.tree.at[a] - draft.tree.at[b] for a, b in zip(one.joints, other.joints, strict=False)]
     if in_row:
-        total = Vector()
-        for way in ways:
-            total = total + way
-        return total
+        return sum(ways, Vector())
     widest = max(way.length for way in ways)
     return next(way for way in ways if way.length >= FIRST_APART * widest)
 
@@ -127,9 +122,7 @@ def _trunk_over_no_legs(draft: Draft, sided: Sequence[Found], across: Vector) ->
     trunk = at[high] - at[low]
     trunk = (trunk - across * trunk.dot(across)).unit
     # Arms that go aside go nowhere else but by noise.
-    out = Vector()
-    for joints in arms:
-        out = out + (at[joints[-1]] - at[joints[0]]).unit * (1.0 / len(arms))
+    out = sum(((at[joints[-1]] - at[joints[0]]).unit * (1.0 / len(arms)) for joints in arms), Vector())
     hang = out.dot(-standing) > _HANG and abs(out.dot(trunk)) < _HANG
     hang = hang and (bool(legs) or not (_has_thumbs(draft, arms) or _is_on_wheels(draft, low, trunk)))
     return Vector() if hang or trunk.dot(standing) > _RISES else on_axis(trunk, _ALONG)
@@ -145,10 +138,7 @@ def _is_on_wheels(draft: Draft, low: int, trunk: Vector) -> bool:
     """Whether a trunk rises from what names call wheels, its lowest joint above the middle of these."""
     at, names = draft.tree.at, draft.tree.rig.names
     ways = [at[low] - at[k] for k in draft.tree.nodes if "machine" in roles_in_name(names[k])]
-    total = Vector()
-    for way in ways:
-        total = total + way
-    return total.unit.dot(trunk) > _RISES
+    return sum(ways, Vector()).unit.dot(trunk) > _RISES
 
 
 def _ends_of_trunk(draft: Draft) -> tuple[int, int]:

@@ -66,9 +66,7 @@ def up_of_trunk(tree: Tree, legs: Limbs) -> Vector:
     ways = [tree.at[node] - legs.starts for node in tree.nodes if node not in own]
     across = between(tree, legs.pair)[1]
     midmost = [way for way in ways if abs(way.dot(across)) < _MIDMOST * legs.size]
-    trunk = Vector()
-    for way in midmost:
-        trunk = trunk + way
+    trunk = sum(midmost, Vector())
     up = axis_of(trunk)
     rises = trunk.unit.dot(up) > _LEANS and -down.dot(up) > _DOWN
     tail = any(-way.dot(up) > _TAIL * legs.size for way in midmost)
@@ -84,13 +82,12 @@ def ups_of_pairs(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, flo
     """
     standing, spine = Vector(*tree.rig.rules.up), arms.starts - legs.starts
     on, down, out = spine.unit, way_of(legs), way_of(arms)
+    seat = axis_of(on)
     if _sits_upright(tree, legs, arms, on):
-        seat = axis_of(on)
         return [(seat, 1.0 if seat.dot(standing) > _STANDS else OTHER_UP)]
     limbs = arms.starts - arms.ends + legs.starts - legs.ends
     loose = down.dot(-standing) < _ASIDE
     four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
-    seat = axis_of(on)
     # Who crouches with the arms ahead has such limbs, too: along no axis of the file, below a trunk that is.
     rise = (limbs if four else legs.starts - legs.ends).unit
     crouches = loose and on_axis(rise, _LEANS) is rise and on.dot(seat) > _LEANING

@@ -36,14 +36,14 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
     """
     if result.lost or result.different:
         return ""
-    allow = f"allow more with --tolerance {_rounded_up(result.largest_deviation):g}"
     largest = result.largest_deviation
+    allow = f"allow more with --tolerance {_rounded_up(largest):g}"
     if words := why_displaced(before, largest):
         return words
     not_unit = why_not_unit(before, largest)
     if not not_unit and (after.pending.joint_merges or after.pending.weight_limit is not None):
         return f" Other weights move the skin: {allow}"
-    if rough := rough_scales(before, after, result.largest_deviation):
+    if rough := rough_scales(before, after, largest):
         names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
         return (
             f" A SkelAnimation holds scales as 16-bit numbers, which cannot say the new ones of {names} "
@@ -135,12 +135,11 @@ def why_not_unit(rig: Rig, shown: float) -> str:
                 if found > worst:
                     time = max(zip(map(off_unit, values), track.times, strict=True))[1]
                     worst, place = found, f" (the key at {time:g} in clip '{clip.name}')"
-    most = max(off.values(), default=0.0)
-    if not most > max(UNIT, _BLAME * shown):
+    if not worst > max(UNIT, _BLAME * shown):
         return ""
-    names = and_more([f"'{rig.title(node)}'" for node in sorted(off) if off[node] > _BLAME * most], 4)
+    names = and_more([f"'{rig.title(node)}'" for node in sorted(off) if off[node] > _BLAME * worst], 4)
     return (
-        f" Rotations of {names} are off unit length by up to {most:.2g}{place}, of which USD makes scaled "
+        f" Rotations of {names} are off unit length by up to {worst:.2g}{place}, of which USD makes scaled "
         "and sheared axes. Normalise them in the program that wrote the file"
     )
 

@@ -133,8 +133,8 @@ class _Part:
         """How many times of its clip go into one block."""
         return min(_times_at_once(self.rig), _times_of_points(self.probes))
 
-    def worlds(self, motion: sampling.Motion, times: Floats, count: int, *, normalised: bool) -> Floats:
-        """World matrices of all nodes, (f, count, 4, 4); of those outside the part any numbers.
+    def worlds(self, motion: sampling.Motion, times: Floats, every: int, *, normalised: bool) -> Floats:
+        """World matrices of every node, (f, every, 4, 4); of those outside the part any numbers.
 
         motion: of the part's rig.
         """
@@ -142,7 +142,7 @@ class _Part:
         if self.nodes is None:
             return found
         # The same order in memory; of rows that nobody writes and reads no memory is taken.
-        whole: Floats = np.empty((count, 4, 4, len(times))).transpose(3, 0, 1, 2)
+        whole: Floats = np.empty((every, 4, 4, len(times))).transpose(3, 0, 1, 2)
         whole[:, self.nodes] = found
         return whole
 
@@ -153,9 +153,7 @@ def _moved(rig: Rig, clip: Clip) -> Booleans:
     for column in clip.columns:
         if column.path != "weights":
             found[column.nodes] = True
-    for level in rig.levels[1:]:
-        found[level] |= found[rig.parents[level]]
-    return found
+    return rig.at_or_below(found)
 
 
 def _live(probe: Probe, moved: Booleans, count: int, weighed: Collection[int]) -> Booleans:
