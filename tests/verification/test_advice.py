@@ -8,12 +8,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from places import SAMPLES
 from rigs import chain
 
+import rigtri
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.advice import nearly_uniform, rough_scales, why_far, why_near, why_not_unit
+from rigtri.verification.compare.advice import (
+    nearly_uniform,
+    rough_scales,
+    why_displaced,
+    why_far,
+    why_near,
+    why_not_unit,
+)
 
 TURN = from_axis_angle(np.array([0.0, 0, 1]), 0.5)
 
@@ -148,3 +157,9 @@ def test_scales_that_half_floats_round_too_much_are_named_the_most_telling_first
     assert "They come from the scale keys of" in said
     assert f"'{control.title(3)}': take these keys out, or allow more with --tolerance" in said
     assert "freeze" not in said
+
+
+def test_twist_joints_of_a_file_without_a_skin_are_to_blame_for_nothing() -> None:
+    """Before, a traceback: there are no joints to take the size from."""
+    rig = rigtri.add_twist(rigtri.read(SAMPLES / "biped.glb"), limbs="auto")
+    assert why_displaced(replace(rig, skins=()), 1.0) == ""

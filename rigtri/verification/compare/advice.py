@@ -78,7 +78,7 @@ def why_displaced(rig: Rig, shown: float) -> str:
     ``shown``; else "". Their bones, to which their weight goes back, are bound elsewhere against them.
     """
     records, names = rig.records(TwistRecord), dict[str, None]()
-    extent = float(length(np.ptp(rig.world[rig.is_joint, 3, :3], axis=0))) if records else 0.0
+    extent = float(length(np.ptp(rig.world[rig.is_joint, 3, :3], axis=0))) if rig.is_joint.any() else 0.0
     for skin in (skin for skin in rig.skins if records and skin.weigh is not None):
         rows = {joint: row for row, joint in enumerate(skin.joints.tolist())}
         weighted = set(skin.joints[skin.weighted].tolist())
