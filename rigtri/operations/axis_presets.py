@@ -89,10 +89,10 @@ class AxisStyle:
 def reversed_axis(axis: str) -> str:
     """The axis that points the other way.
 
-    >>> reversed_axis("y"), reversed_axis("-z")
-    ('-y', 'z')
+    >>> reversed_axis("y"), reversed_axis("+x"), reversed_axis("-z")
+    ('-y', '-x', 'z')
     """
-    return axis.removeprefix("-") if axis.startswith("-") else f"-{axis}"
+    return axis.removeprefix("-") if axis.startswith("-") else f"-{axis.removeprefix('+')}"
 
 
 def _lower(text: str) -> str:
