@@ -64,7 +64,7 @@ class Report:
     pose, and clips look as before, but for ``moves``, the keys of nodes that move on purpose.
     records: whether joints are recorded; a batch, where nobody reads them, has warnings only.
     answered: codes of warnings that another file's data has made void; see `answer`.
-    sources: files besides the edited one that the edit has read, each with what it is.
+    sources: files besides the edited or shown one that were read for it, each with what it is.
     earlier: what steps before have warned of, codes and joints; of the same joint nothing is said again.
     """
 

@@ -41,13 +41,13 @@ def controls_and_poles(rig: Rig) -> frozenset[int]:
 
 def controls_at_work(rig: Rig, timeline: Timeline) -> frozenset[int]:
     """The controls and poles with keys in a timeline, and those posed at rest of joints without any there."""
-    keyed = frozenset(track.node for track in timeline.clip.tracks)
+    keyed = timeline.clip.nodes
     return (keyed & controls_and_poles(rig)) | posed_in(rig, timeline)
 
 
 def posed_in(rig: Rig, timeline: Timeline) -> frozenset[int]:
     """The controls posed at rest that stay so in a timeline: neither they nor their joints have keys."""
-    keyed = frozenset(track.node for track in timeline.clip.tracks)
+    keyed = timeline.clip.nodes
     posed = moved_at_rest(rig, skeleton_size(rig)) - keyed
     return frozenset(node for node in posed if keyed.isdisjoint(joints_of(rig, [node])))
 

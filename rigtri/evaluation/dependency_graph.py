@@ -139,6 +139,11 @@ def steps_for(rig: Rig, steps: Sequence[S], nodes: Collection[int]) -> list[S]:
     return [step for k, step in enumerate(steps) if k in taken]
 
 
+def moved_by(step: Uses) -> tuple[int, ...]:
+    """The nodes that a step sets, and those that it takes along."""
+    return (*step.sets, *getattr(step, "carries", ()))
+
+
 def _setters(steps: Sequence[Uses]) -> dict[int, int]:
     """The number of the step that sets each node, or takes it along."""
     setter = {node: k for k, step in enumerate(steps) for node in step.sets}

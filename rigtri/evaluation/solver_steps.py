@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from rigtri.evaluation.constraint_solver import evaluate_constraint, to_parts
-from rigtri.evaluation.dependency_graph import Uses
+from rigtri.evaluation.dependency_graph import Uses, moved_by
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.twist_joints import TwistJoint
@@ -41,7 +41,7 @@ def depending(rig: Rig, nodes: Iterable[int], steps: Iterable[Step]) -> set[int]
     found[list(nodes)] = True
     for step in steps:
         if found[list(rig.with_ancestors((*step.reads, *step.needs)))].any():
-            found[[*step.sets, *getattr(step, "carries", ())]] = True
+            found[[*moved_by(step)]] = True
     return set(np.flatnonzero(rig.at_or_below(found)).tolist())
 
 

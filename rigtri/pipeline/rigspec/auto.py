@@ -209,8 +209,12 @@ def _hint(source: Path, place: Path | None, target: Path | str) -> str:
         return (
             " (options of steps go into a spec, which --spec-out leaves; then: rigtri build IN --spec SPEC)"
         )
-    line = shlex.join(map(str, (source, "--spec", place, "-o", target)))
-    return f" (options of steps go into {place}; then: rigtri build {line})"
+    return f" (options of steps go into {place}; then: {_build_line(source, place, target)})"
+
+
+def _build_line(source: Path, place: Path, target: Path | str) -> str:
+    """The command that builds by a spec, to be copied."""
+    return f"rigtri build {shlex.join(map(str, (source, '--spec', place, '-o', target)))}"
 
 
 def _leave(place: Path | None, text: str) -> bool:
@@ -252,7 +256,7 @@ def _unsure_message(found: Proposal, place: Path | None, target: Path | str, *, 
         )
     return (
         f"{words}. Name their joints in {place}, where it says null, then: "
-        f"rigtri build {shlex.join(map(str, (found.source, '--spec', place, '-o', target)))}"
+        f"{_build_line(found.source, place, target)}"
     )
 
 

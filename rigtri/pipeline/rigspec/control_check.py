@@ -17,8 +17,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
-from heapq import heappop, heappush
 from itertools import chain
 
 import numpy as np
@@ -26,6 +24,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.dependency_graph import moved_by
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
@@ -186,7 +185,7 @@ def _shifted(still: PoseCache, node: int, move: Floats) -> Parts:
 def _apart(solver: Solver, controls: Iterable[int]) -> Integers:
     """Numbers for nodes, (n,): those with another can never move each other, whatever the controls do."""
     rig, marked = solver.rig, np.zeros(len(solver.rig), dtype=bool)
-    moved = [(*step.sets, *getattr(step, "carries", ())) for step in solver.steps]
+    moved = [moved_by(step) for step in solver.steps]
     marked[[*controls, *chain.from_iterable(moved)]] = True
     moving = rig.at_or_below(marked).tolist()
     first = list(range(len(rig)))
@@ -239,15 +238,6 @@ class _Run:
         for place, node in enumerate(self.watched):
             self.moved[:, place] = self._moved(node)  # one row where nothing moves it
         self._angles: dict[int, Floats] = {}
-
-    @cached_property
-    def _users(self) -> dict[int, list[int]]:
-        """The steps that set one node, by their numbers, for each node that they need or read."""
-        found: dict[int, list[int]] = {}
-        for number, step in enumerate(self.solver.steps):
-            for node in {*step.needs, *step.reads} if len(step.sets) == 1 else ():
-                found.setdefault(node, []).append(number)
-        return found
 
     def _moved(self, node: int) -> Booleans:
         """In which rows a node is moved, (f,)."""
@@ -307,19 +297,9 @@ class _Run:
         mine = set(rig.below(top)) | set(rig.below(trial.joint))
         if mine.issuperset(moved):
             return ""
-        # In their order: what a step sets, later ones may read.
-        last, waiting, fresh = -1, list[int](), mine
-        while True:
-            for node in self._users.keys() & fresh:
-                for number in self._users[node]:
-                    heappush(waiting, number)
-            while waiting and waiting[0] <= last:
-                heappop(waiting)
-            if not waiting:
-                break
-            last = heappop(waiting)
-            fresh = set(rig.below(self.solver.steps[last].sets[0])) - mine
-            mine |= fresh
+        for step in self.solver.steps:
+            if len(step.sets) == 1 and not mine.isdisjoint((*step.needs, *step.reads)):
+                mine.update(rig.below(step.sets[0]))
         for rule in constraints_of(rig).values():
             if not mine.isdisjoint(rule.sources):
                 mine.update(rig.below(rule.child))

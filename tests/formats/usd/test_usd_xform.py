@@ -16,7 +16,7 @@ from usd_files import MESH, animation, error_of, read, save, scene, skeleton, sk
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.sampling import sample
-from rigtri.formats.usd.opinions.xform_edits import transform_ops
+from rigtri.formats.usd.opinions.xform_edits import stands_by, transform_ops
 from rigtri.formats.usd.reading.sampled_xforms import sampled_tracks
 from rigtri.frames.reframe import reframe
 from rigtri.maths.matrices import compose, decompose, nearest_rotation
@@ -492,7 +492,7 @@ def test_prims_have_tracks_of_scale_where_an_op_scales(scaled: bool, paths: list
 )
 def test_a_transform_has_the_ops_that_do_something(turn: float, scale: float, ops: list[str]) -> None:
     local = compose(np.array([1.0, 2, 3]), from_axis_angle([0.0, 0, 1], turn), np.array([1.0, scale, 1]))
-    assert transform_ops(local) == [f"xformOp:{name}" for name in ops]
+    assert transform_ops(stands_by(local)) == [f"xformOp:{name}" for name in ops]
 
 
 def test_an_animated_prim_whose_constant_rotation_is_not_unit_keeps_its_axes(tmp_path: Path) -> None:

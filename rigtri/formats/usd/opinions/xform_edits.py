@@ -73,9 +73,11 @@ def stands_by(local: Floats) -> dict[Path, Floats]:
     return dict(zip(OPS, (translation, rotation, scale), strict=True))
 
 
-def transform_ops(local: Floats) -> list[str]:
-    """The ops that `set_transform` writes, in order: those that are not the identity, translate always."""
-    rows = stands_by(local)
+def transform_ops(rows: Mapping[Path, Floats]) -> list[str]:
+    """The ops that `set_transform` writes, in order: those that are not the identity, translate always.
+
+    rows: as `stands_by` has them.
+    """
     rotation, scale = rows["rotation"], rows["scale"]
     order = ["xformOp:translate"]
     order += ["xformOp:orient"] if np.abs(rotation[:3]).max() > SAME_ROTATION else []
@@ -118,7 +120,7 @@ def set_transform(
     """
     rows = stands_by(local)
     moved = {track.path: track for track in tracks}
-    stands = {*transform_ops(local), *(OPS[path] for path in moved)}
+    stands = {*transform_ops(rows), *(OPS[path] for path in moved)}
     order = {path: name for path, name in OPS.items() if to_key or name in stands}
     if OPS["scale"] not in stands:  # what a product has left of 1
         rows["scale"] = np.ones(3)

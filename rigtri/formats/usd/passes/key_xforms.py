@@ -123,7 +123,7 @@ def _into_stack(
     found: list[Edit] = []
     path = prim.GetPath()
     rest = {} if local is None else stands_by(local)
-    stands = [] if local is None else transform_ops(local)
+    stands = transform_ops(rest) if rest else []
     names = [name for p, name in OPS.items() if name in ops or p in tracks or name in stands]
     types = {
         p: prim.GetAttribute(name).GetTypeName() if name in ops else OP_TYPES[p] for p, name in OPS.items()

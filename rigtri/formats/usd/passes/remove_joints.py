@@ -89,7 +89,7 @@ def _check_still(source: Source, skeleton: Skeleton, gone: Collection[str]) -> N
         for state in (state for state in variants.states[1:] if state.shown):
             variants.choose(state.chosen)
             there = read_source(source.path, ReadOptions(), variants.stage, one_state=True)
-            node_of = {token: node for node, (path, token) in there.joints.items() if path == skeleton.path}
+            node_of = there.joint_nodes.get(skeleton.path, {})
             nodes = [node_of[skeleton.tokens[row]] for row in rows]
             idle = variants.animation in skeleton.decided
             played = [t.clip for t in timelines(there.rig) if idle or not t.clip.idle]

@@ -184,8 +184,7 @@ def moves_as_before(source: Source, rig: Rig, users: Collection[Skeleton], anima
 
     Whatever else moves in ``rig`` is new.
     """
-    skeletons = {user.path for user in users}
-    joints = [node for node, (path, _) in source.joints.items() if path in skeletons]
+    joints = [node for user in users for node in source.joint_nodes[user.path].values()]
     was, now = (_stored(one, animation.path) for one in (source.rig, rig))
     return (
         np.array_equal(source.rig.local[joints], rig.local[joints])

@@ -50,7 +50,7 @@ class Bindings:
 
     @cached_property
     def _by_skeleton(self) -> Mapping[str, Sequence[int]]:
-        """The numbers of `every` one of a skeleton."""
+        """Where in `every` those of each skeleton are."""
         found: dict[str, list[int]] = {}
         for number, (path, _) in enumerate(self.every):
             found.setdefault(path, []).append(number)

@@ -61,12 +61,12 @@ def sampled_tracks(
         turn[sheared] = from_axes(nearest_rotation(local[sheared]))
         return ((place, turn, size), sheared) if np.isfinite(turn).all() else None
 
-    times = [float(time) for time in ops_times(xformable)]
+    samples = times = [float(time) for time in ops_times(xformable)]
     wraps = _wraps(xformable, times)
     if interpolation != "STEP":
         times = _with_quarters(xformable, times, wraps)
     start = parts_at(times)
-    if start is None or start[1][np.isin(times, ops_times(xformable))].any():
+    if start is None or start[1][np.isin(times, samples)].any():
         return None
     found = start[0]
     for _ in range(_HALVINGS if interpolation != "STEP" and len(times) > 1 else 0):
@@ -85,7 +85,7 @@ def sampled_tracks(
         order = np.argsort([*times, *(between[k] for k in new)], kind="stable")
         times = np.array([*times, *(between[k] for k in new)])[order].tolist()
         found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, now, strict=True))
-    tracks = _thinned(_tracks(node, interpolation, times, found), ops_times(xformable))
+    tracks = _thinned(_tracks(node, interpolation, times, found), samples)
     return tracks if scaled or can_scale(xformable) else tracks[:2]
 
 
@@ -206,6 +206,11 @@ def can_scale(xformable: Any) -> bool:
     return any(kind.startswith(("scale", "transform")) for kind in kinds)
 
 
+def _rotating(xformable: Any) -> list[Any]:
+    """Its ops of Euler angles, one or three."""
+    return [op for op in xformable.GetOrderedXformOps() if op.GetOpName().startswith("xformOp:rotate")]
+
+
 def _wraps(xformable: Any, times: list[float]) -> Floats:
     """The samples after which Euler angles jump within a frame though what they turn does not, as times (k,).
 
@@ -213,10 +218,9 @@ def _wraps(xformable: Any, times: list[float]) -> Floats:
     rotation. Programs that export angles of each frame by itself write such jumps.
     """
     frame = _frame(xformable.GetPrim().GetStage())
-    ops = [op for op in xformable.GetOrderedXformOps() if op.GetOpName().startswith("xformOp:rotate")]
     starts: Floats = np.array(times[:-1])
     found = np.zeros(len(starts), dtype=bool)
-    for op in ops:
+    for op in _rotating(xformable):
         values = [op.Get(time) for time in times]
         if all(value is not None for value in values):
             angles = np.array([np.ravel(value) for value in values], dtype=np.float64)
@@ -228,9 +232,9 @@ def _wraps(xformable: Any, times: list[float]) -> Floats:
 def _with_quarters(xformable: Any, times: list[float], wraps: Floats) -> list[float]:
     """The samples, and times between them from one to the next of which no angle goes more than a quarter."""
     pieces = np.ones(max(len(times) - 1, 0))
-    for op in xformable.GetOrderedXformOps():
+    for op in _rotating(xformable):
         values: list[Any] = [op.Get(time) for time in times]
-        if op.GetOpName().startswith("xformOp:rotate") and all(value is not None for value in values):
+        if all(value is not None for value in values):
             way = np.abs(np.diff([np.ravel(value) for value in values], axis=0)).max(axis=1)
             pieces = np.maximum(pieces, np.ceil(way / _QUARTER))
     pieces[np.isin(times[:-1], wraps) | ~np.isfinite(pieces)] = 1.0

@@ -316,12 +316,8 @@ def xform_tracks(
     if interpolation != "STEP":
         nodes = list(prims)
         off = [nodes[row] for row in astray(list(prims.values()), times, values)]
-        few, needed = len(off) <= _FEW, _evaluated(rig, skeletons)
-        sampled = {
-            node: sampled_tracks(prims[node], node, interpolation, scaled=True)
-            for node in off
-            if few or node in needed
-        }
+        shown = off if len(off) <= _FEW else _evaluated(rig, skeletons).intersection(off)
+        sampled = {node: sampled_tracks(prims[node], node, interpolation, scaled=True) for node in shown}
     found = []
     for row, node in enumerate(prims):
         held = [Track(node, p, interpolation, times[row], columns[k][row]) for k, p in enumerate(PATHS)]
