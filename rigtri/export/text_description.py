@@ -281,7 +281,7 @@ def _clip_json(rig: Rig, clip: Clip) -> dict[str, Any]:
         "keys": sum(len(track.times) for track in clip.tracks),
         "range": [_six(float(times[0])), _six(float(times[-1]))] if len(times) else None,
         "interpolations": sorted({track.interpolation for track in clip.tracks}),
-        "nodes": [rig.labels[node] for node in sorted({track.node for track in clip.tracks})],
+        "nodes": [rig.labels[node] for node in sorted(clip.nodes)],
     }
 
 

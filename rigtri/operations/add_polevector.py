@@ -324,7 +324,7 @@ def _warn_solved(rig: Rig, moved: Rig, pole: int, record: PoleVectorRecord, repo
     solvers = set(find_all(rig, ControlRecord, chain=record.chain))
     clips = []
     for clip in rig.clips:
-        keyed = {track.node for track in clip.tracks}
+        keyed = clip.nodes
         places = (track.node == pole and track.path == "translation" for track in clip.tracks)
         if solvers & keyed and not any(places):
             clips.append(clip.name)

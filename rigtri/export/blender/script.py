@@ -212,7 +212,7 @@ def _warn_still(rig: Rig, solver: Solver, report: Report) -> None:
     controls = controls_and_poles(rig)
     names = []
     for timeline in timelines(rig):
-        keyed = {track.node for track in timeline.clip.tracks}
+        keyed = timeline.clip.nodes
         if keyed & moved and not keyed & controls:
             names.append(timeline.name)
     if names:

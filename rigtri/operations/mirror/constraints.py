@@ -76,7 +76,7 @@ def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
         moved.update(map(rig.find, limbs[rule.child]))
     if rule.kind != "polevector":  # which bends a limb, and leaves its end where it is
         moved |= _carried(rig, moved)
-    keyed = {clip.name: moved & {track.node for track in clip.tracks} for clip in rig.clips}
+    keyed = {clip.name: moved & clip.nodes for clip in rig.clips}
     if nodes := set[int]().union(*keyed.values()):
         names = and_more([rig.title(node) for node in sorted(nodes)], 6)
         clips = and_more([clip for clip, nodes in keyed.items() if nodes], 6)
