@@ -138,26 +138,28 @@ def test_a_driver_without_axes_is_refused_by_name() -> None:
         _ = ReaderFrame(made, 1, 0, Report()).resting
 
 
+def with_reader(rig: Rig, change: str = "rz=15", **more: Any) -> Rig:
+    """The biped with a reader of its right arm that drives the left toes."""
+    driven = (("up", "toe_L", change),)
+    return rigtri.add_posereader(rig, driver="upper_arm_R", target=("up=0,1,0.2",), joint=driven, **more)
+
+
 @pytest.mark.parametrize("change", ["rz=15", "tx=0.1"])
 def test_a_joint_that_a_constraint_moves_so_is_not_driven(change: str) -> None:
     """Before, the reader took the place of the constraint, counted from what that made of rest."""
     held = rigtri.constrain(rigtri.read(SAMPLES / "biped.glb"), child="toe_L", driver=("hand_L",), type="aim")
-    given: dict[str, Any] = {"driver": "upper_arm_R", "target": ("up=0,1,0.2",)}
     if change == "tx=0.1":
-        assert rigtri.add_posereader(held, **given, joint=(("up", "toe_L", change),)).find("toe_L") >= 0
+        assert with_reader(held, change).find("toe_L") >= 0
         return
     with pytest.raises(
         GeometryError, match="'toe_L' follows a constraint, which a pose reader would replace"
     ):
-        rigtri.add_posereader(held, **given, joint=(("up", "toe_L", change),))
+        with_reader(held, change)
 
 
 def test_a_joint_that_a_pose_reader_drives_is_not_constrained() -> None:
     """Before, the constraint moved the same channels, and later edits kept now one and now the other."""
-    still = replace(rigtri.read(SAMPLES / "biped.glb"), clips=())
-    driven = rigtri.add_posereader(
-        still, driver="upper_arm_R", target=("up=0,1,0.2",), joint=(("up", "toe_L", "rz=15"),)
-    )
+    driven = with_reader(replace(rigtri.read(SAMPLES / "biped.glb"), clips=()))
     given: dict[str, Any] = {"child": "toe_L", "driver": ("hand_L",)}
     assert rigtri.constrain(driven, type="point", **given).find("con_toe_L_point") >= 0
     for kind in ("aim", "parent"):
@@ -173,12 +175,11 @@ def test_a_joint_that_its_control_moves_is_not_driven(turn: float) -> None:
     turns = from_axis_angle(Z, np.array([0.0, turn]))
     control = Track(made.find("toe_L_ctl"), "rotation", "LINEAR", np.array([0.0, 1.0]), turns)
     made = replace(made, clips=(Clip("tap", (control,)),))
-    given: dict[str, Any] = {"driver": "upper_arm_R", "target": ("up=0,1,0.2",)}
     if not turn:
-        assert rigtri.add_posereader(made, **given, joint=(("up", "toe_L", "rz=15"),)).find("toe_L") >= 0
+        assert with_reader(made).find("toe_L") >= 0
         return
     with pytest.raises(GeometryError, match="'toe_L_ctl' moves 'toe_L' in clip 'tap'"):
-        rigtri.add_posereader(made, **given, joint=(("up", "toe_L", "rz=15"),))
+        with_reader(made)
 
 
 @pytest.mark.parametrize(("control", "turn"), [("toe_L_ctl", 0.3), ("toe_L_ctl", 0.0), ("foot_L_ctl", 0.3)])
@@ -187,8 +188,7 @@ def test_bake_and_check_tell_of_keys_that_the_control_of_a_driven_joint_has(
 ) -> None:
     """The reader takes the place of that motion; before, nothing told of it."""
     made = rigtri.add_controls(replace(rigtri.read(SAMPLES / "biped.glb"), clips=()), whole_character=True)
-    given: dict[str, Any] = {"driver": "upper_arm_R", "target": ("up=0,1,0.2",), "name": "lift"}
-    driven = rigtri.add_posereader(made, **given, joint=(("up", "toe_L", "rz=15"),))
+    driven = with_reader(made, name="lift")
     times = np.array([0.0, 1.0])
     tracks = (
         Track(driven.find(control), "rotation", "LINEAR", times, from_axis_angle(Z, np.array([0.0, turn]))),
@@ -211,8 +211,7 @@ def test_controls_that_have_the_motion_of_a_reader_are_not_told_of() -> None:
     made = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
     still = [t for t in made.clips[0].tracks if t.node != made.find("toe_L")]
     made = replace(made, clips=(replace(made.clips[0], tracks=tuple(still)),))
-    given: dict[str, Any] = {"driver": "upper_arm_R", "target": ("up=0,1,0.2",)}
-    driven = rigtri.add_posereader(made, **given, joint=(("up", "toe_L", "rz=15"),))
+    driven = with_reader(made)
     led = bake(driven, to="controls")
     assert any(track.node == led.find("toe_L_ctl") for track in led.clips[0].tracks)
     report = Report()
