@@ -126,8 +126,8 @@ def triple_of(
     ever = [1.0, *least, 1.0] if moves else now
     bones = [tree.bone[node] for node in path]
     straight = straight_within(tree, paths, bones, STRAIGHT)
-    words_of = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
-    words_of = [words for words in words_of if any(word.levels for word in words)]
+    every = ([names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths)
+    words_of = [words for words in every if any(word.levels for word in words)]
     levels_of = [in_order(words) for words in words_of]
     axes_of = [words for words in words_of if any(word.joint for word in words)]  # of robots
     further = {k for words in axes_of for k in range(1, len(path) - 1) if _is_axis_apart(words, bones, k)}
@@ -139,10 +139,8 @@ def triple_of(
         first = int(max(behind, default=0.0) > whole)
     for at in places:
         quality = _quality(bones, at, now, ever, straight, moves, min(first, at[0]))
-        if quality == 0.0 or any(_are_axes(words, at) for words in axes_of):
+        if quality == 0.0 or any(_is_of_axes(tree, path, words, at) for words in axes_of):
             continue  # a joint between bends, a bone has no length, or is between axes of one joint
-        if any(_is_axis_within(tree, path, words, at) for words in axes_of):
-            continue
         quality -= _LED if at[0] < first else 0.0
         led = fsum(bones[first + 1 : at[0] + 1]) > SAME_PLACE * _size(bones, at)  # by no group
         quality -= _LED if kind == "leg" and led and now[at[0]] > STRAIGHT else 0.0
@@ -179,6 +177,11 @@ def _are_in_one_place(bones: list[float], at: Sequence[int], other: Sequence[int
     """Whether three joints stand where three others of a path do: other axes of the same joints."""
     apart = (fsum(bones[min(a, b) + 1 : max(a, b) + 1]) for a, b in zip(at, other, strict=True))
     return max(apart) <= SAME_PLACE * _size(bones, at)
+
+
+def _is_of_axes(tree: Tree, path: Sequence[int], words: Sequence[LimbWords], at: Sequence[int]) -> bool:
+    """Whether a limb has two axes of one joint, or starts or ends at one that is within a bone."""
+    return _are_axes(words, at) or _is_axis_within(tree, path, words, at)
 
 
 def _are_axes(words: Sequence[LimbWords], at: Sequence[int]) -> bool:
