@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from functools import cached_property
 
+from rigtri.maths.disjoint_sets import DisjointSets
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_words import limb_words
@@ -64,24 +65,18 @@ def groups_of(tree: Tree) -> list[list[int]]:
     """The joints of each character, largest first; what one skin moves is one, unless names repeat."""
     tops = _tops(tree)
     branches = {top: _Branch(tree, top) for top in tops}
-    group = {top: top for top in tops}
-
-    def first(top: int) -> int:
-        while group[top] != top:
-            top = group[top]
-        return top
-
+    groups = DisjointSets()
     owner = {node: top for top, branch in branches.items() for node in branch.nodes}
     shared = [sorted({owner[k] for k in skin.joints.tolist() if k in owner}) for skin in tree.rig.skins]
     shared = shared or [tops]
     for together in shared:
         for top in together[1:]:
-            a, b = first(together[0]), first(top)
+            a, b = groups.leader(together[0]), groups.leader(top)
             if a != b and not _are_two(branches[a], branches[top]):
-                group[b] = a
+                groups.join(a, b)
     found: dict[int, list[int]] = {}
     for top in tops:
-        found.setdefault(first(top), []).extend(branches[top].nodes)
+        found.setdefault(groups.leader(top), []).extend(branches[top].nodes)
     if len(found) == 1:
         return [list(tree.nodes)]
     return sorted((sorted(nodes) for nodes in found.values()), key=len, reverse=True)

@@ -16,6 +16,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reoriented_constraints import axes_compared, axis_fits, axis_straightened, coupled_nodes
+from rigtri.maths.disjoint_sets import DisjointSets
 from rigtri.maths.quaternions import IDENTITY, angle_between, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
@@ -47,32 +48,24 @@ def bonds(rig: Rig, ties: Sequence[NodeConstraint] = ()) -> list[Bond]:
     ties: more of them than the file has.
     """
     constraints = (*axes_compared(rig), *ties)
-    top: dict[int, int] = {}
-
-    def find(node: int) -> int:
-        while top.setdefault(node, node) != node:
-            top[node] = top[top[node]]
-            node = top[node]
-        return node
-
-    led = set()
+    tied, led = DisjointSets(), set[int]()
     for constraint in constraints:
         pair = coupled_nodes(rig, constraint)
         if pair is not None:
-            top[find(pair[1])] = find(pair[0])
+            tied.join(*pair)
             led.add(pair[1])
         if constraint.axis.any():
-            find(constraint.node)
+            tied.leader(constraint.node)
     found: dict[int, Bond] = {}
-    for node in sorted(top, key=lambda node: (node in led, node)):
-        bond = found.setdefault(find(node), Bond())
+    for node in sorted(tied, key=lambda node: (node in led, node)):
+        bond = found.setdefault(tied.leader(node), Bond())
         bond.nodes.append(node)
         if node not in led:
             bond.tops.append(node)
     for constraint in constraints:
         pair = coupled_nodes(rig, constraint)
-        tops = {find(pair[1])} if pair is not None else set()
-        tops |= {find(constraint.node)} if constraint.axis.any() else set()
+        tops = {tied.leader(pair[1])} if pair is not None else set()
+        tops |= {tied.leader(constraint.node)} if constraint.axis.any() else set()
         for one in tops:
             found[one].constraints.append(constraint)
     return list(found.values())

@@ -30,6 +30,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.frames.skeleton import Skeleton, skeleton
 from rigtri.maths.arrays import Booleans, Integers
+from rigtri.maths.disjoint_sets import DisjointSets
 from rigtri.maths.matrices import inverse, transform_directions
 from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
@@ -188,13 +189,7 @@ def _apart(solver: Solver, controls: Iterable[int]) -> Integers:
     moved = [moved_by(step) for step in solver.steps]
     marked[[*controls, *chain.from_iterable(moved)]] = True
     moving = rig.at_or_below(marked).tolist()
-    first = list(range(len(rig)))
-
-    def top(node: int) -> int:
-        while first[node] != node:
-            first[node] = node = first[first[node]]
-        return node
-
+    sets = DisjointSets()
     linked: list[tuple[int, ...]] = [
         (node, parent) for node, parent in enumerate(rig.parents.tolist()) if parent >= 0
     ]
@@ -203,8 +198,8 @@ def _apart(solver: Solver, controls: Iterable[int]) -> Integers:
     for nodes in linked:
         some = [node for node in nodes if moving[node]]  # what holds all and never moves links nobody
         for other in some[1:]:
-            first[top(other)] = top(some[0])
-    return np.array([top(node) for node in range(len(rig))], dtype=np.int64)
+            sets.join(some[0], other)
+    return np.array([sets.leader(node) for node in range(len(rig))], dtype=np.int64)
 
 
 class _Run:
