@@ -454,11 +454,14 @@ def test_mirrored_spaces_warn_of_keys_that_count_from_elsewhere(
     assert said == told
 
 
-@pytest.mark.parametrize("keyed", ["hand_R_ctl", "hand_R", "hand_R_ik_ctl", "shin_R"])
-def test_a_mirrored_constraint_warns_of_keys_below_a_child_that_has_none(keyed: str, samples: Path) -> None:
-    """Before, only keys of the child itself counted, and what it carries moved otherwise without a word."""
+@pytest.mark.parametrize("keyed", ["clavicle_R", "hand_R_ctl", "hand_R", "hand_R_ik_ctl", "shin_R"])
+@pytest.mark.parametrize("child", ["clavicle_L", "clavicle_L_ctl"])
+def test_a_mirrored_constraint_warns_of_keys_of_what_its_child_moves(
+    child: str, keyed: str, samples: Path
+) -> None:
+    """Before, keys of the joint of an FK control did not count: it moved otherwise without a word."""
     rig = add_controls(read(samples / "biped.glb").rig, whole_character=True)
-    rig = constrain(rig, options=ConstrainOptions(type="orient", child="clavicle_L", driver=(("head", 1.0),)))
+    rig = constrain(rig, options=ConstrainOptions(type="orient", child=child, driver=(("head", 1.0),)))
     key = Track(rig.find(keyed), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0.0, 0.6, 0.8]]))
     report = Report()
     rig = replace(rig, clips=(Clip("reach", (key,)),))
@@ -466,6 +469,26 @@ def test_a_mirrored_constraint_warns_of_keys_below_a_child_that_has_none(keyed: 
     said = [each.text for each in report.warnings if each.code == "mirror-moves"]
     assert len(said) == (keyed != "shin_R")
     assert all(text.startswith(f"{keyed} has keys in reach and follows a constraint") for text in said)
+
+
+@pytest.mark.parametrize("style", [{"soft": 0.3}, {"stretch": True}])
+def test_mirror_warns_of_limbs_that_ik_solves_otherwise_from_now_on(style: Any, samples: Path) -> None:
+    """Before, its keyed IK control gave other motion without a word."""
+    rig = add_controls(read(samples / "biped.glb").rig, whole_character=True)
+    rig = add_controls(rig, ik=(("upper_arm_L", "forearm_L", "hand_L"),), **style)
+    told = []
+    for keyed in ("hand_R_ik_ctl", "hand_L_ik_ctl"):
+        key = Track(rig.find(keyed), "translation", "STEP", np.zeros(1), np.array([[0.1, 0.0, 0.0]]))
+        moving, report = replace(rig, clips=(Clip("reach", (key,)),)), Report()
+        mirrored = mirror(moving, options=MirrorOptions(), report=report)
+        told += [each.text for each in report.warnings if each.code == "mirror-moves"]
+        again = Report()
+        mirror(mirrored, options=MirrorOptions(), report=again)
+        assert not again.warnings
+    assert told == [
+        "hand_R_ik_ctl gets the softness and stretch of 'hand_L_ik_ctl': "
+        "the next bake gives other motion in reach"
+    ]
 
 
 @pytest.mark.ci

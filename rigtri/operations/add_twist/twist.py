@@ -157,7 +157,8 @@ def _why_kept(rig: Rig, of: Bone, options: AddTwistOptions, there: Mapping[int, 
     most = max((record.number for record in there.values()), default=0)
     if most > options.count:
         return (
-            f"'{title}' has {most} twist joints already; give --count {most} or more, or strip the file first"
+            f"'{title}' has {most} twist joints already; "
+            f"give add-twist --count {most} or more, or strip the file first"
         )
     other = {
         node
@@ -168,7 +169,7 @@ def _why_kept(rig: Rig, of: Bone, options: AddTwistOptions, there: Mapping[int, 
     if any(other.intersection(skin.joints[skin.weighted].tolist()) for skin in bearing):
         return (
             f"'{title}' has twist joints with weight, and other settings would move its vertices; give "
-            "--split-weights, which distributes the weight again, or strip the file first"
+            "add-twist --split-weights, which distributes the weight again, or strip the file first"
         )
     return ""
 

@@ -72,8 +72,11 @@ def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
     # IK moves a limb where its control or its pole vector has keys, wherever the other one is.
     solved = {tuple(map(rig.address, rule.chain)), *(limbs[node] for node in moved if node in limbs)}
     moved.update(node for node, chain in limbs.items() if chain in solved)
+    control = rig.records(ControlRecord).get(rule.child)
     if rule.child in limbs:  # from now on IK moves the limb in all clips, whatever keys its joints have
         moved.update(map(rig.find, limbs[rule.child]))
+    elif control is not None and (joint := rig.known(control.joint)) is not None:
+        moved.add(joint)  # so it is with an FK control and its joint
     if rule.kind != "polevector":  # which bends a limb, and leaves its end where it is
         moved |= _carried(rig, moved)
     keyed = {clip.name: moved & clip.nodes for clip in rig.clips}

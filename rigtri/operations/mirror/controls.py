@@ -84,6 +84,8 @@ def _control(
     shapes: Any = {record.kind: record.shape} if record.shape and not drawn else {}
     bends = _bends(rig, record, there, options) if record.kind == "ik" else {}
     frame = _frame(rig, node, before, there.joint, options)
+    if record.kind == "ik" and before is not None:
+        _warn_solved(rig, node, before, report)
     if record.kind == "fk":
         made = AddControlsOptions(joints=(there.joint,), shape=shapes, **frame)
     else:
@@ -106,6 +108,19 @@ def _control(
     if before is None:
         rig = remembered(renamed(rig, found, twin_name(rig.names[node], rig.names[found])), [found])
     return _edited(rig, node, found, options, posed if before is not None else [])
+
+
+def _warn_solved(rig: Rig, control: int, twin: int, report: Report) -> None:
+    """Warn of clips in which IK moves the twin's limb, where that gets another softness or stretch."""
+    own, other_side = rig.records(ControlRecord)[control], rig.records(ControlRecord)[twin]
+    if _reach(own) != _reach(other_side) and (clips := _moving(rig, twin, other_side)):
+        text = f"{rig.title(twin)} gets the softness and stretch of '{rig.title(control)}'"
+        report.warn("mirror-moves", f"{text}: the next bake gives other motion in {and_more(clips, 6)}")
+
+
+def _reach(record: ControlRecord) -> tuple[float, bool]:
+    """How a limb reaches for an IK control: its softness, and whether it stretches."""
+    return record.soft or 0.0, bool(record.stretch)
 
 
 def _frame(rig: Rig, node: int, before: int | None, joint: str, options: MirrorOptions) -> dict[str, Any]:
