@@ -323,6 +323,23 @@ def test_lines_that_a_user_has_edited_stay_and_are_named(samples: Path, tmp_path
     assert_allclose(small, 0.5 * lines(read(one).rig, "forearm_L").segments, rtol=1e-5, atol=1e-9)
 
 
+def test_curves_that_are_drawn_anew_keep_the_purpose_that_someone_gave_them(
+    samples: Path, tmp_path: Path
+) -> None:
+    from pxr import Sdf
+
+    one, two = tmp_path / "one.usda", tmp_path / "two.usda"
+    redone(samples / "biped.usda", one)
+    layer = Sdf.Layer.FindOrOpen(str(one))
+    curves = f"{read(one).rig.labels[controls(read(one).rig)['hand_L']]}/hand_L_ctl_shape"
+    layer.GetAttributeAtPath(f"{curves}.purpose").default = "render"
+    layer.Save()
+    redone(one, two, shape={"fk": "cube"})
+    drawn = Sdf.Layer.FindOrOpen(str(two))
+    assert drawn.GetAttributeAtPath(f"{curves}.purpose").default == "render"
+    assert len(drawn.GetAttributeAtPath(f"{curves}.curveVertexCounts").default) > 1
+
+
 @pytest.mark.ci
 def test_a_pole_vector_is_drawn_anew_too(samples: Path, tmp_path: Path) -> None:
     one, two, three = (tmp_path / f"{k}.glb" for k in range(3))

@@ -137,7 +137,7 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
         if node in rig.pending.shapes:
             known = curves_of(source.stage.GetPrimAtPath(path))
             name = known.GetName() if known else curves_name(before.names[node])
-            found += _define_curves(Sdf.Path(path).AppendChild(name), rig.pending.shapes[node])
+            found += _define_curves(Sdf.Path(path).AppendChild(name), rig.pending.shapes[node], known)
         if node in keyed or (before.local[node] != rig.local[node]).any():
             prim = source.stage.GetPrimAtPath(path)
             refuse(_why_still(prim) or why_locked(prim, ("xformOpOrder",)))
@@ -296,11 +296,11 @@ class _Additions:
         return path, above
 
 
-def _define_curves(path: Any, shape: Shape) -> list[Edit]:
-    """Edits that define the BasisCurves of a shape at ``path``.
+def _define_curves(path: Any, shape: Shape, known: Any = None) -> list[Edit]:
+    """Edits that define the BasisCurves of a shape at ``path``; known: the prim where it has curves.
 
-    They alone are a guide: with that purpose on the control itself Blender's import would drop the
-    control with its attributes.
+    New curves alone are a guide: with that purpose on the control itself Blender's import would drop the
+    control with its attributes. Known ones keep the purpose that someone has given them.
     """
     types = Sdf.ValueTypeNames
     points = Vt.Vec3fArray.FromNumpy(np.concatenate(shape.strips).astype(np.float32))
@@ -309,7 +309,7 @@ def _define_curves(path: Any, shape: Shape) -> list[Edit]:
     values: list[tuple[str, Any, Any, bool]] = [
         ("type", types.Token, "linear", True),
         ("wrap", types.Token, wrap, True),
-        ("purpose", types.Token, "guide", True),
+        *([] if known else [("purpose", types.Token, "guide", True)]),
         ("curveVertexCounts", types.IntArray, counts, False),
         ("points", types.Point3fArray, points, False),
         ("extent", types.Float3Array, UsdGeom.PointBased.ComputeExtent(points), False),
