@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from program import cli
 from pxr import Usd, UsdGeom, UsdSkel
-from usd_files import MESH, animation, save, scene, skeleton
+from usd_files import MESH, animation, save, scene, skeleton, skinned
 
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.skinning import deformed
@@ -163,6 +163,21 @@ def test_a_skeleton_below_a_class_alone_is_told_where_it_is(tmp_path: Path) -> N
     source = save(tmp_path, f'{text}\ndef Xform "World"\n{{\n}}\n')
     printed = cli("orient-joints", source, "-o", tmp_path / "out.usda", code=3).stderr
     assert "</Root/Skel> is no prim of the scene, because </Root> is a class" in printed
+
+
+@pytest.mark.parametrize("specifier", ["class", "over"])
+def test_what_a_skeleton_outside_of_the_scene_plays_is_left_as_it_is(specifier: str, tmp_path: Path) -> None:
+    """UsdSkel skins a mesh by it, wherever it is."""
+    bound = skeleton().replace("def Skeleton", f"{specifier} Skeleton")
+    source, out = save(tmp_path, scene(bound, animation(), MESH)), tmp_path / "out.usda"
+    printed = cli("orient-joints", source, "-o", out, code=3).stderr
+    assert "</Root/Skel> is no prim of the scene" in printed
+    other = scene(skeleton(), animation(), MESH).partition("def SkelRoot")[2].replace("/Root", "/Other")
+    text = source.read_text() + "def SkelRoot" + other.replace('"Root"', '"Other"')
+    beside = save(tmp_path, text, "beside.usda")
+    cli("orient-joints", beside, "-o", out, code=0)
+    before, after = (skinned(Usd.Stage.Open(str(path)), Usd.TimeCode(3)) for path in (beside, out))
+    assert all(np.abs(before[path] - after[path]).max() < 1e-5 for path in ("/Root/Skin", "/Other/Skin"))
 
 
 @pytest.mark.parametrize("below", [True, False], ids=["below", "beside"])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from program import cli
 from pxr import Usd
-from test_usd_variants import TALL, apart, choosing, edited, over, selecting, variant_set
+from test_usd_variants import RUN, TALL, apart, choosing, edited, over, selecting, variant_set
 from usd_files import MESH, animation, save, scene, skeleton, skinned
 
 from rigtri.formats.usd.composition.variant_choices import each_choice
@@ -157,6 +157,19 @@ def test_an_up_axis_is_changed_where_another_variant_leaves_out_the_reference(tm
     cli("freeze", source, "-o", out, "--up-axis", "z", code=0)
     before, after = (skinned(Usd.Stage.Open(str(path)), Usd.TimeCode(3)) for path in (source, out))
     assert np.abs(before["/A/Skin"][:, [0, 2, 1]] * (1, -1, 1) - after["/A/Skin"]).max() < 1e-6
+
+
+def test_a_set_within_the_variant_that_has_the_reference_is_edited_there(tmp_path: Path) -> None:
+    """The set's variants are stronger than the reference only within that variant, not beside it."""
+    save(tmp_path, HERO, "hero.usda")
+    head = 'prepend references = @./hero.usda@</Root>\nvariants = {\nstring take = "a"\n}\n'
+    takes = variant_set("take", a="", b=over("Anim", RUN))
+    high = f'"high" (\n{head}prepend variantSets = "take"\n) {{\n{takes}\n}}\n"none" {{\n}}'
+    text = f'#usda 1.0\n(\n    upAxis = "Y"\n)\ndef "Root"\n{{\nvariantSet "lod" = {{\n{high}\n}}\n}}\n'
+    source = save(tmp_path, choosing(text, 'def "Root"', lod="high"))
+    out = edited(source, tmp_path)
+    for take in "ab":
+        assert apart(source, out, {"lod": "high", "take": take}) < 1e-5
 
 
 def test_sets_within_a_variant_are_tried_with_it(tmp_path: Path) -> None:

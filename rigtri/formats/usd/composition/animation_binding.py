@@ -9,6 +9,7 @@ Source: UsdSkelBindingAPI; measured with UsdSkelCache (tests/formats/usd/test_us
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from pxr import UsdSkel
@@ -55,6 +56,21 @@ def named(prim: Any) -> tuple[Any, Any]:
             return (prim, targets[0]) if targets else (None, None)
         prim = prim.GetParent()
     return None, None
+
+
+def within_scene(scene: Iterable[Any], prims: Sequence[Any]) -> list[Any]:
+    """Skeletons and animations without the animations of Skeletons that are no prims of the scene.
+
+    UsdSkel skins a mesh of the scene (all its prims) also by a Skeleton below a class, or an ``over`` that no
+    layer defines. Edits leave such a Skeleton as it is, and so must they leave what it plays.
+    """
+    played = {named(prim)[1] for prim in prims if prim.GetTypeName() == "Skeleton"}
+    loose = {prim.GetPath() for prim in prims if prim.GetTypeName() == "SkelAnimation"} - played
+    bound = (prim.GetRelationship("skel:skeleton") for prim in (scene if loose else ()))
+    targets = {path: one.GetStage() for one in bound if one for path in one.GetForwardedTargets()}
+    skeletons = (found for path, stage in targets.items() if (found := stage.GetPrimAtPath(path)))
+    loose &= {named(prim)[1] for prim in skeletons if prim.IsAbstract() or not prim.IsDefined()}
+    return [prim for prim in prims if prim.GetPath() not in loose]
 
 
 def why_unplayed(holder: Any, target: Any) -> str:

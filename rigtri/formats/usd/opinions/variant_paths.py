@@ -41,6 +41,9 @@ def inside_variants(prim: Any, sets: set[Any], state: VariantState, variants: Sk
         shown = variants.stage.GetPrimAtPath(above)
         for name in shown.GetVariantSets().GetNames() if shown else ():
             if (above, name) in sets:
+                path = _brought_within(path, shown, name)
+                if (above, name) in _selections(path):
+                    continue
                 variant = state.selected[above, name]
                 if not variant:
                     raise FileError(
@@ -55,6 +58,38 @@ def inside_variants(prim: Any, sets: set[Any], state: VariantState, variants: Sk
                         "variant a file of its own."
                     )
     return path
+
+
+def _brought_within(path: Any, prim: Any, name: str) -> Any:
+    """A path of a prim, within those variants of the stage's own layers that bring its variant set ``name``.
+
+    They hold the set, or the arc to where it is. Beside them the set would be weaker than what they bring.
+    """
+    root = prim.GetPrimIndex().rootNode
+    if root.path != prim.GetPath():  # of an instance: the variants are those of its class
+        return path
+    node = next((node for node in _strongest_first(root) if name in _sets_at(node)), root)
+    while node.layerStack != root.layerStack or node.path.StripAllVariantSelections() != root.path:
+        node = node.parent
+    return node.path if _selections(path) <= _selections(node.path) else path
+
+
+def _strongest_first(node: Any) -> Iterator[Any]:
+    yield node
+    for child in node.children:
+        yield from _strongest_first(child)
+
+
+def _sets_at(node: Any) -> set[str]:
+    """The variant sets that the layers of a node list there."""
+    specs = (layer.GetPrimAtPath(node.path) for layer in node.layerStack.layers)
+    return {found.name for spec in specs if spec for found in spec.variantSets.values()}
+
+
+def _selections(path: Any) -> set[VariantSet]:
+    """The variant sets of which a path selects a variant."""
+    steps = (each for each in path.GetPrefixes() if each.IsPrimVariantSelectionPath())
+    return {(each.StripAllVariantSelections(), each.GetVariantSelection()[0]) for each in steps}
 
 
 def keys_of_new_joints(variants: SkeletonVariants, edits: Sequence[Edit]) -> tuple[list[Edit], list[Notice]]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from rigtri.formats.usd.composition.animation_binding import within_scene
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import has_splines, ops_times
@@ -51,7 +52,7 @@ class Nodes:
         self.joint_nodes: dict[str, dict[str, int]] = {}
 
     def add_prims(self) -> list[Any]:
-        """Add every prim with a transform; returns the Skeleton and SkelAnimation prims."""
+        """Add every prim with a transform; returns the Skeleton and SkelAnimation prims of the scene."""
         others = []
         placeless = self.instances.placeless()
         above: dict[Any, int] = {}
@@ -79,7 +80,7 @@ class Nodes:
         if up not in (UsdGeom.Tokens.y, UsdGeom.Tokens.z):
             text = f"upAxis is '{up}', which USD does not define; Y is taken. Set it to Y or Z"
             self.warnings.append(Notice("up-axis", text))
-        return others
+        return within_scene(self.instances.prims(), others)
 
     def _add_prim(self, prim: Any, parent: int, still: bool) -> int:
         node, path = len(self.names), str(prim.GetPath())
