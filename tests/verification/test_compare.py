@@ -501,6 +501,25 @@ def test_another_up_axis_is_named(compare: Compare) -> None:
     assert compare(held, after).changed == ("up is Z, was Y",)
 
 
+def test_an_upper_bound_holds_where_a_clip_carries_morphs_far_out(tmp_path: Path) -> None:
+    document = read(arm().glb(tmp_path / "in.glb"))
+    clips = tuple(
+        replace(
+            clip,
+            tracks=tuple(
+                replace(t, values=t.values * 1e9) if t.path == "weights" else t for t in clip.tracks
+            ),
+        )
+        for clip in document.rig.clips
+    )
+    rig = replace(document.rig, clips=clips)
+    rotation = multiply(rig.rotation, from_axis_angle([0.0, 0.0, 1.0], 1e-8))
+    before = DocumentView(document, rig)
+    after = DocumentView(document, replace(rig, rotation=rotation))
+    bound, exact = self_check(before, after), verify(before, after)
+    assert bound.deviation > 0.9 * exact.deviation > 0.1
+
+
 def test_morph_weights_that_change_on_purpose_are_set_aside_at_common_times(tmp_path: Path) -> None:
     document = read(arm().glb(tmp_path / "in.glb"))
     (clip,), node = document.rig.clips, document.rig.find("Skin")

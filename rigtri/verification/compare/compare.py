@@ -41,6 +41,8 @@ from rigtri.verification.compare.verdict import Motion
 # points, or the points themselves, at the weights that their morphs have. Boxes have room for what all
 # morphs add at once, which may be far more.
 Detail = Literal["stated boxes", "boxes", "points"]
+# Weights of morphs are 0 to 1, or a little beyond: boxes have no room for where larger ones carry points.
+_MOST_WEIGHT = 10.0
 # Which morph targets of which nodes, by the nodes' keys.
 MorphChanges = Mapping[Hashable, Collection[int]]
 
@@ -118,6 +120,8 @@ def self_check(
     added = theirs.holders.difference(found.node.tolist())
     if any(added.intersection(skin.joints.tolist()) for skin in theirs.skins):
         return verify(before, after)  # a split has counted the joints anew: look at the vertices themselves
+    if _beyond_boxes(mine):
+        detail = "points"
     meshes = _measurable(
         before,
         before.meshes if detail == "points" else lambda: before.outlines(closely=detail == "boxes"),
@@ -144,6 +148,12 @@ def self_check(
     result = compared(mine, theirs, found, probes, sizes, different)
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
     return replace(result, boxed=() if detail == "boxes" else boxed)
+
+
+def _beyond_boxes(rig: Rig) -> bool:
+    """Whether a clip gives morphs weights that carry points far out of the boxes of meshes."""
+    columns = (column for clip in rig.clips for column in clip.columns if column.path == "weights")
+    return any(np.abs(column.key_values).max(initial=0.0) > _MOST_WEIGHT for column in columns)
 
 
 def motion_between(before: Source, after: Source, *, axes: bool = True, free: Collection[int] = ()) -> Motion:
