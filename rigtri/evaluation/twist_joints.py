@@ -15,7 +15,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.maths.matrices import (
-    determinant,
+    handedness,
     inverse,
     multiply,
     transform_directions,
@@ -87,9 +87,9 @@ def twist_of(rig: Rig, node: int, record: TwistRecord) -> TwistJoint:
     rest = _rotation(local) if record.rest is None else np.array(record.rest)
     if upper:
         whole = _product(local)
-        back = rotate(rest, own_axis) if record.rest else transform_directions(own_axis, whole)
+        sign = float(handedness(whole))
+        back = sign * rotate(rest, own_axis) if record.rest else transform_directions(own_axis, whole)
         axis = normalise(back)
-        sign = -1.0 if determinant(whole) < 0 else 1.0
     standing = record.standing or from_axes(unsheared_axes(rig.local[node]))
     return TwistJoint(
         node=node,

@@ -345,6 +345,23 @@ def test_twist_counts_from_the_rest_pose_of_before() -> None:
     assert with_stored_rest(rig, rig) is rig
 
 
+@pytest.mark.parametrize("mirrored", [(-1, 1, 1), (1, -1, 1), (-1, -1, -1)])
+def test_twist_of_a_mirrored_joint_counts_from_the_rest_pose_of_before(
+    mirrored: tuple[int, int, int],
+) -> None:
+    """Before, once it rested otherwise, its twist joints turned to the other side in all clips."""
+    rig = add_twist(
+        replace(ARM, scale=ARM.scale * [mirrored, (1, 1, 1), (1, 1, 1), (1, 1, 1)]), options=UPPER
+    )
+    turned = rig.rotation.copy()
+    turned[rig.find("a")] = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, 0.6))
+    rested = replace(rig, rotation=turned)
+    now = with_stored_rest(rested, rig)
+    assert now is not rested
+    for before, after in zip(twist_joints(rig), twist_joints(now), strict=True):
+        assert_allclose(after.rotations(rested.local), before.rotations(rested.local), atol=1e-12)
+
+
 @pytest.mark.parametrize("options", [LOWER, UPPER])
 def test_twist_is_about_the_bone_as_it_lay_before_it_ended_elsewhere(options: AddTwistOptions) -> None:
     """Before, a rest pose with the end to the side of the bone changed what twist joints do in all clips."""
