@@ -20,6 +20,7 @@ from rigtri.recognition.limb_pairs import Limbs, ends_in_hand, lacks_hand
 from rigtri.recognition.limb_triples import TIE, bends_within, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement, in_order
 from rigtri.recognition.limbs_alone import without_stumps
+from rigtri.recognition.many_legs import is_feeler
 from rigtri.recognition.standing import (
     CLEAR,
     FIRST_APART,
@@ -44,6 +45,8 @@ _NUMBERED = 0.45
 _STUNTED = 0.25
 # Below this, what says where a body faces contradicts itself or is little, so that sides are in doubt.
 _DOUBT = 0.25
+# Nor is a side sure where knees and elbows alone tell it, and each the other: knees weigh twice as much.
+_AGAINST = 0.35
 # From here on it denies names of sides; below, only those of joints that a negative scale has mirrored.
 _DENIES = 0.6
 # Limbs without twins go to their sides by this (a cosine) from where a body faces to its left.
@@ -113,6 +116,8 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
     if limbs in draft.shape.legs:
         # Three pairs alike on the ground, and called legs: names need not say which joint is which.
         kind, sure = "leg", _HALF if limbs.kind == "leg" else _LEAST
+    elif draft.shape.legs and is_feeler(draft.shape.legs, limbs, Vector(*draft.tree.rig.rules.up)):
+        pass
     elif body is not None and limbs in (body.legs, body.arms) and (not named or is_clear(body)):
         kind, sure = _shaped(body, limbs), _shape_confidence(draft, body, limbs)
     elif (body is not None and is_further(draft.tree, body, limbs)) or (not named and ends_in_hand(limbs)):
@@ -225,6 +230,7 @@ def _sided(draft: Draft, pairs: Sequence[Found], named: Sequence[Found]) -> list
     found = []
     for each in pairs:
         shared = each.confidence * share
+        shared = min(shared, _ROUGH) if sure < _AGAINST and not by_names else shared
         if each.pair is not None and ends_in_hand(each.pair):  # an arm, whichever side it is on
             shared = max(shared, min(each.confidence, _LEAST))
         evidence = (*each.evidence, *because)

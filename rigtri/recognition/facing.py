@@ -15,6 +15,7 @@ from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.recognition.body_shape import Body
+from rigtri.recognition.hocks import from_the_hips
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_ends import thumb_of
 from rigtri.recognition.limb_pairs import Limbs
@@ -49,6 +50,8 @@ _KNEES, _THIGHS = "the knees bend there", "the thighs go there, as of one who si
 # What legs tell, and the trunk from there on.
 _LEANING = "the trunk leans there"
 BY_LEGS = (_FEET, _KNEES, _THIGHS, _LEANING)
+# A foot so long, as a part of the leg, counts in full; where so many toes or more agree, half as long a one.
+_FOOT, _TOED, _PAW = 0.2, 0.1, 3
 # What denies no names of sides: arms turn about themselves at the shoulder, and take their thumbs with them.
 _THUMBS, _SAID = "the thumbs are there", "the format says so"
 UNSURE = frozenset((_THUMBS, _SAID))
@@ -90,6 +93,7 @@ def facing_of(
     """
     ahead = plane.normal.cross(body.up)
     ahead = (ahead - body.up * ahead.dot(body.up)).unit
+    body = body if legs else from_the_hips(tree, body, ahead)
     votes = _votes(tree, body, ahead, poses) if not legs else ends_of_trunk(tree, legs, plane, ahead)
     evidence = [*_moving(tree, body, ahead, poses), *votes]
     slight = [(weight, words) for weight, words in evidence if words == _FEET and abs(weight) <= _TOES]
@@ -304,12 +308,16 @@ def _stands_out(tree: Tree, fingers: Sequence[Sequence[int]], which: int) -> boo
 
 
 def _toes(tree: Tree, legs: Limbs, ahead: Vector) -> float:
-    """How far what follows the ankle points ahead: −1 to 1."""
+    """How far what follows the ankle points ahead, −1 to 1: most toes, where a foot has as many as a paw."""
     total = 0.0
     for path in legs.pair.paths:
         ankle = path[legs.at[-1]]
-        along = (tree.at[tree.paths[ankle][-1]] - tree.at[ankle]).dot(ahead)
-        total += 0.5 * max(-1.0, min(1.0, along / max(0.2 * legs.size, 1e-30)))
+        toes = next((tree.below[k] for k in tree.paths[ankle] if len(tree.below[k]) > 1), [])
+        toed = len(toes) >= _PAW
+        tips = [tree.paths[k][-1] for k in toes] if toed else [tree.paths[ankle][-1]]
+        # The toe behind a bird's foot may be the longest, and is one of four.
+        along = sorted((tree.at[tip] - tree.at[ankle]).dot(ahead) for tip in tips)[len(tips) // 2]
+        total += 0.5 * max(-1.0, min(1.0, along / max((_TOED if toed else _FOOT) * legs.size, 1e-30)))
     return total
 
 

@@ -18,10 +18,15 @@ _STANDS = 0.5
 _NEAR_AXIS = 0.866
 # Joints beside the plane by less than this part of the whole are in the middle.
 _MIDDLE = 0.02
-# An abdomen is longer than a head by this, as a part of both, to count in full.
-_LONGER = 0.2
+# An abdomen is longer than a head by more than the first, as a part of both, and by the second to count in
+# full: of one joint each, which is longer is chance.
+_AS_LONG, _LONGER = 0.1, 0.2
+# They tell more than which end is longer: an abdomen of one joint may be as short as a head.
+_FEELERS = 2.0
 # A pair of feelers, of jaws or of eyes begins so far from the legs, as a part of one of them.
 _FAR = 0.15
+# Feelers begin ahead of legs and not over them, by this (a cosine, 45°); pincers end in so many branches.
+_OVER, _PINCERS = 0.7, 2
 # What names call the one end, and the other.
 _HEAD = frozenset(["head"])
 _ABDOMEN = frozenset(["abdomen", "gaster", "opisthosoma"])
@@ -79,13 +84,26 @@ def up_of_row(legs: Sequence[Limbs], standing: Vector, lateral: Vector) -> Vecto
     return standing if up.dot(standing) > _STANDS or not any(up) else on_axis(up, _NEAR_AXIS)
 
 
+def is_feeler(legs: Sequence[Limbs], limbs: Limbs, up: Vector) -> bool:
+    """Whether a pair beside many legs begins ahead of them, as feelers do: arms begin over them.
+
+    up: of the body, unit.
+    """
+    return limbs.fingers < _PINCERS and (limbs.starts - _middle_of(legs)).unit.dot(up) < _OVER
+
+
+def _middle_of(legs: Sequence[Limbs]) -> Vector:
+    starts = Vector()
+    for each in legs:
+        starts = starts + each.starts * (1.0 / len(legs))
+    return starts
+
+
 def ends_of_trunk(
     tree: Tree, legs: Sequence[Limbs], plane: Plane, ahead: Vector
 ) -> Iterator[tuple[float, str]]:
     """What the trunk of many legs says of ahead: weights, negative for the other way, with words."""
-    starts = Vector()
-    for each in legs:
-        starts = starts + each.starts * (1.0 / len(legs))
+    starts = _middle_of(legs)
     names = _named_ends(tree, starts).dot(ahead) / max(each.size for each in legs)
     yield 3.0 * max(-1.0, min(1.0, names / _FAR)), "what its names call the head is there"
     taken = frozenset[int]().union(*(each.pair.nodes for each in legs))
@@ -97,14 +115,15 @@ def ends_of_trunk(
     along = [(tree.at[k] - starts).dot(ahead) for k in middle]
     front, back = max([*along, 0.0]), -min([*along, 0.0])
     if front + back > _MIDDLE * tree.span:
-        longer = (back - front) / (_LONGER * (front + back))
-        yield 1.5 * max(-1.0, min(1.0, longer)), "the abdomen is behind"
+        longer = (back - front) / (front + back)
+        if abs(longer) > _AS_LONG:
+            yield 1.5 * max(-1.0, min(1.0, longer / _LONGER)), "the abdomen is behind"
     size = max(each.size for each in legs)
     for pair in pairs:
         if pair.above in middle:
             far = (tree.at[pair.above] - starts).dot(ahead)
             if abs(far) > _FAR * size:
-                yield 1.0 if far > 0 else -1.0, "feelers, jaws or eyes are there"
+                yield _FEELERS if far > 0 else -_FEELERS, "feelers, jaws or eyes are there"
                 return
 
 
