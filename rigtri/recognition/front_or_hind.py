@@ -1,4 +1,4 @@
-"""Which two of four legs are in front: those before the head, and below the arms of a centaur.
+"""What is in front: of four legs those before the head and below the arms of a centaur; arms before wings.
 
 A skeleton may hang from the hips, from the shoulders or from the middle, so that the hierarchy does not tell.
 """
@@ -7,16 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf
+from math import fsum, inf
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.body_shape import LEG, SIMILAR, Body, are_disjoint
+from rigtri.recognition.body_shape import LEG, Body, are_disjoint
+from rigtri.recognition.facing import facing_of
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_pairs import Limbs
+from rigtri.recognition.limb_pairs import Limbs, ends_in_hand
 from rigtri.recognition.limb_triples import TIE
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair, Plane
 
+# Arms are so long a part of the legs of an animal, at least: a horse's are longer than those of its rider.
+_ARMS = 0.4
+# Wings begin so far behind arms, as a part of a leg, and score more than these by less than the second, where
+# it is so sure, 0 to 1, that legs tell where the body looks.
+_BEHIND, _AS_LIKELY, _LOOKS = 0.05, 0.1, 0.5
 # Arms begin over the legs of one end of a trunk up to this part of it.
 _OVER = 0.3
 # What stands so far beyond legs, as parts of the trunk between them, are head and tail, and their tips; a
@@ -29,9 +35,33 @@ _BESIDE = 0.03
 def is_further(tree: Tree, body: Body, limbs: Limbs) -> bool:
     """Whether a pair may be the arms of a body that stands on four legs: they begin above the front ones.
 
-    No leg hangs from an arm.
+    No leg hangs from an arm. What hangs from the trunk where front legs do is a pair of wings.
     """
-    return _are_over(tree, body, limbs) and limbs.quality > LEG and limbs.lead > TIE
+    return (
+        _are_over(tree, body, limbs)
+        and not is_beside_legs(body, limbs)
+        and limbs.quality > LEG
+        and limbs.lead > TIE
+    )
+
+
+def is_beside_legs(body: Body, limbs: Limbs) -> bool:
+    """Whether a pair without fingers hangs from the joint where the front legs of a body on four do."""
+    front = body.arms if body.form == "quadruped" else None
+    return (
+        front is not None
+        and limbs.pair.above == front.pair.above
+        and not ends_in_hand(limbs)
+        and not limbs.kind
+    )
+
+
+def is_behind_arms(body: Body, limbs: Limbs, ahead: Vector) -> bool:
+    """Whether a pair hangs where the arms of a body on two do, and begins behind these: wings, capes."""
+    if body.form != "biped" or body.legs is None or body.arms is None:
+        return False
+    behind = (body.arms.starts - limbs.starts).dot(ahead) > _BEHIND * body.legs.size
+    return behind and limbs.pair.above == body.arms.pair.above and not limbs.kind
 
 
 def _are_over(tree: Tree, body: Body, limbs: Limbs) -> bool:
@@ -41,7 +71,7 @@ def _are_over(tree: Tree, body: Body, limbs: Limbs) -> bool:
         return False
     if not all(are_disjoint(tree, pair, limbs) for pair in (front, hind)):
         return False
-    high, least = (limbs.starts - front.starts).dot(body.up) > 0.0, SIMILAR * min(front.size, hind.size)
+    high, least = (limbs.starts - front.starts).dot(body.up) > 0.0, _ARMS * min(front.size, hind.size)
     return high and limbs.size > least
 
 
@@ -93,7 +123,7 @@ def head_end(tree: Tree, body: Body, plane: Plane, poses: Poses, limbs: Sequence
     high, low = (max((tree.at[node].dot(body.up) for node in end), default=-inf) for end in (one, other))
     if not high > low:
         return 1
-    broader = _breadth(tree, one, plane, poses) > _BROADER * _breadth(tree, other, plane, poses)
+    broader = _breadth(tree, one, plane, poses)[0] > _BROADER * _breadth(tree, other, plane, poses)[1]
     return -1 if broader and low > -inf else 0
 
 
@@ -131,13 +161,42 @@ def _beyond(
     return [k for k in free if (tree.at[k] - start).dot(way) > share * way.dot(way)]
 
 
-def _breadth(tree: Tree, nodes: Sequence[int], plane: Plane, poses: Poses) -> float:
-    """How far what one joint moves goes from side to side, at most."""
-    broad = 0.0
+def _breadth(tree: Tree, nodes: Sequence[int], plane: Plane, poses: Poses) -> tuple[float, float]:
+    """How far what one joint moves goes from side to side, at the broadest: at least, and at most.
+
+    A box around a long bone that lies across its own axes is broader than that: what it holds reaches from
+    one face to the other along one of its edges, and lies anywhere between the others.
+    """
+    least, most = 0.0, 0.0
     for node in nodes:
-        aside = [plane.side_of(point) for point in poses.box_of([node], tree.places)]
-        broad = max(broad, max(aside, default=0.0) - min(aside, default=0.0))
-    return broad
+        ends = poses.box_of([node], tree.places)
+        for first in range(0, len(ends), 8):
+            sides = [abs(plane.normal.dot(ends[first + k] - ends[first])) for k in (4, 2, 1)]
+            least = max(least, 2.0 * max(sides) - fsum(sides))
+            most = max(most, fsum(sides))
+    return least, most
+
+
+def before_wings(tree: Tree, ways: Sequence[Body], plane: Plane, poses: Poses) -> list[Body]:
+    """The ways to see a body, that one first in which its arms begin ahead of other arms that are as likely.
+
+    Wings and capes hang from the back, arms beside the spine. Feet and knees tell where that is.
+    """
+    if not ways or ways[0].form != "biped" or ways[0].legs is None or ways[0].arms is None:
+        return list(ways)
+    best, *others = ways
+    legs, arms = ways[0].legs, ways[0].arms
+    ahead, sure, _ = facing_of(tree, replace(best, arms=None), plane, poses)
+    for other in others if sure > _LOOKS else ():
+        as_likely = other.form == "biped" and other.legs is legs and best.score - other.score < _AS_LIKELY
+        if (
+            as_likely
+            and other.arms
+            and other.arms.size > _ARMS * arms.size
+            and is_behind_arms(other, arms, ahead)
+        ):
+            return [replace(other, lead=best.lead), best, *(k for k in others if k is not other)]
+    return list(ways)
 
 
 def _over_hind_legs(tree: Tree, body: Body, limbs: Limbs) -> bool:

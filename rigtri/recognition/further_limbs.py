@@ -8,6 +8,7 @@ from itertools import pairwise
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.found_limb import Found
+from rigtri.recognition.front_or_hind import is_behind_arms, is_beside_legs
 from rigtri.recognition.inanimate import is_of_machine
 from rigtri.recognition.layout import NAMES, Kind
 from rigtri.recognition.limb_pairs import Limbs
@@ -18,6 +19,8 @@ from rigtri.recognition.symmetry import SIMILAR_LENGTH
 
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
 _SIZE, _QUALITY = 0.35, 0.3
+# What goes down by more than this (a cosine) hangs.
+_HANGS = -0.5
 
 
 def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
@@ -118,12 +121,18 @@ def _is_worn(names: Sequence[str]) -> bool:
 
 
 def _kind(draft: Draft, body: Body, limbs: Limbs, size: float) -> Kind:
-    """A further leg where it ends as low as the legs do, or a further arm where it is built as arms are."""
+    """A further leg where it ends as low as the legs do, or a further arm where it is built as arms are.
+
+    A wing where it begins behind the arms, or beside front legs, and does not hang down as a cape does.
+    """
     if body.legs is None:
         return "limb"
     if abs((limbs.ends - body.legs.ends).dot(draft.up)) < 0.2 * size:
         return "leg"
-    return "arm" if body.arms is not None and _is_built_as(draft, limbs, body.arms) else "limb"
+    if body.arms is not None and _is_built_as(draft, limbs, body.arms):
+        return "arm"
+    grows = is_behind_arms(body, limbs, draft.facing) or is_beside_legs(body, limbs)
+    return "wing" if grows and (limbs.ends - limbs.starts).unit.dot(draft.up) > _HANGS else "limb"
 
 
 def _is_built_as(draft: Draft, limbs: Limbs, arms: Limbs) -> bool:

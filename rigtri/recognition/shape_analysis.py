@@ -15,7 +15,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.recognition.biped_or_quadruped import settled
 from rigtri.recognition.body_shape import Body, bodies
 from rigtri.recognition.facing import facing_of
-from rigtri.recognition.front_or_hind import turned
+from rigtri.recognition.front_or_hind import before_wings, turned
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind, PoseName
 from rigtri.recognition.limb_ends import HAND
@@ -159,7 +159,8 @@ def _with_pairs(
         if others and others[0].form == "quadruped" and others[0].score > ways[0].score:
             limbs, ways = paws, others
     ways = [settled(tree, way, poses, names) for way in ways]
-    ways = turned(tree, ways, limbs, plane, poses) if plane is not None else ways
+    if plane is not None:
+        ways = before_wings(tree, turned(tree, ways, limbs, plane, poses), plane, poses)
     legs, up = many_legs(tree, limbs, plane)
     if legs and ways:
         ways = [replace(ways[0], up=up), *ways[1:]]

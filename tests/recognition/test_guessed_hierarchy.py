@@ -170,7 +170,8 @@ def test_hands_of_a_centaur_are_no_tail_of_it(monkeypatch: pytest.MonkeyPatch) -
     finger = line("x.L y.L z.L", "hand.L", (0.47, 1.6, 0.75), (0.48, 1.58, 0.8), (0.49, 1.56, 0.84))
     joints = [*centaur(), *both(finger)]
     tail = [k for k, joint in enumerate(joints) if joint[0].startswith("tail")]
-    monkeypatch.setattr(front_or_hind, "_breadth", lambda _, nodes, *__: float(not {*tail}.isdisjoint(nodes)))
+    broad = {True: (1.0, 1.0), False: (0.0, 0.0)}
+    monkeypatch.setattr(front_or_hind, "_breadth", lambda _, nodes, *__: broad[not {*tail}.isdisjoint(nodes)])
     (found,) = recognise(rig_with(joints, named=False)).characters
     assert found.form == "quadruped"
     assert not [k for k in found.limbs if k.is_sure and found.facing[2] < 0]
