@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -40,16 +41,18 @@ def bind_worlds(rig: Rig, skin: Skin) -> Floats:
     not to be changed.
     """
     if skin not in rig.bind_poses:
-        rig.bind_poses[skin] = _bind_worlds(rig, skin) if len(skin.joints) else rig.world
+        rig.bind_poses[skin] = bind_worlds_of(rig, [skin]) if len(skin.joints) else rig.world
         rig.bind_poses[skin].flags.writeable = False
     return rig.bind_poses[skin]
 
 
-def _bind_worlds(rig: Rig, skin: Skin) -> Floats:
+def bind_worlds_of(rig: Rig, skins: Sequence[Skin]) -> Floats:
+    """`bind_worlds` with the joints of several skins, each in its own bind pose."""
     world = rig.local.copy()
-    world[skin.joints] = bind_frames(rig, skin)
     outside = np.ones(len(rig), dtype=bool)
-    outside[skin.joints] = False
+    for skin in skins:
+        world[skin.joints] = bind_frames(rig, skin)
+        outside[skin.joints] = False
     for level in rig.levels[1:]:
         follow = level[outside[level]]
         if len(follow):

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.evaluation.bind_pose import bind_worlds
+from rigtri.evaluation.bind_pose import bind_frames, bind_worlds, bind_worlds_of
 from rigtri.evaluation.sampling import worlds
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import compose, from_frame, multiply, transform_directions, transform_points
@@ -18,6 +18,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Column
 from rigtri.model.bounding_boxes import boxes, corners
+from rigtri.model.characters import characters
 from rigtri.model.dataclass import dataclass
 from rigtri.model.hierarchy import Hierarchy
 from rigtri.model.rig import Rig
@@ -93,7 +94,7 @@ class Poses:
 
     @cached_property
     def bind(self) -> Floats | None:
-        """The bind pose of the skin with most joints; None where there is none or it is no pose."""
+        """The bind pose of each character's skin with most joints; None where it is no pose."""
         world = bind_pose(self.rig)
         return None if world is None else world[:, 3, :3]
 
@@ -257,12 +258,23 @@ class Poses:
 
 
 def bind_pose(rig: Rig) -> Floats | None:
-    """World matrices, (n, 4, 4), in the bind pose of the skin with most joints; None where it is no pose."""
-    skins = [skin for skin in rig.skins if skin.stored and len(skin.joints) > 1]
-    if not skins:
+    """World matrices, (n, 4, 4), with each character in the bind pose of its skin with most joints.
+
+    None where that of the largest skin is no pose; of other characters, these then stand as they rest.
+    """
+    stored = [skin for skin in rig.skins if skin.stored and len(skin.joints) > 1]
+    largest = sorted(stored, key=lambda skin: -len(skin.joints))
+    if not largest or not np.isfinite(bind_worlds(rig, largest[0])[:, 3, :3]).all():
         return None
-    world = bind_worlds(rig, max(skins, key=lambda skin: len(skin.joints)))
-    return world if bool(np.isfinite(world[:, 3, :3]).all()) else None
+    number = np.full(len(rig), -1)
+    for k, nodes in enumerate(characters(rig) if len(largest) > 1 else ()):
+        number[nodes] = k
+    of_each = {number[skin.joints[0]]: skin for skin in reversed(largest)}
+    if len(of_each) == 1:
+        return bind_worlds(rig, largest[0])
+    return bind_worlds_of(
+        rig, [skin for skin in of_each.values() if np.isfinite(bind_frames(rig, skin)[:, 3, :3]).all()]
+    )
 
 
 def _rotations(clip: Clip) -> int:

@@ -17,10 +17,11 @@ from program import cli
 from rigs import rig_of
 from usd_files import MESH, animation, deviation, save, scene, skeleton
 
-from rigtri import add_controls, bake, constrain, snap, strip, take_clips
+from rigtri import add_controls, bake, constrain, orient_joints, snap, strip, take_clips
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.timelines import put_tracks, timelines
 from rigtri.formats import read
+from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.animation import Track
 from rigtri.model.characters import characters
 from rigtri.model.constraints import constraints_of
@@ -38,6 +39,18 @@ def built(rig: Rig) -> list[list[str]]:
         about = {n: rig.known(record.joint) for n, record in rig.records(ControlRecord).items()}
         found.append([rig.names[node] for node, joint in about.items() if joint in nodes])
     return found
+
+
+def test_equal_characters_get_equal_axes(samples: Path, tmp_path: Path) -> None:
+    """The bind pose decides of both, also where they rest otherwise."""
+    rig = read(pair(samples, tmp_path, "gltf")).rig
+    rotation = rig.rotation.copy()
+    for skin in rig.skins:
+        rotation[skin.joints[1:6]] = multiply(
+            rotation[skin.joints[1:6]], from_axis_angle(np.array([0.6, 0, 0.8]), 0.2)
+        )
+    one, other = orient_joints(replace(rig, rotation=rotation)).skins
+    assert np.abs(one.inverse_bind - other.inverse_bind).max() < 1e-9 * np.abs(one.inverse_bind).max()
 
 
 @pytest.mark.parametrize("suffix", ["usda", slow("gltf")])
