@@ -151,16 +151,18 @@ class NodeNames(Hierarchy, ABC):
         """All nodes that a glob such as ``*_L`` matches by name, label or path.
 
         An exact name wins over a pattern, so names with ``*`` or ``[`` in them can
-        be given as they are. Raises NameNotFoundError when nothing matches.
+        be given as they are. Of other characters than the one that is edited alone none is meant, but by
+        a name that no node of that has. Raises NameNotFoundError when nothing matches.
         """
         exact = self._by_name.get(pattern) or self._by_address(pattern)
-        nodes = range(len(self)) if among is None else among
+        others = self.rules.others
         if exact:
-            return sorted(exact)
+            return sorted(node for node in exact if node not in others) or sorted(exact)
         found = [
             node
-            for node in nodes
-            if any(
+            for node in (range(len(self)) if among is None else among)
+            if node not in others
+            and any(
                 fnmatchcase(text, pattern)
                 for text in (self.names[node], self.labels[node], self._qualified[node], self.path(node))
                 if text

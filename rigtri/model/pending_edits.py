@@ -38,7 +38,7 @@ class PendingEdits:
     morph_weights: the weights at rest that nodes get, (t,) each.
     removed: nodes that the written file is without; they have no names any more.
     restored: nodes that are to be again as another file has them (`FormatRules.overlaid`).
-    weight_limit: of all points.
+    weight_limits: of points, one after the other.
     bind_sizes: by the number of a skin how many times as large its points are to be bound, (3,).
     conversion: of the whole scene.
     """
@@ -49,7 +49,7 @@ class PendingEdits:
     morph_weights: Mapping[int, Floats] = field(default_factory=dict)
     removed: frozenset[int] = frozenset()
     restored: frozenset[int] = frozenset()
-    weight_limit: WeightLimit | None = None
+    weight_limits: tuple[WeightLimit, ...] = ()
     bind_sizes: Mapping[int, Floats] = field(default_factory=dict)
     conversion: Conversion | None = None
 
@@ -61,7 +61,7 @@ class PendingEdits:
     @property
     def changes_weights(self) -> bool:
         """Whether vertices are to get other joints, or other shares of theirs."""
-        return bool(self.weight_redistributions or self.joint_merges or self.weight_limit is not None)
+        return bool(self.weight_redistributions or self.joint_merges or self.weight_limits)
 
     def reordered(self, new: Sequence[int]) -> PendingEdits:
         """The edits with node k called ``new[k]``, −1 for a node that is left out."""

@@ -102,7 +102,11 @@ class JointMerge:
 
 @dataclass(frozen=True)
 class WeightLimit:
-    """Of each point the ``most`` joints that weigh most stay. normalise: weights are to sum to 1."""
+    """Of each point the ``most`` joints that weigh most stay. normalise: weights are to sum to 1.
+
+    skins: the numbers of those whose points are meant; None for all points.
+    """
 
     most: int
     normalise: bool = False
+    skins: frozenset[int] | None = None

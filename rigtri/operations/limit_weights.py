@@ -20,7 +20,8 @@ def limit_weights(rig: Rig, *, options: LimitWeightsOptions, report: Report) -> 
 
     How far vertices move is measured when the file is written. What changes is in ``report.added``, by mesh.
     """
-    limit = WeightLimit(options.max_influences, options.normalise)
+    skins = None if options.character is None else _skins(rig)
+    limit = WeightLimit(options.max_influences, options.normalise, skins)
     for mesh in rig.meshes:
         _, weights = limited(mesh.joints, mesh.weights, limit)
         wide = int(np.count_nonzero(np.count_nonzero(mesh.weights, axis=1) > limit.most))
@@ -31,4 +32,10 @@ def limit_weights(rig: Rig, *, options: LimitWeightsOptions, report: Report) -> 
             report.added.append({**entry, "points": int(np.count_nonzero(differs)), "over": wide})
     if report.added and not rig.shown_clips:
         report.warn("no-clips", "This file has no clips: vertices were compared in the rest pose alone")
-    return replace(rig, pending=replace(rig.pending, weight_limit=limit)) if report.added else rig
+    limits = (*rig.pending.weight_limits, limit)
+    return replace(rig, pending=replace(rig.pending, weight_limits=limits)) if report.added else rig
+
+
+def _skins(rig: Rig) -> frozenset[int]:
+    """The skins of the character that is edited alone: those of others have no joints meanwhile."""
+    return frozenset(number for number, skin in enumerate(rig.skins) if len(skin.joints))

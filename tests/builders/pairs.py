@@ -33,9 +33,13 @@ def pair(samples: Path, folder: Path, suffix: str) -> Path:
     shutil.copy(samples / "biped.bin", folder)
     scene = json.loads((samples / "biped.gltf").read_text())
     count = len(scene["nodes"])
+    meshes = len(scene["meshes"])
     for node in copy.deepcopy(scene["nodes"]):
-        node["children"] = [child + count for child in node.get("children", [])]
-        scene["nodes"].append({key: value for key, value in node.items() if value} | _second(node))
+        for key, by in (("children", count), ("mesh", meshes), ("skin", 1)):
+            if key in node:
+                node[key] = [child + by for child in node[key]] if key == "children" else node[key] + by
+        scene["nodes"].append(node)
+    scene["meshes"] += copy.deepcopy(scene["meshes"])
     scene["nodes"][count]["translation"] = [3, 0, 0]
     skin = copy.deepcopy(scene["skins"][0])
     scene["skins"].append(skin | {"joints": [joint + count for joint in skin["joints"]]})
@@ -52,7 +56,3 @@ def pair(samples: Path, folder: Path, suffix: str) -> Path:
     scene["scenes"][0]["nodes"] = [2 * count, 2 * count + 1]
     out.write_text(json.dumps(scene))
     return out
-
-
-def _second(node: dict[str, object]) -> dict[str, int]:
-    return {"skin": 1} if "skin" in node else {}

@@ -250,7 +250,7 @@ def test_rules_and_edits_follow_nodes_to_their_new_numbers() -> None:
     [
         (PendingEdits(), False),
         (PendingEdits(removed=frozenset([1])), False),
-        (PendingEdits(weight_limit=WeightLimit(4)), True),
+        (PendingEdits(weight_limits=(WeightLimit(4),)), True),
         (PendingEdits(joint_merges=(JointMerge(0, np.arange(2), np.zeros(2), {}, False),)), True),
     ],
 )

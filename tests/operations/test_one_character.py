@@ -20,8 +20,9 @@ from usd_files import MESH, animation, deviation, save, scene, skeleton
 from rigtri import add_controls, bake, constrain, orient_joints, snap, strip, take_clips
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.timelines import put_tracks, timelines
-from rigtri.formats import read
+from rigtri.formats import Document, read
 from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.characters import characters
 from rigtri.model.constraints import constraints_of
@@ -142,6 +143,50 @@ def test_one_character_is_edited_alone(suffix: str, samples: Path, tmp_path: Pat
     keyed = {rig.names[track.node] for clip in rig.clips for track in clip.tracks if track.node in rig.own}
     assert keyed
     assert not keyed & set(built(rig)[0])
+
+
+@pytest.mark.parametrize("suffix", [slow("usda"), "gltf"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("limit-weights", "--max-influences", 1),
+        ("merge-joints", "--joints", "*hand_L"),
+        ("merge-joints", "--max-joints", 20),
+        ("prune-joints", "--ends"),
+    ],
+    ids=["limit-weights", "merge-joints", "max-joints", "prune-joints"],
+)
+def test_joints_and_weights_of_one_character_are_edited_alone(
+    words: tuple[object, ...], suffix: str, samples: Path, tmp_path: Path
+) -> None:
+    source, out = (tmp_path / f"{name}.{suffix}" for name in ("pair", "out"))
+    pair(samples, tmp_path, suffix)
+    command, *options = words
+    cli(command, source, "-o", out, *options, "--character", "B", "--tolerance", 0.1, code=0)
+    before, after = read(source), read(out)
+    for name, edited in (("A", False), ("B", True)):
+        (was, weighed), (now, weighed_now) = (_seen(document, name) for document in (before, after))
+        assert (was != now or not np.array_equal(weighed, weighed_now)) == edited
+
+
+def _seen(document: Document, name: str) -> tuple[list[str], Floats]:
+    """The nodes of a character by name, and the weights of its body."""
+    rig = document.rig
+    below = rig.below(rig.find(name, "character"))
+    body = max((mesh for mesh in document.meshes() if mesh.node in below), key=lambda mesh: mesh.weights.size)
+    return [rig.names[node] for node in below], np.sort(body.weights, axis=1)
+
+
+def test_two_characters_get_limits_of_weights_of_their_own(samples: Path, tmp_path: Path) -> None:
+    source, spec, out = pair(samples, tmp_path, "gltf"), tmp_path / "spec.yaml", tmp_path / "out.gltf"
+    steps = "".join(
+        f"  - {{do: limit-weights, character: {name}, max-influences: {most}}}\n"
+        for name, most in (("A", 2), ("B", 1))
+    )
+    spec.write_text(f"version: 1\nsteps:\n{steps}")
+    cli("build", source, "--spec", spec, "-o", out, "--tolerance", 0.1, code=0)
+    weights = [_seen(read(out), name)[1] for name in ("A", "B")]
+    assert [np.count_nonzero(each, axis=1).max() for each in weights] == [2, 1]
 
 
 @pytest.mark.parametrize("space", [ci("world"), "chest"])

@@ -15,6 +15,7 @@ import rigtri
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import WeightLimit
 from rigtri.verification.compare.advice import (
     nearly_uniform,
     rough_scales,
@@ -118,7 +119,7 @@ def test_rotations_off_unit_length_are_named_where_usd_shows_them(keyed: bool) -
     assert why_near(raw, turned(raw, 1), result(4.6e-5), 1e-5).startswith(said)
     assert (" (the key at 0 in clip 'walk')" in why_not_unit(raw, 4.6e-5)) == keyed
     merged = turned(raw, 1)
-    merged = replace(merged, pending=replace(merged.pending, weight_limit=4))
+    merged = replace(merged, pending=replace(merged.pending, weight_limits=(WeightLimit(4),)))
     assert why_near(raw, merged, result(4.6e-5), 1e-5).startswith(said)
     assert why_near(raw, merged, result(0.5), 1e-5).startswith(" Other weights move the skin")
     assert why_not_unit(raw, 0.5) == why_not_unit(rig, 4.6e-5) == ""

@@ -70,22 +70,26 @@ class WeightWriter:
         for skin in {**by_skin, **folds}:
             for mesh in self._meshes(skin):
                 if skin in by_skin or not folds[skin].idle:  # else joints of no weight alone are renamed
-                    self._check_alone(mesh, skin)
+                    self._check_alone(mesh, {skin})
                 for number, primitive in enumerate(self._primitives(mesh)):
                     self._primitive(mesh, number, primitive, skin, by_skin.get(skin, ()), folds.get(skin))
 
-        if rig.pending.weight_limit is not None:
-            self._limit(rig.pending.weight_limit)
+        if rig.pending.weight_limits:
+            self._limit(rig)
         if self._rescaled:
             text = (
                 f"{self._rescaled} vertices had more weight of a joint, all in all, than their numbers hold"
             )
             self.notices.append(Notice("weights-rescaled", f"{text}, so their weights sum to 1 now"))
 
-    def _limit(self, limit: WeightLimit) -> None:
-        """Let the points of all meshes have as many joints as allowed."""
-        known: dict[tuple[int, ...], Mapping[str, int | None]] = {}
-        for mesh in range(len(self._draft.gltf.get("meshes", []))):
+    def _limit(self, rig: Rig) -> None:
+        """Let the points of meshes have as many joints as allowed."""
+        known: dict[tuple[Any, ...], Mapping[str, int | None]] = {}
+        limits: dict[int, list[WeightLimit]] = {}
+        for limit in rig.pending.weight_limits:
+            for mesh in self._limited_meshes(rig, limit.skins):
+                limits.setdefault(mesh, []).append(limit)
+        for mesh, own in limits.items():
             for number, primitive in enumerate(self._primitives(mesh)):
                 sets = self._sets(primitive)
                 if not sets:
@@ -94,20 +98,32 @@ class WeightWriter:
                     text = f"{self._where}: mesh '{self._title(mesh)}' is compressed with {DRACO}"
                     text += ", so its weights cannot be limited. Store it uncompressed"
                     raise FixedWeightsError(text)
-                key = tuple(sets.values())
+                key = (*sets.values(), *own)
                 if key not in known:
-                    known[key] = self._limited(self._read(primitive, sets), sets, limit)
+                    known[key] = self._limited(self._read(primitive, sets), sets, own)
                 if known[key]:
                     owned = self._draft.edit("meshes", mesh, "primitives", number, "attributes")
                     owned.update({name: index for name, index in known[key].items() if index is not None})
                     for name in (name for name, index in known[key].items() if index is None):
                         owned.pop(name)
 
+    def _limited_meshes(self, rig: Rig, skins: frozenset[int] | None) -> Sequence[int]:
+        """The meshes that a limit is about: all of them, or those that are drawn with some skins."""
+        if skins is None:
+            return range(len(self._draft.gltf.get("meshes", [])))
+        numbers = {int(str(rig.skins[skin].key)) for skin in skins}
+        meshes = sorted({mesh for number in numbers for mesh in self._meshes(number)})
+        for mesh in meshes:
+            self._check_alone(mesh, numbers)
+        return meshes
+
     def _limited(
-        self, before: _Influences, sets: dict[str, int], limit: WeightLimit
+        self, before: _Influences, sets: dict[str, int], limits: Sequence[WeightLimit]
     ) -> dict[str, int | None]:
-        """The accessors of a primitive's influences with a limit, None for those of sets that go."""
-        joints, weights = limited(before.joints, before.weights, limit, full=before.full)
+        """The accessors of a primitive's influences with limits, None for those of sets that go."""
+        joints, weights = before.joints, before.weights
+        for limit in limits:
+            joints, weights = limited(joints, weights, limit, full=before.full)
         weights = self._fitting(before, weights)
         found: dict[str, int | None] = dict.fromkeys([*sets][joints.shape[1] // 2 :])
         return found | dict(self._added(sets, before, joints, weights, found))
@@ -144,10 +160,10 @@ class WeightWriter:
                 found[name] = attributes.need(name).index(len(self._accessors), "accessor")
         return found
 
-    def _check_alone(self, mesh: int, skin: int) -> None:
-        """FixedWeightsError where a mesh is drawn with another skin too, whose joints its indices mean."""
-        skins = {n.get("skin") for n in self._draft.gltf["nodes"] if n.get("mesh") == mesh} - {None, skin}
-        if skins:
+    def _check_alone(self, mesh: int, skins: Collection[int]) -> None:
+        """FixedWeightsError where a mesh is drawn with other skins too, whose joints its indices mean."""
+        drawn = {n.get("skin") for n in self._draft.gltf["nodes"] if n.get("mesh") == mesh}
+        if drawn - {None, *skins}:
             raise FixedWeightsError(
                 f"{self._where}: mesh '{self._title(mesh)}' is drawn with several skins, so its weights "
                 "cannot be changed for one. Give each skin a mesh of its own, or leave weights as they are"

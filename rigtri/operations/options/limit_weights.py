@@ -6,12 +6,13 @@ from typing import Annotated
 
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import Kind, option
+from rigtri.operations.option_kinds import OneCharacter
 
 Influences = Annotated[int, Kind("number", "N", low=1, high=64)]
 
 
 @dataclass(frozen=True)
-class LimitWeightsOptions:
+class LimitWeightsOptions(OneCharacter):
     """Options of limit-weights."""
 
     max_influences: Influences = option(

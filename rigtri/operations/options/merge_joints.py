@@ -8,13 +8,13 @@ from typing import Annotated
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import Kind, option
-from rigtri.operations.option_kinds import Excluded, Nodes, RigFile
+from rigtri.operations.option_kinds import Excluded, Nodes, OneCharacter, RigFile
 
 Count = Annotated[int, Kind("number", "N", low=1)]
 
 
 @dataclass(frozen=True)
-class MergeJointsOptions:
+class MergeJointsOptions(OneCharacter):
     """Options of merge-joints."""
 
     joints: Nodes = option((), help="Merge these joints, with all joints below them.", group="what")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import Excluded, Nodes
+from rigtri.operations.option_kinds import Excluded, Nodes, OneCharacter
 
 
 @dataclass(frozen=True)
-class PruneJointsOptions:
+class PruneJointsOptions(OneCharacter):
     """Options of prune-joints."""
 
     sockets: bool = option(

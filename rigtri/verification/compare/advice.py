@@ -41,7 +41,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
     if words := why_displaced(before, largest):
         return words
     not_unit = why_not_unit(before, largest)
-    if not not_unit and (after.pending.joint_merges or after.pending.weight_limit is not None):
+    if not not_unit and (after.pending.joint_merges or after.pending.weight_limits):
         return f" Other weights move the skin: {allow}"
     if rough := rough_scales(before, after, largest):
         names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])

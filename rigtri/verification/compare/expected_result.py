@@ -172,7 +172,7 @@ def compare_written(expected: ExpectedResult, views: Views, tolerance: float) ->
         from rigtri.verification.compare.without_twist import compare_without_twist
 
         return compare_without_twist(*views)
-    if expected.rig.pending.bind_sizes or expected.rig.pending.weight_limit is not None:
+    if expected.rig.pending.bind_sizes or expected.rig.pending.weight_limits:
         # Points are bound in another size, or by others: look at the vertices themselves.
         return verify(*views)
     if expected.rig.pending.strips:
