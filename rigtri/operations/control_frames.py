@@ -216,11 +216,16 @@ class ControlAxes:
         # All joints, whichever have controls: ends have the axes of the joints above them.
         all_joints = tuple(map(rig.address, self._tree.joints))
         options = OrientJointsOptions(
-            **_request(style), joints=all_joints, limb=given.ik, pose="nodes", root=given.root
+            **_request(style),
+            joints=all_joints,
+            limb=given.ik,
+            facing=given.facing,
+            pose="nodes",
+            root=given.root,
         )
         plan = plan_frames(free, options)
         notes = Report()
-        warn_unsure(plan.targets, notes, wording=_WORDING)
+        warn_unsure(plan.targets, notes, faces=given.facing is not None, wording=_WORDING)
         self.unknown += notes.warnings
         delta = plan.policy.allowed(plan.requested.delta, plan.targets.styles, Report())
         aim, up = (style.aim[-1], style.up[-1])

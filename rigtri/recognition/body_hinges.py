@@ -90,13 +90,14 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
     """What the characters say of their joints in a pose, world (n, 4, 4).
 
     facing: where they look by the user's word, (3,), instead of what was recognised. Characters that are not
-    sure, or whose facing direction nothing shows, are left out; of hands alone there are hinges, and no
-    directions (NaN). That is one by its shape: fingers side by side close together, whatever they are of.
+    sure are left out; of hands alone, and of parts whose facing direction nothing shows, there are the hinges
+    of hands, and no directions (NaN). A hand alone is one by its shape: fingers side by side close together,
+    whatever they are of.
     """
     found = []
     for character in (k for k in characters if k.gives_axes):
         frame = _frame(rig, character, world, facing)
-        if frame is None and character.form == "hand":
+        if frame is None and character.form in ("hand", "partial"):
             found.append(_hands_alone(character, world[:, 3, :3]))
         if frame is not None:
             ahead, up, mirrored = frame
@@ -117,12 +118,14 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
 
 
 def _hands_alone(character: Character, at: Floats) -> Body:
+    """The hands of a character of which nobody knows where it faces; of an arm, nothing but its hand."""
     unknown, none = np.full(3, np.nan), frozenset[int]()
-    hands = [chain.side for chain in character.chains if chain.kind == "hand"]
+    chains, alone = character.sure_chains, character.form == "hand"
+    hands = [chain.side for chain in chains if chain.kind == "hand"]
     sides: dict[Side, bool | None] = {side: side == "left" if side else None for side in hands}
-    hinges = hand_hinges(character.chains, sides, at, None)
-    nodes = frozenset(part.joint for part in character.parts)
-    return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, none, dict(hinges), {})
+    hinges = dict(hand_hinges(chains, sides, at, None))
+    nodes = frozenset(part.joint for part in character.parts if alone or part.joint in hinges)
+    return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, none, hinges, {})
 
 
 def turned_facings(rig: Rig, character: Character) -> tuple[Direction, Direction] | None:

@@ -86,6 +86,8 @@ class LimbBends:
                 self._warn(limb, doubted, natural, taken, report)
             elif natural is not None:
                 self._warn_aside(limb, natural, doubted or taken, report, shape=shape)
+            elif limb.kind and taken.sine < CLEAR:
+                self._warn_no_facing(limb, taken, report)
             return taken
         # What a format prescribes says where a straight limb bends, and is nobody's word against a bend.
         prescribed = self.rig.rules.facing
@@ -265,17 +267,30 @@ class LimbBends:
 
     def _warn(self, limb: Limb, doubted: Bend, natural: Bend, taken: Bend, report: Report) -> None:
         off = float(np.degrees(angle(doubted.direction, natural.direction)))
-        title = self.rig.chain_title(limb.triple)
-        if doubted.source == "pose":
-            bent = f"{float(np.degrees(bend_angle(*self.world[list(limb.triple), 3, :3]))):.2g}°"
-        else:
-            bent = f"less than 10° in {SOURCE_TEXT[doubted.source]}"
+        title, bent = self.rig.chain_title(limb.triple), self._bent(limb, doubted)
         does = "elbows bend back" if limb.bends_back else "knees bend forward"
         report.warn(
             "bends-otherwise",
             f"{title} is bent {bent} to a side {off:.0f}° off the one that is natural ({does}); bend "
             f"direction: from {SOURCE_TEXT[taken.source]}. Another --facing, or a bend of more than 10°, "
             "changes that.",
+            joint=title,
+            geometry=True,
+        )
+
+    def _bent(self, limb: Limb, found: Bend) -> str:
+        """How far a bend below 10° is, in words."""
+        if found.source != "pose":
+            return f"less than 10° in {SOURCE_TEXT[found.source]}"
+        return f"{float(np.degrees(bend_angle(*self.world[list(limb.triple), 3, :3]))):.2g}°"
+
+    def _warn_no_facing(self, limb: Limb, found: Bend, report: Report) -> None:
+        """Warn of a knee or elbow of which nothing shows whether a small bend is the natural one."""
+        title = self.rig.chain_title(limb.triple)
+        report.warn(
+            "no-facing",
+            f"{title} is bent {self._bent(limb, found)}, and nothing shows where its body faces, so that "
+            "this is taken as the bend direction, be it noise or not. Say where it faces with --facing",
             joint=title,
             geometry=True,
         )

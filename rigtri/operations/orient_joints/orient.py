@@ -273,7 +273,7 @@ def requested_frames(
             warn_both(rig, characters, report)
         else:
             warn_turned(known, report)
-        warn_unsure(targets, report, per_joint=options.per_joint_plane)
+        warn_unsure(targets, report, per_joint=options.per_joint_plane, faces=facing is not None)
         planes = bend_planes(targets, known, facing, per_joint=options.per_joint_plane, report=report)
         # After an offset or a snap the present axis is not the one that a run before has found.
         present = not any(options.offset) and not options.snap

@@ -20,6 +20,8 @@ from rigtri.text import and_more
 FEW = 5
 # So many children that have none are a body, or a hand, without a hierarchy: a hand has fewer fingers.
 SIDE_BY_SIDE = 8
+# What bends about the lateral axis of a body.
+_TRUNK = ("spine", "neck", "head")
 
 
 @dataclass(frozen=True)
@@ -54,11 +56,17 @@ OF_JOINTS = Wording()
 
 
 def warn_unsure(
-    targets: Targets, report: Report, *, per_joint: bool = False, wording: Wording = OF_JOINTS
+    targets: Targets,
+    report: Report,
+    *,
+    per_joint: bool = False,
+    faces: bool = False,
+    wording: Wording = OF_JOINTS,
 ) -> None:
     """Warn of characters that are not recognised surely: nothing is known then of trunk and limbs.
 
     per_joint: the user asks for the plane of each joint's own bones, which is all that there is without one.
+    faces: the user says where characters face.
     """
     if targets.joints and all(targets.styles[k].world for k in targets.joints):
         return
@@ -82,7 +90,10 @@ def warn_unsure(
                 geometry=True,
             )
         if character.confidence >= CONFIDENT or not wording.unsure(character.form):
-            _warn_unsure_limbs(targets, joints, _kept_hips(targets, character, wording), report, wording)
+            if not per_joint and not faces:
+                _warn_no_facing(targets, character, report, wording)
+            hips = _kept_hips(targets, character, wording)
+            _warn_unsure_limbs(targets, character, joints, hips, report, wording)
             continue
         report.warn(
             "unsure-character",
@@ -100,10 +111,7 @@ def _warn_no_character(targets: Targets, remarks: Sequence[str], report: Report,
     """
     tree, named = targets.tree, {node for limb in targets.limbs for node in limb.triple}
     branches = any(len(tree.below[joint]) > 1 for joint in tree.joints)
-    planes = [
-        k for k in targets.joints if targets.styles[k].up_from in ("plane", "pole") or targets.styles[k].held
-    ]
-    if branches and len(tree.joints) >= FEW and not named.issuperset(planes):
+    if branches and len(tree.joints) >= FEW and not named.issuperset(_by_body(targets)):
         why = f" ({remarks[0]})" if remarks else ""
         report.warn(
             "no-character",
@@ -140,6 +148,27 @@ def _copies(targets: Targets, joint: int) -> bool:
     return joint in targets.aims and targets.aims[joint].how == "parent"
 
 
+def _warn_no_facing(targets: Targets, character: Character, report: Report, wording: Wording) -> None:
+    """Warn of the trunk of a part of a body of which nothing shows where it faces."""
+    trunk = () if any(character.facing) else (k for k in character.sure_chains if k.kind in _TRUNK)
+    names = [chain.name for chain in trunk if _by_body(targets).intersection(chain.joints)]
+    if names:
+        part = targets.tree.rig.title(character.hips if character.hips >= 0 else character.root)
+        report.warn(
+            "no-facing",
+            f"Nothing shows where the part of a body below '{part}' faces: {wording.aimed} of its "
+            f"{and_more(names, 4)} take the planes of their own bones. Say it with --facing",
+            geometry=True,
+            names=names,
+        )
+
+
+def _by_body(targets: Targets) -> set[int]:
+    """The joints whose up axis a body decides."""
+    styles = targets.styles
+    return {k for k in targets.joints if styles[k].up_from in ("plane", "pole") or styles[k].held}
+
+
 def _kept_hips(targets: Targets, character: Character, wording: Wording) -> str:
     """What is said of hips that would turn if the trunk above them were sure; controls keep no axes."""
     if wording is not OF_JOINTS or targets.skipped.get(character.hips) != ROOT:
@@ -148,20 +177,22 @@ def _kept_hips(targets: Targets, character: Character, wording: Wording) -> str:
 
 
 def _warn_unsure_limbs(
-    targets: Targets, joints: set[int], hips: str, report: Report, wording: Wording
+    targets: Targets, character: Character, joints: set[int], hips: str, report: Report, wording: Wording
 ) -> None:
     """Warn of the limbs of a character that are not sure, where the user names none of their joints.
 
-    hips: what is said of hips besides.
+    joints: those of the character. hips: what is said of hips besides.
     """
     rig, named = targets.tree.rig, {node for limb in targets.limbs for node in limb.triple}
     chains = [k for k in unsure(rig) if joints.issuperset(k.bend) and named.isdisjoint(k.bend)]
     if chains:
         names = [limb_title(rig, chain) for chain in chains]
+        trunk = any(chain.kind in _TRUNK and not chain.is_sure for chain in character.chains)
+        elsewhere = "in trunk, hands and feet" if trunk else "in hands and feet"
         report.warn(
             "unsure-limb",
             f"{and_more(names, 4)}: not surely recognised (sure from "
-            f"{CONFIDENT}), so {wording.aimed} there, in hands and feet take the planes of their own bones. "
+            f"{CONFIDENT}), so {wording.aimed} there, {elsewhere} take the planes of their own bones. "
             f"If it is right, say {wording.limb}{hips}",
             geometry=True,
             names=names,
