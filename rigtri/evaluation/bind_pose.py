@@ -15,6 +15,7 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.similarity_fit import AXIS_TURNS
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
@@ -26,6 +27,9 @@ _QUARTER = np.radians(1.0)
 _ROUNDING = 3e-5
 # Rotations whose length is off by more are not unit for other reasons than rounding.
 _NOT_UNIT = 1e-5
+# Keys farther from unit than what float32 leaves of them: UsdSkel shows these as a scale, of twice as much,
+# and joints below each other add up.
+_KEY_NOT_UNIT = 1e-6
 # Sizes that differ by a larger share are meant: smaller ones are noise of exporters.
 _UNEVEN = 0.01
 
@@ -77,6 +81,18 @@ def with_unit_rotations(rig: Rig) -> Rig:
     if not off.any() or rig.rules.raw_quaternions:
         return rig
     return replace(rig, rotation=np.where(off[:, np.newaxis], normalise(rig.rotation), rig.rotation))
+
+
+def unit_rotations(tracks: Sequence[Track]) -> tuple[tuple[Track, ...], float]:
+    """Tracks with rotations of length 1 where any is farther from that than rounding, and by how much."""
+    found, worst = list(tracks), 0.0
+    for k, track in enumerate(tracks):
+        if track.path != "rotation" or track.interpolation == "CUBICSPLINE":  # tangents have any length
+            continue
+        off = float(np.abs(norm(track.values) - 1.0).max())
+        if off > _KEY_NOT_UNIT:
+            found[k], worst = replace(track, values=normalise(track.values)), max(worst, off)
+    return tuple(found), worst
 
 
 class PlacedBind(NamedTuple):

@@ -41,13 +41,15 @@ def bodies(rig: Rig) -> list[Nodes]:
 def named(rig: Rig, name: str) -> Nodes:
     """The nodes of the character at or below a node.
 
-    NameNotFoundError where there is none; UsageError for an instance that is read at another.
+    NameNotFoundError where there is none; UsageError for an instance that is read at another, and for what
+    another character carries.
     """
     groups = [frozenset(nodes) for nodes in characters(rig)]
     if rig.has(name):
         below = set(rig.below(rig.find(name, "character")))
         inside = [group for group in groups if group & below]
         if inside:
+            _refuse_carried(rig, name, below, inside)
             return frozenset[int]().union(*inside)
         shared = [rig.address(first) for node, first in rig.rules.instances.items() if node in below]
         if shared:
@@ -57,6 +59,20 @@ def named(rig: Rig, name: str) -> Nodes:
                 "(instanceable = false)"
             )
     raise NameNotFoundError("character", name, titles(rig))
+
+
+def _refuse_carried(rig: Rig, name: str, below: Collection[int], inside: Sequence[Nodes]) -> None:
+    """UsageError for a name of one of the bodies of a character: a rider, whose skeleton a horse carries."""
+    joints = [frozenset(skin.joints.tolist()) for skin in rig.skins if len(skin.joints)]
+    for group in inside:
+        own = [each for each in joints if each <= group]
+        if any(each.issubset(below) for each in own) and any(each.isdisjoint(below) for each in own):
+            whole = _title(rig, group, [frozenset(nodes) for nodes in characters(rig)])
+            raise UsageError(
+                f"'{name}' is carried by a joint of '{whole}', so both are one character, which would be "
+                f"edited as a whole: for that, --character {whole}; otherwise name joints, or parent "
+                f"'{name}' to the scene first"
+            )
 
 
 def titles(rig: Rig) -> list[str]:

@@ -265,6 +265,16 @@ def test_an_instance_that_is_read_at_another_is_refused_with_what_to_do(tmp_path
     cli("orient-joints", alone, "-o", out, "--character", "B", code=0)
 
 
+def test_a_character_that_a_joint_of_another_carries_is_refused_with_what_to_name() -> None:
+    parents = [-1, 0, 1, 2, 3, 4]
+    rig = rig_of(["Horse", "hips", "back", "Rider", "seat", "head"], parents, np.zeros((6, 3)))
+    binds = np.tile(np.eye(4), (2, 1, 1))
+    rig = replace(rig, skins=(Skin("h", np.array([1, 2]), binds), Skin("r", np.array([4, 5]), binds)))
+    with pytest.raises(UsageError, match=r"'Rider' is carried by a joint of 'Horse'.*--character Horse;"):
+        named(rig, "Rider")
+    assert named(rig, "Horse") == named(rig, "hips") == {1, 2, 3, 4, 5}
+
+
 @pytest.mark.parametrize("clip", [ci("Run"), "Walk"])
 def test_controls_of_a_crowd_have_the_motion_of_one_of_its_animations(clip: str, tmp_path: Path) -> None:
     source, (rigged, moved, back) = crowd(tmp_path), (tmp_path / f"{name}.usda" for name in "abc")

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from gltf_files import standing_along_z
 from places import SAMPLES, first
-from taken_clips import apart, notices, rig_of, turned_key
+from taken_clips import apart, notices, rig_of, turned_key, with_tracks
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import to_parts
@@ -275,3 +275,22 @@ def test_a_body_is_carried_by_its_topmost_joint_and_what_is_above_that(samples: 
     joints = np.flatnonzero(rig.is_joint).tolist()
     (top,) = (n for n in joints if not rig.is_joint[rig.path_to_root(n)[1:]].any())
     assert _carriers(Counterparts(rig, rig)) == {*rig.path_to_root(top)}
+
+
+@pytest.mark.parametrize("names", [("biped.usda", "biped.glb"), ("biped.glb", "biped.usda")])
+def test_rotations_of_another_length_become_unit_where_formats_show_them_otherwise(
+    names: tuple[str, str],
+) -> None:
+    """UsdSkel shows them as a scale, glTF does not."""
+    rig, edited = (read(SAMPLES / name).rig for name in names)
+    clip = edited.clips[0].name
+
+    def longer(track: Track) -> Track:
+        linear = track.path == "rotation" and track.interpolation == "LINEAR"
+        return replace(track, values=1.1 * track.values) if linear else track
+
+    edited = with_tracks(turned_key(edited, "forearm_L", clip), clip, longer)
+    home = take_clips(rig, from_=edited, clip=(clip,), as_=(f"{clip}={rig.clips[0].name}",))
+    turns = [track for track in home.clips[0].tracks if track.path == "rotation"]
+    assert home.clips != rig.clips
+    assert all(np.abs(np.linalg.norm(track.values, axis=-1) - 1.0).max() < 1e-6 for track in turns)

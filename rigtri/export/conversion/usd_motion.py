@@ -10,20 +10,21 @@ Source: UsdGeomXformable (GetLocalTransformation); UsdAttribute (interpolation).
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from pxr import UsdGeom
 
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
+from rigtri.evaluation.bind_pose import unit_rotations
 from rigtri.evaluation.sampling import between_keys, sorted_unique
 from rigtri.export.conversion.usd_clips import EVEN, unevenness
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.reading.sampled_xforms import along_arcs, matrices_at, turning_ops
 from rigtri.formats.usd.reading.xform_hierarchy import read_transform, value_numbers
 from rigtri.maths.matrices import SKEW, compose, decompose, skew
-from rigtri.maths.quaternions import angle_between, from_axes, make_continuous, norm, normalise, slerp, unit
+from rigtri.maths.quaternions import angle_between, from_axes, make_continuous, slerp, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Track
 from rigtri.text import and_more
@@ -32,9 +33,6 @@ from rigtri.verification.compare.across_formats import PlayedClip, in_a_step
 # How far keys may be off between two of them: radians, and shares of where the prim goes or, where that is
 # less, of what it shows. Prims below each other add up, so it is a part of what a conversion may be off.
 WITHIN = 4e-6
-# Rotations farther from unit than what float32 leaves of them: UsdSkel shows these as a scale, of twice as
-# much, and joints below each other add up.
-_NON_UNIT = 1e-6
 _PARTS = (3, 7)  # where rotation and scale begin among ten numbers
 
 
@@ -144,16 +142,6 @@ class PrimMotion:
             _, rows = np.unique(np.concatenate([codes, track.times]), return_index=True)
             every = np.concatenate([known, seconds])[rows], np.concatenate([codes, track.times])[rows]
             self.codes[track.node] = every
-
-
-def unit_rotations(tracks: Sequence[Track]) -> tuple[tuple[Track, ...], float]:
-    """Tracks with rotations of length 1 where any is farther from that than rounding, and by how much."""
-    found, worst = list(tracks), 0.0
-    for k, track in enumerate(tracks):
-        off = float(np.abs(norm(track.values) - 1.0).max()) if track.path == "rotation" else 0.0
-        if off > _NON_UNIT:
-            found[k], worst = replace(track, values=normalise(track.values)), max(worst, off)
-    return tuple(found), worst
 
 
 def _locals(prim: Any, times: Floats) -> Floats:

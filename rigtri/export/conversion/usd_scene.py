@@ -10,6 +10,7 @@ import numpy as np
 from pxr import UsdGeom, UsdLux, UsdSkel
 
 from rigtri.errors import FileError
+from rigtri.evaluation.bind_pose import unit_rotations
 from rigtri.evaluation.timelines import as_played
 from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_cameras_lights import read_camera, read_light
@@ -17,7 +18,7 @@ from rigtri.export.conversion.usd_deformation import lost_deformations
 from rigtri.export.conversion.usd_instances import without_instances
 from rigtri.export.conversion.usd_joint_scales import unshown_scales
 from rigtri.export.conversion.usd_material_reader import MaterialReader, shows_colours
-from rigtri.export.conversion.usd_motion import PrimMotion, unit_rotations
+from rigtri.export.conversion.usd_motion import PrimMotion
 from rigtri.export.conversion.usd_triangles import Faces, colour_of, materials_of, read_faces, with_points
 from rigtri.export.conversion.usd_unread import Unread
 from rigtri.export.conversion.usd_values import HereOrAbove, json_value, rest_value

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.bind_pose import unit_rotations
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.evaluation.key_reduction import key_tolerances, parent_sizes
 from rigtri.evaluation.timelines import put_tracks, timelines, without_steps
@@ -263,6 +264,8 @@ class _Taking:
     def _fresh(self, theirs: Track) -> Track | None:
         """What a track at EDITED's times becomes here; None where the rig has it already."""
         now = self.clock.to_rig_time(theirs)
+        if self.rig.rules.raw_quaternions != self.both.other.rules.raw_quaternions:
+            (now,), _ = unit_rotations([now])  # one of the formats would show others as a scale
         self.spans[now.node, now.path] = float(now.times[0]), float(now.times[-1])
         old = self._old(now.node, now.path)
         was = old or Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
