@@ -849,6 +849,45 @@ def test_a_clip_that_scales_a_joint_along_other_axes_is_named(
     assert all("'upper_arm_L_ctl'" in text for text in texts)
 
 
+@pytest.mark.parametrize(
+    ("moved", "told"),
+    [(["chest_ctl"], 2), (["chest_ctl", "hand_L_ik_ctl", "forearm_R_pole"], 0), (["hand_L_ik_ctl"], 0)],
+)
+def test_limbs_that_ik_holds_in_blender_alone_are_named(moved: list[str], told: int) -> None:
+    """Before, arms stayed behind in Blender where `bake` had them follow the chest, without a word."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
+    turned = np.array([[0.0, 0.0, 0.3, 0.954]])
+    keys = {"chest_ctl": ("rotation", turned), "hand_L_ik_ctl": ("translation", np.array([[0.0, 0.1, 0.0]]))}
+    keys["forearm_R_pole"] = ("translation", rig.translation[[rig.find("forearm_R_pole")]])
+    tracks = [Track(rig.find(name), keys[name][0], "STEP", np.zeros(1), keys[name][1]) for name in moved]  # type: ignore[arg-type]
+    report = Report()
+    exported(replace(rig, clips=(Clip("bow", tuple(tracks)),)), gltf=True, report=report)
+    texts = [warning.text for warning in report.warnings if warning.code == "blender-differs"]
+    assert len(texts) == (told > 0)
+    assert all("'bow' has no keys of 'hand_L_ik_ctl', 'hand_R_ik_ctl'" in text for text in texts)
+
+
+@pytest.mark.parametrize(
+    ("kind", "child", "told"),
+    [
+        ("orient", "forearm_L_ctl", 1),
+        ("point", "hand_L_ctl", 1),
+        ("orient", "hand_L_ctl", 0),
+        ("orient", "clavicle_L_ctl", 0),
+        ("parent", "hand_L_ik_ctl", 0),
+    ],
+)
+def test_constraints_of_fk_controls_below_ik_are_named(kind: Any, child: str, told: int) -> None:
+    """Before, limbs stood up to a tenth of the size from where `bake` has them, without a word."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
+    rig = rigtri.constrain(rig, type=kind, child=child, driver={"head_ctl": 1.0})
+    report = Report()
+    exported(replace(rig, clips=()), gltf=True, report=report)
+    texts = [warning.text for warning in report.warnings if warning.code == "blender-differs"]
+    assert len(texts) == told
+    assert all(f"'{child}' is an FK control of a limb" in text for text in texts)
+
+
 def test_left_out_rules_are_named(rigged: dict[str, Path], tmp_path: Path) -> None:
     out = str(tmp_path / "out.glb")
     line = ["constrain", str(rigged["biped.glb"]), "-o", out, "--type", "point", "--child", "head"]

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import controls_and_poles
+from rigtri.evaluation.active_controls import controls_and_poles, controls_at_work, skeleton_size
+from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.rig_space import shearing_node
 from rigtri.evaluation.solver import Solver, refuse_cycles
-from rigtri.evaluation.timelines import timelines
+from rigtri.evaluation.timelines import timelines, times_within
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.export.blender.constraints import follow, twist, without_equivalent
 from rigtri.export.blender.control_keys import control_keys
@@ -31,7 +32,7 @@ from rigtri.maths.matrices import determinant, skew
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
-from rigtri.model.constraints import constraints_of
+from rigtri.model.constraints import Constraint, constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.solver_warnings import lost_notices
@@ -44,6 +45,8 @@ _WIDE = 96
 _EVEN = 1e-4
 # How much those of a joint may: less is noise that keys hold.
 _SHEARS = 1e-3
+# How far from where bake has it the end of a limb may be, as a share of the size: solvers leave less.
+_HELD = 1e-4
 
 
 @dataclass(frozen=True)
@@ -120,12 +123,14 @@ def planned(rig: Rig, report: Report) -> Plan:
             text = f"'{rig.title(rule.child)}' is moved by its limb's IK, and does not follow its constraint"
             report.warn("blender-left-out", text, joint=rig.title(rule.child))
         else:
+            _warn_below_ik(solver, rule, report)
             follow(plan, rule, report)
     report.extend(lost_notices(rig))
     rivets(plan, report)
     readers(plan, report, solver)
     without_equivalent(plan, report)
     _warn_still(rig, solver, report)
+    _warn_held(rig, solver, report)
     _warn_sheared(rig, report)
     _warn_sheared_by_controls(plan, report)
     if plan.apart:
@@ -220,6 +225,49 @@ def _warn_still(rig: Rig, solver: Solver, report: Report) -> None:
             "joints-alone",
             f"{list_names(names)}: joints have keys, and their controls none, which hold them still in "
             "Blender. Give controls the motion first: rigtri bake IN -o OUT --to controls",
+        )
+
+
+def _warn_below_ik(solver: Solver, rule: Constraint, report: Report) -> None:
+    """Warn of a constraint of an FK control of a limb: what IK has done there counts in Blender alone."""
+    fk, chains = solver.reference.fk, [ik.limb.chain for ik in solver.limbs]
+    ends = [fk[chain[-1]].control for chain in chains if chain[-1] in fk] if rule.kind == "orient" else []
+    controls = {fk[joint].control for chain in chains for joint in chain if joint in fk}
+    if rule.child in controls.difference(ends) and rule.kind != "scale":
+        name = solver.rig.title(rule.child)
+        text = f"'{name}' is an FK control of a limb: while IK moves that, its {rule.kind} constraint counts "
+        more = (
+            "from where IK has put it in Blender, and from where it rests in bake. Constrain the IK control"
+        )
+        report.warn("blender-differs", f"{text}{more}", joint=name)
+
+
+def _warn_held(rig: Rig, solver: Solver, report: Report) -> None:
+    """Warn of limbs that Blender's IK holds, whose switch is on, in clips where bake leaves them to FK."""
+    found = dict[str, list[str]]()
+    for timeline in timelines(rig):
+        at_work, keyed = controls_at_work(rig, timeline), timeline.clip.nodes
+        own = Solver(rig, at_work)
+        solved = {ik.limb.control for ik in own.limbs}
+        idle = [
+            ik for ik in solver.limbs if ik.limb.control not in solved and keyed.isdisjoint(ik.limb.chain)
+        ]
+        if not keyed & controls_and_poles(rig) or not idle:
+            continue
+        parts = sample_parts(rig, timeline.clip, times_within(timeline, None))
+        here = own.run(parts)
+        there = Solver(rig, at_work | {ik.limb.control for ik in idle}).run(parts)
+        for ik in idle:
+            end = ik.limb.chain[-1]
+            apart = length(here.world(end)[..., 3, :3] - there.world(end)[..., 3, :3])
+            if float(np.max(apart)) > _HELD * skeleton_size(rig):
+                found.setdefault(timeline.name, []).append(rig.title(ik.limb.control))
+    for clip, names in found.items():
+        report.warn(
+            "blender-differs",
+            f"'{clip}' has no keys of {list_names(names)} or their poles: bake leaves these limbs to FK, and "
+            "in Blender IK holds them until you set rigtri_ik of these bones to 0",
+            names=names,
         )
 
 
