@@ -311,8 +311,8 @@ class Ik:
 
     def target(self, posed: PoseCache) -> Floats:
         """Where the limb is to end, (1 or f, 3), by its control."""
-        holder = self.limb.holder
-        return posed.world(holder)[:, 3, :3] + rotate(posed.turn(holder), self._seat)
+        holder, grown = self.limb.holder, self.reference.growth(self.limb, posed.world)
+        return posed.world(holder)[:, 3, :3] + grown * rotate(posed.turn(holder), self._seat)
 
     def hand(self, posed: PoseCache) -> Floats:
         """How the end is to be turned, (1 or f, 4), by its control."""
@@ -335,9 +335,8 @@ class Ik:
         if self.limb.pole >= 0:
             return posed.world(self.limb.pole)[:, 3, :3]
         # Without a pole it bends to where it bends at rest.
-        turn = posed.turn(self.above)
         root = transform_points(self.start, posed.world(self.above))
-        return root + rotate(turn, self.rest.side)
+        return root + rotate(posed.turn(self.above), self.rest.side)
 
     def grasp(self, built: PoseCache, source: PoseCache) -> Floats:
         """World matrices, (f, 4, 4), of a control with which the limb's end stands as in ``source``.
@@ -345,7 +344,7 @@ class Ik:
         built: the rig above the limb as controls make it. The end of a soft or straight limb is nearer than
         its target.
         """
-        _, _, end = self.limb.chain
+        end = self.limb.chain[2]
         parent = source.turn(int(self.rig.parents[end]))
         turn = product(product(parent, source.part(end).rotation), conjugate(self.grip))
         place = source.world(end)[:, 3, :3]
@@ -356,7 +355,8 @@ class Ik:
             target_distance = distance_for(reach, first + second, self.limb.soft, self.reach_at_rest)
             share = np.where(reach > 0, target_distance / np.where(reach > 0, reach, 1.0), 1.0)
             place = place + away * (share - 1.0)[:, np.newaxis]
-        holder = from_frame(to_axes(turn), place - rotate(turn, self._seat))
+        grown = self.reference.growth(self.limb, built.world)
+        holder = from_frame(to_axes(turn) * grown[..., np.newaxis], place - grown * rotate(turn, self._seat))
         for node in self.limb.pivot_path:
             holder = multiply(inverse(built.local(node)), holder)
         return holder

@@ -7,7 +7,7 @@ more than rounding, the joint's own numbers are the truth.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
@@ -143,6 +143,18 @@ class ControlsAtZero:
                     self.fk[joint] = own
                 else:
                     self.roots.append(own)
+
+    def growth(self, limb: IkLimb, world: Callable[[int], Floats]) -> Floats:
+        """How many times as large as now what pivots of a foot are on is in a pose, (1 or f, 1).
+
+        world: of a node in that pose, (1 or f, 4, 4). What somebody has scaled the control or its pivots by
+        does not count, and a limb without pivots has nothing that grows.
+        """
+        above = int(self.rig.parents[limb.control])
+        if not limb.pivots or above < 0:
+            return np.ones((1, 1))
+        grown = cube_root(np.abs(determinant(world(above)) / determinant(self.world[above])))
+        return np.where(grown > 0, grown, 1.0)[:, np.newaxis]
 
     @cached_property
     def control_of(self) -> Mapping[int, int]:

@@ -96,6 +96,23 @@ def test_a_foot_rolls_about_its_pivots_and_the_ball_leaves_the_toe(rolling: Path
     assert np.array_equal(pose.world(other)[0], PoseCache(rig).world(other)[0])
 
 
+@pytest.mark.parametrize("degrees", ROLLS, ids="-".join)
+def test_a_foot_rolls_alike_where_the_root_control_has_another_size(rolling: Path, degrees: Turns) -> None:
+    """Before, the ankle stood as far from the ball as at rest."""
+    rig = read(rolling).rig
+    records = rig.records(ControlRecord)
+    (root,) = [node for node, one in records.items() if one.kind == "root"]
+    own, still = PoseCache(rig).part(root), posed(rig, degrees)
+    pose = posed(rig, degrees, {root: own._replace(scale=own.scale * 1.3)})
+    centre = rig.world[root, 3, :3]
+    for name in ("hips", "shin_L", "foot_L", "toe_L"):
+        node = rig.find(name)
+        place = centre + 1.3 * (still.world(node)[0, 3, :3] - centre)
+        assert np.allclose(pose.world(node)[0, 3, :3], place, atol=2e-6)
+    (ik,) = [ik for ik in Solver(rig).limbs if ik.limb.chain[2] == rig.find("foot_L")]
+    assert np.allclose(ik.grasp(pose, pose), pose.world(ik.limb.control), atol=2e-6)
+
+
 def test_a_toe_that_rolls_follows_its_constraints_too(rolling: Path) -> None:
     rig = rigtri.constrain(read(rolling).rig, child="toe_L", driver=["head_ctl"], type="scale")
     degrees, head = {"ball": 20.0, "tip": 10.0}, rig.find("head_ctl")
