@@ -447,6 +447,18 @@ def test_controls_that_an_internal_reference_shows_again_go_with_its_source(tmp_
     assert before == after
 
 
+def test_keys_of_controls_that_an_internal_reference_shows_again_go_too(tmp_path: Path) -> None:
+    """Both prims of such a control are in the file: one is the other's, with keys of its own."""
+    text = scene(skeleton(), animation(), MESH) + 'def "Two" (references = </Root>)\n{\n}\n'
+    source, rigged, moved, bare = (tmp_path / f"{name}.usda" for name in ("in", "rigged", "moved", "bare"))
+    source.write_text(text)
+    cli("add-controls", source, "-o", rigged, "--below", "/Root/Skel:a", code=0)
+    cli("bake", rigged, "-o", moved, "--to", "controls", code=0)
+    assert "rigtri" in Sdf.Layer.FindOrOpen(str(moved)).GetPrimAtPath("/Two").nameChildren
+    cli("strip", moved, "-o", bare, "--discard-motion", code=0)
+    assert "rigtri" not in bare.read_text()
+
+
 @pytest.mark.parametrize(
     "command",
     [

@@ -23,15 +23,17 @@ def removals(source: Source, rig: Rig) -> list[Edit]:
     """
     gone = [node for node in sorted(rig.pending.removed) if kind(rig.keys[node]) == "prim"]
     tops = [node for node in gone if int(rig.parents[node]) not in rig.pending.removed]
+    paths = {rig.labels[node] for node in gone}
     for node in gone:
         stack = source.stage.GetPrimAtPath(rig.labels[node]).GetPrimStack()
-        if len(stack) > 1:
+        # A prim and one of the same layer that it refers to go together.
+        elsewhere = any(spec.layer != source.layer or str(spec.path) not in paths for spec in stack)
+        if len(stack) > 1 and elsewhere:
             names = " and in ".join(spec.layer.GetDisplayName() for spec in stack)
             raise FileError(
                 f"<{rig.labels[node]}> is written in {names}, so it cannot be taken out of one of them. "
                 f"Strip {stack[-1].layer.GetDisplayName()}, and take what is about it out of the other"
             )
-    paths = {rig.labels[node] for node in gone}
     _refuse_others_below(rig, paths)
     erased = (rig.labels[node] for node in tops if not _goes_along(source, rig.labels[node], paths))
     kept = (rig.labels[node] for node in sorted(rig.pending.restored))
