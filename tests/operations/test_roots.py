@@ -827,3 +827,13 @@ def test_joints_for_ik_that_stand_beside_each_other_are_found_at_once() -> None:
         _Follower(9, 8, 2),
     ]
     assert _layers(followers) == [[0, 3], [1, 2, 4]]
+
+
+def test_ik_bones_get_no_keys_in_what_nothing_plays(samples: Path, tmp_path: Path) -> None:
+    """Before: UsdSkel does not play </B/Idle>, "which is not active", though only what A plays gets keys."""
+    source, out = pair(samples, tmp_path, "usda"), tmp_path / "out.usda"
+    idle = 'def SkelAnimation "Idle"\n{\nuniform token[] joints = ["hips"]\nhalf3[] scales = [(1, 1, 1)]\n'
+    idle += "float3[] translations = [(0, 1, 0)]\nquatf[] rotations.timeSamples = {1: [(1, 0, 0, 0)]}\n}\n"
+    source.write_text(source.read_text().replace("{\n    double3", f"{{\n{idle}    double3"))
+    cli("conform", source, "-o", out, "--to", "unreal", "--character", "B", code=0)
+    assert "root/ik_foot_root/ik_foot_l" in out.read_text()

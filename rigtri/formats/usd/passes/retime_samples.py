@@ -165,7 +165,13 @@ class _Plan:
         stored = [t for c in self.rig.clips if c.key == home for t in c.tracks if t.key is not None]
         # Another animation that the same skeleton has in other instances keeps its own.
         others = {path for user in self.users for path in user.every_animation} - {self.animation.path}
-        clips = [c for c in self.rig.clips if not others.intersection(parts(c.key))]
+        unbound = all(self.animation.path in user.unbound for user in self.users)
+        clips = [
+            c
+            for c in self.rig.clips
+            # What nothing plays has no part in what other characters move by.
+            if (c.key == home if unbound else not others.intersection(parts(c.key)))
+        ]
         self._check_played(
             [t for c in clips if not c.idle for t in c.tracks if t.key is None and t.node in nodes]
         )
