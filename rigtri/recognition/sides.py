@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 
 from rigtri.model.joint_names import Side, side, twin
 from rigtri.model.rig import Rig
+from rigtri.recognition.layout import Chain
 from rigtri.recognition.recognise import recognise
 
 # Twins by shape, of rigs whose names have none.
@@ -49,6 +50,13 @@ def twins(rig: Rig, nodes: Iterable[int], from_side: Side) -> dict[int, int]:
     """Those of ``nodes`` on a side that have a twin, with these."""
     found = ((node, twin_of(rig, node)) for node in nodes if side_of(rig, node) == from_side)
     return {node: other for node, other in found if other is not None}
+
+
+def unpaired(rig: Rig) -> list[Chain]:
+    """The chains on one side of which nobody surely knows the twins, where the shape says what twins are."""
+    known = _recognised(rig)
+    chains = [chain for character in recognise(rig).characters for chain in character.chains if chain.side]
+    return [chain for chain in chains if known and known.keys().isdisjoint(chain.joints)]
 
 
 def _bone(rig: Rig, node: int) -> str:

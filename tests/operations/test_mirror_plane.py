@@ -108,3 +108,12 @@ def test_check_says_how_many_pairs_keep_the_convention(samples: Path, tmp_path: 
     words = cli("mirror", samples / "biped.glb", "--check", code=1).stderr
     assert "which most pairs keep" not in words
     assert "kept by" in words
+
+
+@pytest.mark.parametrize("thumb", [False, True])
+def test_fingers_whose_twins_nobody_knows_are_told(thumb: bool) -> None:
+    """Before, fingers without names and a thumb kept their axes, without a word."""
+    body, report = posed_body(Pose("none", elbow=15.0, thumb=thumb, curl=8.0)), Report()
+    mirror(body.rig, report=report)
+    texts = [notice.text for notice in report.warnings if notice.code == "not-mirrored"]
+    assert ["left finger (#" in text for text in texts] == ([] if thumb else [True])

@@ -38,8 +38,9 @@ from rigtri.operations.options.mirror import WHAT, What
 from rigtri.operations.options.mirror import MirrorOptions as MirrorOptions
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.recognition.one_character import bodies, within
-from rigtri.recognition.sides import side_of, twin_of
+from rigtri.recognition.sides import side_of, twin_of, unpaired
 from rigtri.report import Report
+from rigtri.text import and_more
 
 
 @operation(MirrorOptions)
@@ -176,6 +177,15 @@ def _both_sides(rig: Rig, options: MirrorOptions, report: Report) -> Selection:
     named |= {other for joint in named if (other := twin_of(rig, joint)) is not None}
     sides = {joint: side for joint in tree.joints if joint in named and (side := side_of(rig, joint))}
     warn_held(rig, {k: kept[k] for k in sides if k in kept and sides[k] != options.from_side}, report)
+    lost = [chain for chain in unpaired(rig) if named.intersection(chain.joints)]
+    if lost:
+        names = [f"{chain.name} ({rig.chain_title(chain.bend or chain.joints)})" for chain in lost]
+        report.warn(
+            "not-mirrored",
+            f"{and_more(names, 4)}: nothing shows surely which joints of the other side are the twins of "
+            "those there, so their axes are not mirrored. Names with sides say it",
+            names=names,
+        )
     joints = [joint for joint in sides if joint in may]
     return Selection(joints=tuple(rig.address(joint) for joint in joints))
 
