@@ -52,12 +52,14 @@ class Lines:
     segments: Floats
     color: tuple[float, ...]
 
-    def are(self, kind: str, size: float, color: Sequence[float]) -> bool:
+    def are(self, kind: str, size: float, color: Sequence[float], shift: float = 0.0) -> bool:
         """Whether `drawn` draws these lines, however they are turned; up to the rounding of float32."""
         if kind not in _STRIPS or len(color) != len(self.color):
             return False
         off = max(abs(a - b) for a, b in zip(self.color, color, strict=True))
-        return off <= _SAME_COLOR and any(self._match(shape, size) for shape in _placed(kind, size))
+        return off <= _SAME_COLOR and any(
+            self._match(shape, size + abs(shift)) for shape in _placed(kind, size, shift)
+        )
 
     def _match(self, shape: Shape, size: float) -> bool:
         other = shape.segments
@@ -70,13 +72,13 @@ def nothing(key: object) -> Lines | None:
     return None
 
 
-def _placed(kind: Any, size: float) -> Iterator[Shape]:
+def _placed(kind: Any, size: float, shift: float) -> Iterator[Shape]:
     """A shape in every way that `drawn` can turn it."""
     ways = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
     for normal in ways:
         for ahead in (None, *ways):
             if ahead is None or not (normal * ahead).any():
-                yield drawn(kind, size=size, normal=normal, color=COLORS[""], ahead=ahead)
+                yield drawn(kind, size=size, normal=normal, color=COLORS[""], ahead=ahead, shift=shift)
 
 
 def drawn(
@@ -86,26 +88,29 @@ def drawn(
     normal: Floats,
     color: tuple[float, float, float],
     ahead: Floats | None = None,
+    shift: float = 0.0,
 ) -> Shape:
     """A shape of a radius ``size`` in file units of its node, its plane's normal along ``normal`` (3,).
 
     normal is one of the six axes, and so is ahead, (3,), across it: where the tip of an arrow
-    points. Raises ValueError for a kind that is none.
+    points. shift: how far along its normal it stands from its origin, in file units of its node. Raises
+    ValueError for a kind that is none.
     """
     if kind not in _STRIPS:
         raise ValueError(f"there is no shape {kind!r}")
     strips, closed = _STRIPS[kind]()
+    beside = shift * np.asarray(normal)
     if ahead is not None:
         aside = cross(ahead, normal)
         placed = (strip[:, :1] * normal + strip[:, 1:2] * aside + strip[:, 2:] * ahead for strip in strips)
-        return Shape(kind, tuple(strip * size for strip in placed), closed, color)
+        return Shape(kind, tuple(strip * size + beside for strip in placed), closed, color)
     axis = int(np.argmax(np.abs(normal)))
     # Cyclic permutations are rotations: x goes to the axis, and the shape keeps its handedness.
     turned = (np.roll(strip, axis, axis=1) for strip in strips)
     sign = -1.0 if normal[axis] < 0 else 1.0
     flip = np.ones(3)
     flip[[axis, (axis + 1) % 3]] = sign
-    return Shape(kind, tuple(strip * flip * size for strip in turned), closed, color)
+    return Shape(kind, tuple(strip * flip * size + beside for strip in turned), closed, color)
 
 
 def _circle() -> tuple[list[Floats], bool]:

@@ -162,6 +162,7 @@ class ControlRecord(Record):
     side: Side | None = None
     shape: str = ""
     size: float | None = None
+    shift: float | None = None
     color: Triple | None = None
     named: str = ""
     soft: float | None = None

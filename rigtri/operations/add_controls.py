@@ -302,9 +302,10 @@ class _Builder:
         return control
 
     def _seat(self, joint: int, kind: ControlKind) -> Seat:
-        size, normal = self.sizes.of(joint, self.axes.frames.get((joint, kind)))
+        size, normal, shift = self.sizes.of(joint, self.axes.frames.get((joint, kind)), beside=kind == "fk")
         limb = next((limb for limb in self.limbs if kind == "ik" and limb.end == joint), None)
-        drawing = self._drawing(kind, joint, size if limb is None else self.sizes.of_end(limb), normal)
+        size = size if limb is None else self.sizes.of_end(limb)
+        drawing = self._drawing(kind, joint, size, normal, shift=shift)
         return self._parent(joint, kind), self.world[joint, 3, :3], drawing
 
     def _known(
@@ -436,9 +437,16 @@ class _Builder:
         self.rig = draw_anew(self.rig, control, drawing, requested, self.report, turned=turned)
 
     def _drawing(
-        self, kind: str, joint: int, size: float, normal: Floats, front: Floats | None = None
+        self,
+        kind: str,
+        joint: int,
+        size: float,
+        normal: Floats,
+        front: Floats | None = None,
+        *,
+        shift: float = 0.0,
     ) -> Drawing:
-        return requested_drawing(self.options, self._side(joint), kind, size, normal, front)
+        return requested_drawing(self.options, self._side(joint), kind, size, normal, front, shift)
 
     def _parent(self, joint: int, kind: ControlKind) -> int:
         """The control of the nearest joint above that has one; IK ends are parented to the root control."""

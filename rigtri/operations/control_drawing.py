@@ -29,22 +29,32 @@ _SHAPES: dict[str, Kind] = {"ik": "cube", "root": "arrow", "pole": "diamond"}
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Lines at a node: a shape, its radius in units of the node, how it lies and its linear RGB colour."""
+    """Lines at a node: a shape, its radius in units of the node, how it lies and its linear RGB colour.
+
+    shift: how far along its normal it stands beside the node, in units of that.
+    """
 
     shape: Kind
     size: float
     color: tuple[float, float, float]
     normal: Floats
     ahead: Floats | None = None
+    shift: float = 0.0
 
 
 def requested_drawing(
-    options: AddControlsOptions, which: Side, kind: str, size: float, normal: Floats, front: Floats | None
+    options: AddControlsOptions,
+    which: Side,
+    kind: str,
+    size: float,
+    normal: Floats,
+    front: Floats | None,
+    shift: float = 0.0,
 ) -> Drawing:
     """How a control of a kind on a side is drawn, as the options have it."""
     shape = cast("Kind", options.shape.get(_as_shaped(kind), _SHAPES.get(kind, "circle")))
     size *= 1.0 if options.size is None else options.size
-    return Drawing(shape, size, options.color.get(which, COLORS[which]), normal, front)
+    return Drawing(shape, size, options.color.get(which, COLORS[which]), normal, front, shift)
 
 
 def requested_members(options: AddControlsOptions, which: Side, kind: str) -> frozenset[str]:
@@ -73,8 +83,14 @@ def lines_of(record: D, drawing: Drawing) -> tuple[D, Shape]:
     """The lines of a drawing, and the record with what they are."""
     color = (float(drawing.color[0]), float(drawing.color[1]), float(drawing.color[2]))
     size = float(drawing.size)
-    lines = drawn(drawing.shape, size=size, normal=drawing.normal, color=color, ahead=drawing.ahead)
-    return replace(record, shape=drawing.shape, size=size, color=color), lines
+    shift = float(drawing.shift)
+    lines = drawn(
+        drawing.shape, size=size, normal=drawing.normal, color=color, ahead=drawing.ahead, shift=shift
+    )
+    record = replace(record, shape=drawing.shape, size=size, color=color)
+    if isinstance(record, ControlRecord):
+        record = cast("D", replace(record, shift=shift or None))
+    return record, lines
 
 
 def _record(rig: Rig, node: int) -> ControlRecord | PoleVectorRecord:
@@ -109,9 +125,11 @@ def draw_anew(
         drawing,
         shape=drawing.shape if "shape" in requested else now.shape,
         size=drawing.size if "size" in requested else now.size,
+        shift=drawing.shift if "size" in requested else now.shift,
         color=drawing.color if "color" in requested else now.color,
     )
-    same = abs(target.size - now.size) <= _SAME_SIZE * now.size
+    off = max(abs(target.size - now.size), abs(target.shift - now.shift))
+    same = off <= _SAME_SIZE * now.size
     if same and not turned and (target.shape, target.color) == (now.shape, now.color):
         return rig
     return draw(rig, node, target)
@@ -119,7 +137,7 @@ def draw_anew(
 
 def _is_shown(rig: Rig, node: int, drawing: Drawing) -> bool:
     lines = rig.content.read_lines(rig.keys[node])
-    return lines is not None and lines.are(drawing.shape, drawing.size, drawing.color)
+    return lines is not None and lines.are(drawing.shape, drawing.size, drawing.color, drawing.shift)
 
 
 def _drawn(rig: Rig, node: int, like: Drawing) -> Drawing | None:
@@ -127,4 +145,5 @@ def _drawn(rig: Rig, node: int, like: Drawing) -> Drawing | None:
     record = _record(rig, node)
     if not record.shape or record.size is None or record.color is None:
         return None
-    return replace(like, shape=cast("Kind", record.shape), size=record.size, color=record.color)
+    shift = (record.shift or 0.0) if isinstance(record, ControlRecord) else 0.0
+    return replace(like, shape=cast("Kind", record.shape), size=record.size, color=record.color, shift=shift)

@@ -31,8 +31,9 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PIVOTS, ControlKind, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.control_sizes import MARGIN, SkinSections
+from rigtri.operations.control_sizes import SkinSections
 from rigtri.operations.options.add_controls import AddControlsOptions
+from rigtri.operations.skin_cuts import MARGIN
 from rigtri.recognition.limbs import Limb, upright
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report

@@ -49,6 +49,9 @@ def test_lines_are_those_of_their_kind_size_and_colour_however_turned(kind: str)
         assert not lines.are(kind, 2.0, (*red, 1.0))
         assert not lines.are("spiral", 2.0, red)
         assert [other for other in KINDS if lines.are(other, 2.0, red)] == [kind]
+        beside = Lines(drawn(kind, size=2.0, normal=normal, color=red, shift=0.7).segments, red)
+        assert beside.are(kind, 2.0, red, 0.7)
+        assert not beside.are(kind, 2.0, red)
 
 
 @pytest.mark.parametrize("normal", AXES)

@@ -26,7 +26,8 @@ from rigtri.model.mesh_triangles import triangles
 from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.operations.control_sizes import MARGIN, SkinSections
+from rigtri.operations.control_sizes import SkinSections
+from rigtri.operations.skin_cuts import MARGIN
 
 
 def skin(rig: Rig) -> Floats:
@@ -126,6 +127,28 @@ def test_the_ring_of_a_leg_is_outside_a_skirt_but_not_as_wide_as_a_tent() -> Non
     assert ring(0.9) > 0.9 * MARGIN
     assert ring(1.2) > 1.2 * MARGIN
     assert ring(9.0) == pytest.approx(0.15 * size * MARGIN, rel=1e-6)
+
+
+@pytest.mark.parametrize(("trunk", "shift"), [(0.5, 0.0), (1.3, 0.4), (1.9, 1.0), (2.9, 0.0)])
+def test_the_ring_of_an_arm_that_begins_in_the_trunk_stands_beside_that(trunk: float, shift: float) -> None:
+    """Before, it was wide enough to surround half of the trunk, or hidden in it. The arm goes from 1 to 3."""
+    rig = chain((0, 0, 0), (1, 0, 0), (3, 0, 0))
+    parts = [(0, (trunk, 4.0, 4.0), 0.0), (1, (1.0, 0.2, 0.2), 2.0)]
+    meshes = [
+        replace(box, skin=0, weights=np.ones((8, 1)), joints=np.full((8, 1), joint), points=points)
+        for joint, half, x in parts
+        for box in [a_box(0, half)]
+        for points in [box.points + np.array([x, 0.0, 0.0])]
+    ]
+    rig = replace(rig, content=Content(read_meshes=lambda: meshes))
+    built = rigtri.add_controls(rig, joints=["b"])
+    ((node, record),) = built.records(ControlRecord).items()
+    assert (record.shift or 0.0) == pytest.approx(shift)
+    lines = built.pending.shapes[node].segments @ built.world[node][:3, :3] + built.world[node][3, :3]
+    np.testing.assert_allclose(lines[..., 0], 1.0 + shift, atol=1e-9)
+    if trunk < 2.9:
+        assert not rings_inside(built, skin(rig), "fk")
+        assert record.size == pytest.approx(0.25 * 2.0)  # the least share of a bone
 
 
 def test_the_ring_of_a_joint_without_skin_is_as_wide_as_the_skin_of_the_joint_above() -> None:
