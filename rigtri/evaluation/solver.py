@@ -146,6 +146,18 @@ class Solver:
         moved = {node for ik in self.limbs for node in ik.sets if node != ik.limb.toe}
         return frozenset(moved & self.rules.keys())
 
+    @cached_property
+    def counted_from_rest(self) -> frozenset[int]:
+        """The FK controls of limbs that IK moves whose rules count from where they rest, not from where IK
+        has put their joints; neither a scale nor the turn of an end does."""
+        found = set[int]()
+        for ik in self.limbs:
+            for joint, fk in ik.fk.items():
+                free = {"scale", "orient"} if joint == ik.limb.chain[-1] else {"scale"}
+                if any(rule.kind not in free for rule in self.rules.get(fk.own.control, ())):
+                    found.add(fk.own.control)
+        return frozenset(found)
+
     def _riders(self, joint: int) -> tuple[Fk, ...]:
         """The FK controls below a joint's own that something looks at, but those that another step moves."""
         taken = {offset for limb in self.limbs for offset in limb.carries} | self.rules.keys()

@@ -54,6 +54,13 @@ def solver_warnings(solver: Solver, posed: PoseCache, at: Moment) -> Iterator[No
         text = f"'{solver.rig.title(node)}' does not follow its constraints in {at(0)}, where IK moves its "
         text += "limb: constrain its IK control instead, or take its keys away with rigtri snap --to fk"
         yield Notice("constraint-overruled", text, solver.rig.title(node), geometry=True)
+    for node in sorted(solver.counted_from_rest):
+        text = (
+            f"'{solver.rig.title(node)}' follows a constraint in {at(0)}, where IK moves its limb: it turns "
+        )
+        text += "or moves its joint on top of IK by as much as it leaves where it rests. Constrain the IK "
+        text += "control instead, or let FK move the limb with rigtri snap --to fk"
+        yield Notice("constraint-below-ik", text, solver.rig.title(node), geometry=True)
     scaled = {node for step in solver.steps for node in _scaled(step)}
     scaled |= {fk.own.control for ik in solver.limbs for fk in ik.fk.values()}
     for node in sorted(scaled):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -516,6 +517,45 @@ def test_blocks_of_frames_change_no_bit(block: int) -> None:
             for one, other in zip(whole[node], some[node], strict=True):
                 rows = np.broadcast_to(one, (len(times), one.shape[1]))
                 assert np.broadcast_to(other, rows.shape).tobytes() == rows.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("kind", "child", "count"),
+    [("orient", "forearm_L_ctl", 1), ("orient", "hand_L_ctl", 0), ("scale", "forearm_L_ctl", 0)],
+)
+def test_a_constraint_on_an_fk_control_of_a_limb_that_ik_moves_is_warned_of(
+    kind: Any, child: str, count: int
+) -> None:
+    rig = bake(rigged(), options=BakeOptions(to="controls", fps=24.0))
+    rig = constrain(rig, options=ConstrainOptions(type=kind, child=child, driver=(("head_ctl", 1.0),)))
+    report = Report()
+    bake(rig, options=BakeOptions(fps=24.0), report=report)
+    found = [n for n in report.warnings if n.code == "constraint-below-ik" and "walk" in n.text]
+    assert len(found) == count
+    assert all(
+        notice.text.startswith(f"'{child}' follows a constraint in walk@0, where IK") for notice in found
+    )
+
+
+@pytest.mark.parametrize(
+    ("rule", "words"),
+    [
+        (
+            ConstrainOptions(child="chest_ctl", type="orient", driver=(("hips_ctl", 1.0),)),
+            "; --space moves its",
+        ),
+        (ConstrainOptions(child="forearm_L_pole", space=("world", "chest_ctl")), "constraint moves it"),
+        (ConstrainOptions(child="head_ctl", type="scale", driver=(("hips_ctl", 1.0),)), ""),
+        (ConstrainOptions(child="hand_L_ik_ctl", space=("world", "chest_ctl")), ""),
+    ],
+    ids=["control", "pole vector", "other channels", "offset"],
+)
+def test_keys_that_a_constraint_overrules_are_warned_of(rule: ConstrainOptions, words: str) -> None:
+    rig, report = bake(rigged(), options=BakeOptions(to="controls", fps=24.0)), Report()
+    constrain(rig, options=rule, report=report)
+    found = [notice for notice in report.warnings if notice.code == "keys-overruled"]
+    assert len(found) == bool(words)
+    assert all(f"'{rule.child}' has keys in walk" in notice.text and words in notice.text for notice in found)
 
 
 @pytest.mark.ci

@@ -230,10 +230,7 @@ def _warn_still(rig: Rig, solver: Solver, report: Report) -> None:
 
 def _warn_below_ik(solver: Solver, rule: Constraint, report: Report) -> None:
     """Warn of a constraint of an FK control of a limb: what IK has done there counts in Blender alone."""
-    fk, chains = solver.reference.fk, [ik.limb.chain for ik in solver.limbs]
-    ends = [fk[chain[-1]].control for chain in chains if chain[-1] in fk] if rule.kind == "orient" else []
-    controls = {fk[joint].control for chain in chains for joint in chain if joint in fk}
-    if rule.child in controls.difference(ends) and rule.kind != "scale":
+    if rule.child in solver.counted_from_rest and rule.kind != "scale":
         name = solver.rig.title(rule.child)
         text = f"'{name}' is an FK control of a limb: while IK moves that, its {rule.kind} constraint counts "
         more = (

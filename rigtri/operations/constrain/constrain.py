@@ -21,7 +21,6 @@ from rigtri.evaluation.sampling import worlds
 from rigtri.evaluation.solver import refuse_cycles
 from rigtri.evaluation.timelines import timelines
 from rigtri.maths.euler import from_angles
-from rigtri.maths.matrices import SKEW, skew
 from rigtri.maths.quaternions import IDENTITY, angle_between
 from rigtri.maths.vectors import length
 from rigtri.model.constraints import (
@@ -36,6 +35,7 @@ from rigtri.operations.bake.unbaked import refuse_followed
 from rigtri.operations.constrain.maintain_offset import measured
 from rigtri.operations.constrain.switching import Switching, stored_switching, switching, warn_outdated
 from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
+from rigtri.operations.constrain.warnings import warn_as_it_is, warn_keyed
 from rigtri.operations.constrain.weight_keys import WeightKeys, requested_keys
 from rigtri.operations.node_removal import without_nodes
 from rigtri.operations.operation import operation
@@ -48,8 +48,6 @@ from rigtri.report import Report
 _DEGREE = np.pi / 180.0
 Vector = tuple[float, float, float]
 
-# Kinds of constraint that give a child what it has of its parent anyway.
-_CARRIED = ("parent", "point", "orient", "scale")
 # The code of the warning about a constraint that VRM cannot hold.
 NOT_VRM = "constraint-not-vrm"
 
@@ -74,6 +72,7 @@ def constrain(rig: Rig, *, options: ConstrainOptions, report: Report) -> Rig:
     keys = None
     if options.switches:
         keys = requested_keys(rig, constraint, [word for word, _, _ in drivers], options)
+    warn_keyed(rig, constraint, report)
     keep, vrm = options.maintain_offset, options.vrm_constraints
     return follow(rig, constraint, keep=keep, vrm=vrm, report=report, keys=keys, match=options.match)
 
@@ -111,7 +110,7 @@ def follow(
         with np.errstate(all="ignore"):
             found = switching(seen, rule, place, keys, match=match)
         rule = found.rule
-    _warn(rig, rule, found is not None, report)
+    warn_as_it_is(rig, rule, found is not None, report)
     stored = _stored(rig, rule, found, place, vrm, report)
     _refuse_unsolvable(rig, stored, rule)
     warn_outdated(rig, stored, place, report)
@@ -278,46 +277,6 @@ def _refuse_unsolvable(before: Rig, after: Rig, rule: Constraint) -> None:
             f"'{before.title(rule.child)}' cannot follow {drivers}: controls and constraints would form "
             f"a cycle; {error.path}"
         ) from error
-
-
-def _warn(rig: Rig, rule: Constraint, switched: bool, report: Report) -> None:
-    """Warnings about a constraint as it is."""
-    if not rule.weights.any() and not switched:
-        report.warn(
-            "constraint-weightless",
-            f"all drivers of '{rig.title(rule.child)}' have weight 0, so it keeps its own place",
-        )
-    if any(mesh.node == rule.child and mesh.skin is not None for mesh in rig.content.read_outlines()):
-        report.warn(
-            "constraint-skinned",
-            f"'{rig.title(rule.child)}' shows a skinned mesh, which is where its joints are: the constraint "
-            "moves the node and not the mesh. Constrain a joint instead",
-        )
-    if set(rule.drivers) == {int(rig.parents[rule.child])} and rule.kind in _CARRIED and not rule.roll:
-        report.warn(
-            "constraint-own-parent",
-            f"'{rig.title(rule.child)}' is a child of '{rig.title(rule.drivers[0])}' already and goes "
-            "with it: the constraint only holds it where it is",
-        )
-    moving = {track.node for clip in rig.clips for track in clip.tracks}
-    for driver in (node for node in dict.fromkeys(rule.drivers) if rig.type_of(node) == "group"):
-        if above := [rig.title(node) for node in rig.path_to_root(driver) if node in moving]:
-            report.warn(
-                "world-moves",
-                f"--space world is '{rig.title(driver)}', which clips move with '{above[0]}': there "
-                f"'{rig.title(rule.child)}' goes with it. Name a node as space that stays where it is",
-                names=above,
-            )
-    world = rig.normalised_world
-    for driver in rule.drivers:
-        size = length(world[driver, :3, :3])
-        uneven = size.max() - size.min() > SKEW * size.max() or skew(world[driver]) > SKEW
-        if rule.kind == "parent" and uneven:
-            report.warn(
-                "constraint-shear",
-                f"'{rig.title(driver)}' has a non-uniform scale; where it rotates against "
-                f"'{rig.title(rule.child)}' the shear is left out, which no node can hold",
-            )
 
 
 def _stored(
