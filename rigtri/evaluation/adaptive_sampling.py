@@ -2,19 +2,25 @@
 
 An interval whose deviation is above a bound is divided, and its parts are looked at again. What is sampled,
 how far it is off and how often it may be divided, the caller decides: `adaptive_key_times` for values
-with a bound of their own, `rigtri.evaluation.curve_refinement` for a rig that a solver moves.
+with a bound of their own, `straight_times` for splines, `rigtri.evaluation.curve_refinement` for a rig that a
+solver moves.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import as_float32
 from rigtri.maths.arrays import Integers
+from rigtri.maths.quaternions import dot, slerp, unit
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Track
+from rigtri.model.rig import Rig
 
 # Where a gap is tested: quarters, and one share where two curves do not meet by chance.
 TESTED = (0.25, 0.5, 0.75, 0.29)
@@ -25,6 +31,11 @@ MOST_KEYS = 100_000
 # Halves of what is smooth are off by a quarter, at a corner by half. Where, in three rounds, so many gaps
 # become nearly eight times as many and stay about as far off, it is rounding that is sampled.
 _MANY, _ROUNDS, _MORE, _AS_FAR = 1024, 3, 5.0, 0.2
+
+# How far splines may be off between two straight keys: rotations in radians, translations as a share of the
+# size of what they move, scales and weights as numbers. Chains of joints add them up, so it is a part of what
+# an edit may be off.
+WITHIN = 1.5e-6
 
 Sampled = Callable[[Floats], Floats]
 Error = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
@@ -102,3 +113,44 @@ def adaptive_key_times(
         return np.where(wide, 2, 1)
 
     return refine_times(times, deviations, halved)
+
+
+def straight_times(track: Track, size: float) -> Floats:
+    """Times of keys, (k,), with which straight lines, of rotations arcs, follow a spline within `WITHIN`.
+
+    size: of what a translation moves, in file units.
+    """
+
+    def values(times: Floats) -> Floats:
+        found = sample(track, times)
+        return unit(found) if track.path == "rotation" else found
+
+    def error(found: Floats, left: Floats, right: Floats, share: Floats, _: Floats) -> Floats:
+        if track.path == "rotation":
+            between = slerp(left, right, share)
+            apart = np.abs(found - np.where(dot(found, between)[:, np.newaxis] < 0, -between, between))
+            return np.asarray(2.0 * apart.max(axis=1))
+        return np.asarray(np.abs(found - left - (right - left) * share[:, np.newaxis]).max(axis=1))
+
+    far = size if track.path == "translation" else 1.0
+    return adaptive_key_times(values, error, track.times, within=WITHIN * far)
+
+
+def without_splines(rig: Rig, size: float) -> Rig:
+    """The rig with straight keys where clips have splines; see `straight_times`."""
+    splines = {track.interpolation for clip in rig.clips for track in clip.tracks} & {"CUBICSPLINE"}
+    if not splines:
+        return rig
+    clips = (
+        replace(clip, tracks=tuple(_straight(track, size) for track in clip.tracks)) for clip in rig.clips
+    )
+    return replace(rig, clips=tuple(clips))
+
+
+def _straight(track: Track, size: float) -> Track:
+    if track.interpolation != "CUBICSPLINE":
+        return track
+    times = straight_times(track, size) if len(track.times) > 1 else track.times
+    values = sample(track, times)
+    values = unit(values) if track.path == "rotation" else values
+    return replace(track, interpolation="LINEAR", times=times, values=values)

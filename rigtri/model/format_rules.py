@@ -32,7 +32,7 @@ class FormatRules:
     file swing about how they rest. split_locked: why no joint of
     this file may be split, "" where they may.
     facing: the direction the character looks in, where the format prescribes one. up: the scene's up axis.
-    raw_quaternions: viewers of this format do not normalise rotations (UsdSkel).
+    raw_quaternions: viewers of this format do not normalise rotations (UsdSkel). linear: it has no splines.
     group_parent: the parent of a group that rigtri adds, −1 where the group is a root; group_name: its name.
     named: nodes that extensions of the file refer to.
     unread_extensions: those of the file that are not known, which may hold something in the axes of joints.
@@ -60,6 +60,7 @@ class FormatRules:
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     raw_quaternions: bool = False
+    linear: bool = False
     group_parent: int = -1
     group_name: str = "rigtri_controls"
     named: frozenset[int] = frozenset()

@@ -15,6 +15,7 @@ from taken_clips import apart, notices, rig_of, turned_key, with_tracks
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import to_parts
+from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import read
 from rigtri.maths.matrices import compose, inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
@@ -27,6 +28,7 @@ from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.messages import warn_facing
 from rigtri.operations.take_clips.standing import _carriers
 from rigtri.operations.take_clips.take_clips import take_clips
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
 CLOSE = 1e-5
@@ -294,3 +296,34 @@ def test_rotations_of_another_length_become_unit_where_formats_show_them_otherwi
     turns = [track for track in home.clips[0].tracks if track.path == "rotation"]
     assert home.clips != rig.clips
     assert all(np.abs(np.linalg.norm(track.values, axis=-1) - 1.0).max() < 1e-6 for track in turns)
+
+
+def test_splines_become_straight_keys_where_the_format_has_none(tmp_path: Path) -> None:
+    edited = read(SAMPLES / "biped.glb").rig
+    clip = edited.clips[0].name
+
+    def bent(track: Track) -> Track:
+        if track.interpolation != "LINEAR" or track.path == "weights":
+            return track
+        slope = np.zeros_like(track.values)
+        slope[1:-1] = 2.0 * (track.values[2:] - track.values[:-2])
+        values = np.stack([slope, track.values, slope], axis=1)
+        return replace(track, interpolation="CUBICSPLINE", values=values)
+
+    edited = with_tracks(edited, clip, bent)
+    out = tmp_path / "out.usda"
+
+    def taken(rig: Rig, report: Report) -> Rig:
+        return take_clips(rig, from_=edited, clip=(clip,), as_=f"{clip}={rig.clips[0].name}", report=report)
+
+    edit(SAMPLES / "biped.usda", out, taken)
+    home = read(out).rig
+    made = home.clips[0]
+    theirs = next(one for one in edited.clips if one.name == clip)
+    seconds = np.linspace(0.0, 1.0, 41)
+    there = worlds(edited, locals_at(edited, theirs, seconds))
+    here = worlds(home, locals_at(home, made, seconds * home.rules.per_second))
+    for name in ("hand_L", "foot_R", "head"):
+        apart = np.abs(there[:, edited.find(name), 3, :3] - here[:, home.find(name), 3, :3]).max()
+        assert apart < 2e-5
+    assert {track.interpolation for track in made.tracks} <= {"LINEAR", "STEP"}

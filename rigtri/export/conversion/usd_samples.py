@@ -12,17 +12,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from pxr import Usd
 
-from rigtri.evaluation.adaptive_sampling import adaptive_key_times
-from rigtri.evaluation.sampling import sample, sorted_unique
-from rigtri.maths.quaternions import dot, slerp, unit
+from rigtri.evaluation.adaptive_sampling import adaptive_key_times, straight_times
+from rigtri.evaluation.sampling import sorted_unique
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 
-# How far splines may be off between two samples: rotations in radians, translations as a share of the size of
-# what they move, scales and weights as numbers. Chains of joints add them up, so it is a part of what a
-# conversion may be off.
-WITHIN = 1.5e-6
 # The rates at which programs play; the first that has all keys on whole frames is taken.
 RATES = (24.0, 30.0, 60.0, 25.0, 50.0, 48.0, 120.0, 100.0)
 # A key this share of its time from a whole frame is on it: what float32 leaves of a time in seconds.
@@ -67,7 +62,7 @@ def sample_times(tracks: Sequence[Track], size: float) -> Floats:
     times = [np.zeros(0)]
     for track in tracks:
         if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
-            times.append(_spline_times(track, size))
+            times.append(straight_times(track, size))
         else:
             times.append(track.times)
         if track.interpolation == "STEP":
@@ -78,22 +73,6 @@ def sample_times(tracks: Sequence[Track], size: float) -> Floats:
 def step_before(times: Floats) -> Floats:
     """How long before a step the sample stands that holds what was before: USD's own smallest step."""
     return np.maximum(np.abs(times) * 1e-12, float(Usd.TimeCode.SafeStep()) / RATES[-2])
-
-
-def _spline_times(track: Track, size: float) -> Floats:
-    def values(times: Floats) -> Floats:
-        found = sample(track, times)
-        return unit(found) if track.path == "rotation" else found
-
-    def error(found: Floats, left: Floats, right: Floats, share: Floats, _: Floats) -> Floats:
-        if track.path == "rotation":
-            between = slerp(left, right, share)
-            apart = np.abs(found - np.where(dot(found, between)[:, np.newaxis] < 0, -between, between))
-            return np.asarray(2.0 * apart.max(axis=1))
-        return np.asarray(np.abs(found - left - (right - left) * share[:, np.newaxis]).max(axis=1))
-
-    far = size if track.path == "translation" else 1.0
-    return adaptive_key_times(values, error, track.times, within=WITHIN * far)
 
 
 def motion_times(sampled: Callable[[Floats], Floats], times: Floats, within: float) -> Floats:

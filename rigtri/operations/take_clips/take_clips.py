@@ -12,6 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import skeleton_size
+from rigtri.evaluation.adaptive_sampling import without_splines
 from rigtri.evaluation.bind_pose import unit_rotations
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.evaluation.key_reduction import key_tolerances, parent_sizes
@@ -71,11 +73,8 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     UsageError (several clips for a format that has one), TypeError (``from_`` is no rig).
     """
     start, edited = rig, options.from_
-    if not isinstance(edited, Rig):
-        raise TypeError(
-            f"from_ is to be a Rig, the one with the motion, not {type(edited).__name__}; "
-            "read(path).rig is that of a file"
-        )
+    if edited is None:
+        raise TypeError("from_ is to be a Rig, the one with the motion, not NoneType; read(path).rig is one")
     if options.character is not None:
         alone = without(edited, others_of(rig, edited, options.character))
         one = replace(options, from_=alone, character=None)
@@ -83,6 +82,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
         made = take_clips(small, options=one, report=report)
         return rig if made is small else replace(made, names=rig.names)
     edited = without(edited, options.exclude)
+    edited = without_splines(edited, skeleton_size(edited)) if rig.rules.linear else edited
     # Where Blender's IK was on or off, as the script of export-blender stores it.
     of = pairs(rig, edited).of
     refuse_lost_instances(rig, edited, of)

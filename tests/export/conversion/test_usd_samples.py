@@ -9,9 +9,9 @@ import pytest
 from numpy.testing import assert_allclose
 from pxr import Usd
 
+from rigtri.evaluation.adaptive_sampling import WITHIN
 from rigtri.evaluation.sampling import sample
 from rigtri.export.conversion.usd_samples import (
-    WITHIN,
     motion_times,
     rate_of,
     sample_times,

@@ -213,6 +213,7 @@ class Nodes:
                 metres_per_unit=float(UsdGeom.GetStageMetersPerUnit(self.stage)),
                 sized_binding=True,
                 raw_quaternions=True,
+                linear=True,
                 instances={
                     self.node_of[str(path)]: self.node_of[str(first)]
                     for path, first in self.instances.twins().items()
