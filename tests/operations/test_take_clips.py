@@ -112,6 +112,18 @@ def test_only_nodes_that_carry_nothing_of_rig_would_lose_their_motion() -> None:
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_the_motion_of_a_joint_with_points_is_lost_where_edited_gives_it_another_name(name: str) -> None:
+    """The hand below follows in the world, but the points of the forearm would stay."""
+    rig = rig_of(SAMPLES / name)
+    edited = turned_key(rig, "forearm_L")
+    edited = replace(edited, names=tuple("Bone" if n == "forearm_L" else n for n in edited.names))
+    with pytest.raises(
+        GeometryError, match=r"RIG has no 'Bone', and 'forearm_L' in its place would not follow"
+    ):
+        take_clips(rig, from_=edited)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_key_that_was_moved_under_other_axes_comes_home_alone(name: str) -> None:
     rig = rig_of(SAMPLES / name)
     edited = turned_key(orient_joints(rig), "forearm_L")

@@ -16,6 +16,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.metadata import SWITCH
 from rigtri.model.rig import Rig
+from rigtri.model.skin import moving_points
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.morph_targets import MorphPairs
 from rigtri.operations.take_clips.node_matching import pairs
@@ -70,7 +71,7 @@ def refuse_lost(both: Counterparts, clip: Clip, morphs: MorphPairs) -> None:
 
 
 def _nodes(both: Counterparts, clip: Clip) -> Iterator[tuple[int, str]]:
-    """Nodes of EDITED that move without a counterpart; not those whose motion is in what is below them.
+    """Nodes of EDITED that move without a counterpart; not those whose motion is in what is below them alone.
 
     Nor controls whose motion is in the keys of their joints, nor switches of the script of export-blender,
     which ride on controls.
@@ -82,11 +83,34 @@ def _nodes(both: Counterparts, clip: Clip) -> Iterator[tuple[int, str]]:
     alone = moving.difference(both.back)
     if not alone.isdisjoint(other.own) and both.baked:
         alone -= other.own
+    renamed = _renamed(both, alone & known)
     for node in sorted(alone):
         if (name := other.names[node]) in both.unclear:
             yield node, f"several nodes are called '{name}', so it is not clear which is which"
+        elif node in renamed:
+            ours = both.rig.title(renamed[node])
+            yield node, f"RIG has no '{other.title(node)}', and '{ours}' in its place would not follow"
         elif node not in known and not SWITCH.fullmatch(name):
             yield node, f"RIG has no '{other.title(node)}'"
+
+
+def _renamed(both: Counterparts, alone: set[int]) -> dict[int, int]:
+    """Joints of EDITED that carry points and what RIG has, and the joint with points that RIG has instead.
+
+    The motion of such a joint reaches what is below it, but not the points of RIG's joint of another name.
+    """
+    lines = [both.line(node) for node in both.of] if alone else []
+    found = {
+        (theirs, ours)
+        for others, own, _ in lines
+        for theirs in alone.intersection(others)
+        for ours in own
+        if ours not in both.of
+    }
+    if not found:
+        return {}
+    here, there = (moving_points(rig.skins, len(rig)) for rig in (both.rig, both.other))
+    return {theirs: ours for theirs, ours in sorted(found, reverse=True) if here[ours] and there[theirs]}
 
 
 def _moves(rig: Rig, track: Track, size: float) -> bool:
