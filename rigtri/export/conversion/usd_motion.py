@@ -24,7 +24,7 @@ from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.reading.sampled_xforms import along_arcs, matrices_at, turning_ops
 from rigtri.formats.usd.reading.xform_hierarchy import read_transform, value_numbers
 from rigtri.maths.matrices import SKEW, compose, decompose, skew
-from rigtri.maths.quaternions import angle_between, from_axes, make_continuous, slerp, unit
+from rigtri.maths.quaternions import IDENTITY, angle_between, from_axes, make_continuous, slerp, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Track
 from rigtri.text import and_more
@@ -159,7 +159,8 @@ def _turning(prim: Any) -> list[Any]:
 def _unevenness(op: Any) -> float:
     """How far OpenUSD plays an orient op beside its arcs, in radians."""
     values = (op.Get(time) for time in op.GetTimeSamples())
-    rows = np.array([value_numbers(value) for value in values if value is not None])  # the others are blocked
+    found = [value_numbers(value) for value in values if value is not None]  # the others are blocked
+    rows = np.array([turn for turn in found if turn.shape == IDENTITY.shape])  # or of a damaged layer
     return unevenness(make_continuous(unit(rows))) if len(rows) and np.isfinite(rows).all() else 0.0
 
 

@@ -14,6 +14,7 @@ from usd_files import animation, read, save, scene, skeleton, turned, write
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import locals_at, morph_weights, worlds
 from rigtri.evaluation.skinning import deformed
+from rigtri.formats.usd.reading import xform_hierarchy
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.compare.compare import verify
 
@@ -113,3 +114,28 @@ def test_joints_of_another_type_are_refused_by_name(tmp_path: Path) -> None:
     path = save(tmp_path, clean().replace('token[] joints = ["a", ', 'string[] joints = ["a", '))
     with pytest.raises(FileError, match=r"</Root/Skel>.joints is string\[\] and should be token\[\]"):
         read(path)
+
+
+def test_samples_of_an_op_that_are_of_another_type_are_no_track(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in a crate with changed bytes; OpenUSD itself lets nobody store such a sample."""
+    name, numbers = "xformOp:translate", xform_hierarchy.value_numbers
+    text = f"""#usda 1.0
+def Xform "Hand"
+{{
+    double3 {name}.timeSamples = {{ 1: (0, 1, 0), 2: (0, 2, 0), 3: (0, 3, 0) }}
+    uniform token[] xformOpOrder = ["{name}"]
+}}
+"""
+    stage = Usd.Stage.Open(str(save(tmp_path, text)))
+    prim = stage.GetPrimAtPath("/Hand")
+    assert xform_hierarchy.read_transform(prim, 0, "LINEAR") is not None
+    for wrong in (2.0, 1.0):
+        odd = Gf.Vec3d(0, wrong, 0)
+        monkeypatch.setattr(
+            xform_hierarchy,
+            "value_numbers",
+            lambda value, odd=odd: numbers(value)[: 2 if value == odd else 3],
+        )
+        assert xform_hierarchy.read_transform(prim, 0, "LINEAR") is None

@@ -213,15 +213,17 @@ def read_transform(
         size = sizes.get(path, 1.0)
         op = ops.get(name)
         stands = _first(op, NOTHING[path])
-        if not np.isfinite(stands).all():
+        if stands.shape != NOTHING[path].shape or not np.isfinite(stands).all():
             return None
         stands = _turning(stands) if path == "rotation" else stands
         rest[path] = _folded(path, stands * size, outer, inner)
         keys = [] if op is None else [(time, op.Get(time)) for time in op.GetTimeSamples()]
-        if any(value is None for _, value in keys):
+        samples = [value_numbers(value) for _, value in keys if value is not None]
+        # Some are blocked, or, in a damaged layer, of another type than the op.
+        if len(samples) < len(keys) or any(each.shape != stands.shape for each in samples):
             return None
         if keys:
-            values = np.stack([value_numbers(value) for _, value in keys])
+            values = np.stack(samples)
             if not np.isfinite(values).all():
                 return None
             if path == "scale" and _uneven(values) and not _onto_axes(inner):
