@@ -88,6 +88,8 @@ def _check(values: dict[str, Any], options: MirrorOptions, *, presumed: bool) ->
             click.echo(f"most pairs lie about another plane: --plane {plane} --plane-at {at:.6g}", err=True)
         elsewhere = found.at or found.plane != "yz"
         where = f" about --plane {found.plane} --plane-at {found.at:g}" if elsewhere else ""
+        if found.characters > 1:
+            where = f", each of {found.characters} characters by itself"
         total = f"{counted(len(found.pairs), 'pair')}, {len(worse)} not symmetric{where}"
         total += f", {counted(len(found.alone), 'node')} without counterpart"
         total += f"; axes compared as {found.mode}{'' if presumed else _how_many(found)}"

@@ -10,10 +10,13 @@ import pytest
 from numpy.testing import assert_allclose
 from posed_bodies import Pose, posed_body
 from program import cli
+from recognition_bodies.creatures import two_characters
 
 from rigtri.errors import GeometryError
+from rigtri.formats import read
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import add_controls
 from rigtri.operations.add_polevector import add_polevector
 from rigtri.operations.freeze import freeze
 from rigtri.operations.mirror.mirror import mirror
@@ -21,6 +24,8 @@ from rigtri.operations.mirror.symmetry_check import asymmetry
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.recognition.sides import twin_of
 from rigtri.report import Report
+
+from write_gltf import glb  # isort: skip - recognition.bodies has put the samples on the path
 
 # By how much a body is turned that faces +z, and the plane between its sides.
 TURNED = [(0.0, "yz"), (90.0, "xy"), (-90.0, "xy"), (180.0, "yz")]
@@ -117,3 +122,35 @@ def test_fingers_whose_twins_nobody_knows_are_told(thumb: bool) -> None:
     mirror(body.rig, report=report)
     texts = [notice.text for notice in report.warnings if notice.code == "not-mirrored"]
     assert ["left finger (#" in text for text in texts] == ([] if thumb else [True])
+
+
+def test_several_characters_are_compared_each_about_its_own_plane(tmp_path: Path) -> None:
+    """As they are mirrored. Before, all were compared about one plane, and none but one were symmetric."""
+    path = tmp_path / "pair.glb"
+    path.write_bytes(glb(two_characters().figure))
+    rig = read(path).rig
+    (skin,), anna = rig.skins, rig.below(rig.find("Anna"))
+    halves = [np.isin(skin.joints, anna) == first for first in (True, False)]
+    skins = (
+        replace(skin, joints=skin.joints[k], inverse_bind=skin.inverse_bind[k], weigh=None) for k in halves
+    )
+    rig = replace(rig, skins=tuple(skins))
+    turned = mirror(rig)
+    found = asymmetry(turned)
+    assert (found.characters, found.mode, found.worse(), found.keeping) == (
+        2,
+        "behavior",
+        [],
+        found.with_axes,
+    )
+    assert found.with_axes > 10
+    assert len(asymmetry(rig).worse()) > 10
+
+
+def test_the_convention_of_joints_is_not_kept_by_pairs_of_controls() -> None:
+    """Before, most pairs were said to keep the joints' convention, where the controls keep another."""
+    rig = posed_body(Pose(elbow=15.0)).rig
+    crooked = orient_joints(rig, joints=["*Left*"], offset=(50.0, 20.0, 70.0))
+    found = asymmetry(add_controls(crooked, whole_character=True))
+    assert found.keeping < found.with_axes / 2
+    assert found.with_axes < len(found.pairs)

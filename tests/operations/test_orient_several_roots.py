@@ -198,3 +198,24 @@ def test_that_no_character_is_recognised_is_said_once() -> None:
     orient_joints(rig_with(joints[:4]), report=chain)
     assert [note.code for note in notes.warnings].count("no-character") == 1
     assert "no-character" not in {note.code for note in (*quiet.warnings, *chain.warnings)}
+
+
+_GROUPS = {"face": ("head", 1.7), "muscles": ("chest", 1.3), "skirt": ("hips", 0.9)}
+
+
+@pytest.mark.parametrize("group", _GROUPS)
+def test_what_stands_side_by_side_beside_a_whole_body_is_no_flat_part_of_it(
+    group: str,
+) -> None:
+    """As a MetaHuman's face, whose joints are children of one. Before, ``no-hierarchy`` warned of them."""
+    above, height = _GROUPS[group]
+    joints = [*with_fingers(), (f"{group}_root", above, (0.0, height, 0.05))]
+    joints += [
+        (f"{group}_{word}", f"{group}_root", (0.02 * k - 0.1, height + 0.01 * (k % 3), 0.1))
+        for k, word in enumerate(
+            ["brow", "lid", "cheek", "nose", "lip", "chin", "corner", "temple", "ear", "lobe"]
+        )
+    ]
+    notes = Report()
+    orient_joints(rig_with(joints), report=notes)
+    assert "no-hierarchy" not in {note.code for note in notes.warnings}

@@ -30,8 +30,10 @@ from rigtri.model.metadata import (
     TwistRecord,
 )
 from rigtri.model.rig import Rig
+from rigtri.operations.option_kinds import Selection
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import find
+from rigtri.recognition.one_character import bodies
 from rigtri.recognition.sides import side_of, twin_of
 from rigtri.report import Report
 
@@ -65,6 +67,15 @@ SAME_NUMBER = 4e-6
 
 class NotMirroredError(GeometryError):
     """Why something has no counterpart, and none can be made."""
+
+
+def sided_bodies(rig: Rig, selection: Selection) -> list[frozenset[int]]:
+    """Of several characters the nodes of each that has sides: each is mirrored about its own plane.
+
+    None for one character, and where the user names joints.
+    """
+    several = [] if selection.named else bodies(rig)
+    return [nodes for nodes in several if any(side_of(rig, node) for node in nodes)]
 
 
 def mirror_each(

@@ -26,7 +26,7 @@ from rigtri.operations.constrain.constrain import NOT_VRM
 from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, chosen, select, warn_held
 from rigtri.operations.mirror.constraints import mirror_constraints
 from rigtri.operations.mirror.controls import mirror_controls, mirror_poles
-from rigtri.operations.mirror.counterparts import refuse_without_sides
+from rigtri.operations.mirror.counterparts import refuse_without_sides, sided_bodies
 from rigtri.operations.mirror.limbs import mirror_limbs
 from rigtri.operations.mirror.pose_readers import mirror_readers
 from rigtri.operations.mirror.rivets import mirror_rivets
@@ -37,7 +37,7 @@ from rigtri.operations.option_kinds import Selection
 from rigtri.operations.options.mirror import WHAT, What
 from rigtri.operations.options.mirror import MirrorOptions as MirrorOptions
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
-from rigtri.recognition.one_character import bodies, within
+from rigtri.recognition.one_character import within
 from rigtri.recognition.sides import side_of, twin_of, unpaired
 from rigtri.report import Report
 from rigtri.text import and_more
@@ -52,8 +52,7 @@ def mirror(rig: Rig, *, options: MirrorOptions, report: Report) -> Rig:
     (``not-mirrored``). Raises GeometryError where nothing here has a side, NameNotFoundError, UsageError.
     """
     known = list(zip(rig.keys, rig.labels, strict=True))
-    several = [] if options.selection.named else bodies(rig)
-    sided = [[known[k] for k in nodes] for nodes in several if any(side_of(rig, k) for k in nodes)]
+    sided = [[known[k] for k in nodes] for nodes in sided_bodies(rig, options.selection)]
     for nodes in sided:  # each about its own plane; nodes may have come between those of the next
         places = {both: k for k, both in enumerate(zip(rig.keys, rig.labels, strict=True))}
         alone = frozenset(places[both] for both in nodes)

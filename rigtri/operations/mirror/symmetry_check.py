@@ -21,11 +21,12 @@ from rigtri.model.joint_names import twin
 from rigtri.model.metadata import OffsetRecord, PoseReaderRecord, RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import chosen
-from rigtri.operations.mirror.counterparts import other, refuse_without_sides, side
+from rigtri.operations.mirror.counterparts import other, refuse_without_sides, side, sided_bodies
 from rigtri.operations.mirror.pose_readers import reader_twin
 from rigtri.operations.mirror_plane import TOLERANCE, parting
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import find
+from rigtri.recognition.one_character import within
 
 # Degrees that tools leave of symmetric axes.
 DEGREES = 0.1
@@ -61,8 +62,10 @@ class Asymmetry:
     """All pairs of joints and of nodes that rigtri made, and those without a twin.
 
     plane, at: the mirror, in the character's own space. better: another one that most pairs lie
-    about, where they do not about that. mode: what the axes of the joints were compared by. keeping: how many
-    of ``with_axes`` pairs keep the convention that theirs were compared by.
+    about, where they do not about that. mode: what the axes of the joints were compared by, or of controls
+    where no joint has a twin. keeping: how many of these ``with_axes`` pairs keep it. characters: so many
+    were compared, each about its own plane and by its own convention; plane, at and mode are then those of
+    the first.
     """
 
     pairs: tuple[Pair, ...]
@@ -73,6 +76,7 @@ class Asymmetry:
     mode: Convention = "behavior"
     keeping: int = 0
     with_axes: int = 0
+    characters: int = 1
 
     def worse(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> list[Pair]:
         """The pairs that are not symmetric, worst place first."""
@@ -89,9 +93,32 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Conventio
 
     In the pose of the options (the bind pose by default) for joints, at rest for other nodes.
     Ends of others that carry nothing are left out: they have no axes to speak of, and glTF does not
-    call them joints.
+    call them joints. Of several characters each is compared by itself, as ``mirror`` mirrors them.
     """
     options = options or MirrorOptions()
+    found = list[Asymmetry]()
+
+    def compare(one: Rig) -> Rig:
+        found.append(_of_one(one, options, mode))
+        return one
+
+    for nodes in sided_bodies(rig, options.selection):
+        within(rig, nodes, compare)
+    if not found:
+        return _of_one(rig, options, mode)
+    return replace(
+        found[0],
+        pairs=tuple(pair for each in found for pair in each.pairs),
+        alone=tuple(name for each in found for name in each.alone),
+        better=next((each.better for each in found if each.better is not None), None),
+        keeping=sum(each.keeping for each in found),
+        with_axes=sum(each.with_axes for each in found),
+        characters=len(found),
+    )
+
+
+def _of_one(rig: Rig, options: MirrorOptions, mode: Convention | None) -> Asymmetry:
+    """The same of a rig with one character."""
     tree = skeleton(rig, options.root)
     refuse_without_sides(rig, tree.joints)
     ref = reference(tree, options.pose)
@@ -111,7 +138,7 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Conventio
     for node, there in standing.items():
         if kinds[node] in _WITH_AXES:
             groups.setdefault((kinds[node], int(rig.parents[node]) in aimed), {})[node] = there
-    compared, modes = list[Pair](), list[Convention]()
+    compared, modes, first = list[Pair](), list[Convention](), list[Pair]()
     for group, world in [(found, ref.world), *((group, rest) for group in groups.values())]:
         by_mode = {
             each: _compared(rig, group, world, ref.extent, options, each)
@@ -120,7 +147,8 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Conventio
         kept = max(by_mode, key=lambda each: _fit(by_mode[each]))
         compared += by_mode[kept]
         modes += [kept] if group else []
-    keeping, with_axes = _keeping(compared), len(compared)
+        first = first or by_mode[kept]
+    keeping, with_axes = _keeping(first), len(first)
     placed = {node: there for node, there in standing.items() if kinds[node] not in _WITH_AXES}
     compared += _compared(rig, placed, rest, ref.extent, options, None)
     missing = ((node, twin(rig.names[node])) for node in alone)

@@ -81,7 +81,7 @@ def warn_unsure(
             if not targets.joints:
                 _warn_side_by_side(targets, joints, report, wording)
             continue
-        _warn_side_by_side(targets, joints, report, wording)
+        _warn_side_by_side(targets, joints, report, wording, _complete(targets, character))
         if character.is_mirrored:
             report.warn(
                 "sides-disagree",
@@ -121,11 +121,36 @@ def _warn_no_character(targets: Targets, remarks: Sequence[str], report: Report,
         )
 
 
-def _warn_side_by_side(targets: Targets, joints: set[int], report: Report, wording: Wording) -> None:
-    """Warn of joints that are all children of one, and of which nothing tells what they follow."""
+def _complete(targets: Targets, character: Character) -> bool:
+    """Whether all limbs of a sure body are there, with a hierarchy, and fingers where it has arms.
+
+    What is side by side elsewhere than at a hand is of a skirt or a rig of muscles then, and follows nothing.
+    """
+    sure, before = character.sure_chains, targets.tree.before
+    arms, fingers = ({k.side for k in sure if k.kind == kind} for kind in ("arm", "finger"))
+    return (
+        character.form in ("biped", "quadruped")
+        and character.confidence >= CONFIDENT
+        and all(limb.is_sure for limb in character.limbs)
+        and arms <= fingers
+        and before.keys().isdisjoint(joint for chain in sure for joint in chain.joints)
+    )
+
+
+def _warn_side_by_side(
+    targets: Targets, joints: set[int], report: Report, wording: Wording, complete: bool = False
+) -> None:
+    """Warn of joints that are all children of one, and of which nothing tells what they follow.
+
+    Of what is at a head or below it, which is a face, nothing is said. complete: of all but hands neither.
+    """
     tree, rig = targets.tree, targets.tree.rig
-    heads = {chain.joints[-1] for chain in recognise(rig).chains if chain.kind == "head"}
-    for above in (joint for joint in tree.joints if joint not in heads):
+    chains = recognise(rig).chains
+    heads = {chain.joints[-1] for chain in chains if chain.kind == "head"}
+    hands = {chain.joints[0] for chain in chains if chain.kind == "hand"}
+    for above in tree.joints:
+        if (complete and above not in hands) or any(k == above or rig.is_below(above, k) for k in heads):
+            continue
         leaves = [k for k in tree.below[above] if not tree.below[k] and tree.carries[k] and k in joints]
         if len(leaves) < SIDE_BY_SIDE:
             continue
