@@ -27,6 +27,7 @@ from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance, dot
+from rigtri.model.constraints import constraints_of
 from rigtri.model.joint_names import Side, side
 from rigtri.model.metadata import (
     PIVOTS,
@@ -346,15 +347,17 @@ class _Builder:
             self.new.stood(self.rig)
 
     def _warn_keyed_pole(self, limb: Limb) -> None:
-        """Warn of a pole vector with keys, which did nothing while its limb had no IK control."""
+        """Warn of a pole vector that moves, which did nothing while its limb had no IK control."""
         pole = find(self.rig, PoleVectorRecord, chain=self._chain(limb))
         if pole is None:
             return
         clips = [clip.name for clip in self.rig.clips if any(track.node == pole for track in clip.tracks)]
-        if clips:
-            title = self.rig.title(pole)
-            moved = "its limb has an IK control now, and IK moves it there"
-            text = f"'{title}' has keys in {and_more(clips)}: {moved}"
+        title, moved = self.rig.title(pole), "its limb has an IK control now, and IK moves it"
+        if self.rig.clips and any(rule.child == pole for rule in constraints_of(self.rig).values()):
+            text = f"'{title}' follows a constraint: {moved} in every clip"
+            self.report.warn("pole-keyed", text, joint=title)
+        elif clips:
+            text = f"'{title}' has keys in {and_more(clips)}: {moved} there"
             self.report.warn("pole-keyed", text, joint=title)
 
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:

@@ -32,6 +32,7 @@ from rigtri.operations.options.set_rest import SetRestOptions as SetRestOptions
 from rigtri.operations.orient_joints.frame_sources import no_namesakes
 from rigtri.operations.pose import at_rest, pose_of, warn_shown
 from rigtri.operations.prune_joints import weighted_joints
+from rigtri.recognition.joint_tree import helpers
 from rigtri.recognition.layout import CONFIDENT, Character
 from rigtri.recognition.limbs import limb_title
 from rigtri.recognition.recognise import recognise
@@ -113,7 +114,7 @@ def _least(rig: Rig) -> Floats:
 
 def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Parts]:
     """The parts of joints in the pose, one row each."""
-    held = rig.own.union(driven_joints(rig))
+    held = helpers(rig).union(driven_joints(rig))
     joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in held]
     if options.like is not None:
         return _of_names(rig, options.like, joints)

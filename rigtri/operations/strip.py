@@ -45,7 +45,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     gone = _gone(rig, kept)
     _refuse_named(rig, gone)
     if not options.discard_motion:
-        refuse_unbaked(rig)
+        refuse_unbaked(rig, gone)
     readers = [node for node in gone if rig.type_of(node) == "poseReader"]
     rig, driven = restore_replaced_keys(rig, readers, report)
     for record in (r for node, r in rig.records(PoseReaderRecord).items() if node not in kept):

@@ -12,6 +12,7 @@ from rigtri.maths.ranking import SAME_SHARE
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.recognition.limb_words import AXES, limb_words
 from rigtri.recognition.name_parsing import parse_name
@@ -180,9 +181,19 @@ def _nearest(rig: Rig, nodes: frozenset[int]) -> list[int]:
     return above
 
 
+def helpers(rig: Rig) -> frozenset[int]:
+    """Nodes of ours that are no bones: all but the joints of limbs, which points may move with."""
+    return rig.own.difference(rig.nodes_of(LimbRecord.type))
+
+
 def joints_of(rig: Rig) -> list[int]:
-    """The nodes that a body can be made of: joints, not ours, and bones above them; else all."""
-    joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.own]
+    """The nodes that a body can be made of: joints, not ours, and bones above them; else all.
+
+    Where every joint is of a limb that make-limb has built, the body is made of these.
+    """
+    every = np.flatnonzero(rig.is_joint).tolist()
+    joints = [node for node in every if node not in rig.own]
+    joints = joints or [node for node in every if node not in helpers(rig)]
     if not joints:
         apart = rig.own | rig.rules.data_nodes | _shapes_of_parents(rig)
         return [k for k in range(len(rig)) if k not in apart]

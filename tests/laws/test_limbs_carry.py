@@ -192,3 +192,42 @@ def test_what_compares_own_axes_refuses_other_ones_by_name(kind: str) -> None:
     out, report = mirrored(other, what=("limbs",))
     assert "not-mirrored" in codes(report)
     assert_allclose(standing(out, "prop"), standing(other, "prop"), atol=1e-6)
+
+
+def test_motion_of_a_limbs_controls_is_no_less_than_that_of_other_joints() -> None:
+    """Motion that only controls of joints of make-limb have is refused by a bake to controls, not lost."""
+    rig = rigtri.add_controls(arms(), ik=("arm_1_L", "arm_2_L", "arm_3_L"), joints=("arm_2_R",))
+    control = rig.find("arm_2_R_ctl")
+    turns = from_axis_angle(np.eye(3)[[2, 2]], np.array([0.1, 0.9]))
+    track = Track(control, "rotation", "LINEAR", np.array([0.0, 1.0]), multiply(rig.rotation[control], turns))
+    keyed = replace(rig, clips=(Clip("wave", (*rig.clips[0].tracks, track)),))
+    with pytest.raises(GeometryError, match=r"Controls move 'arm_2_R' in clip 'wave'.*would be lost"):
+        rigtri.bake(keyed, to="controls")
+    rigtri.bake(rigtri.bake(keyed, to="joints"), to="controls")
+    assert not rigtri.strip(keyed).nodes_of("limb")  # which goes with its controls
+
+
+def test_the_joints_of_limbs_get_another_rest_pose() -> None:
+    rig = arms()
+    rested = rigtri.set_rest(rig, pose="wave@1")
+    joint = rig.find("arm_1_R")
+    assert_allclose(rested.rotation[joint], rig.clips[0].tracks[2].values[-1], atol=1e-6)
+
+
+def test_a_skeleton_of_limbs_alone_is_recognised() -> None:
+    """make-limb --guides builds whole skeletons; what other commands look for is found in them, too."""
+    limbs = {
+        "spine": ([[0, 1, 0], [0, 1.15, 0.02], [0, 1.3, 0.01], [0, 1.45, -0.02]], None, None),
+        "arm": ([[0.18, 1.42, -0.01], [0.45, 1.4, -0.06], [0.7, 1.38, 0]], "spine_3", "left"),
+        "leg": ([[0.1, 0.95, 0], [0.11, 0.5, 0.05], [0.11, 0.08, -0.02]], "spine_1", "left"),
+    }
+    rig = rig_of(["prop"], [-1], np.array([[0.9, 1.2, 0.1]]), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    for name, (points, parent, side) in limbs.items():
+        rig = rigtri.make_limb(rig, points=points, name=name, parent=parent, side=side)
+    (character,) = rigtri.recognise(rigtri.mirror(rig)).characters
+    assert sorted((limb.kind, limb.side) for limb in character.limbs) == [
+        ("arm", "left"),
+        ("arm", "right"),
+        ("leg", "left"),
+        ("leg", "right"),
+    ]

@@ -529,6 +529,17 @@ def test_a_pole_vector_with_keys_that_a_new_ik_control_brings_to_work_is_named()
     assert not [notice for notice in again.warnings if notice.code == "pole-keyed"]
 
 
+def test_a_pole_vector_that_follows_a_constraint_brings_a_new_ik_control_to_work_in_every_clip() -> None:
+    limb = ("thigh_L", "shin_L", "foot_L")
+    rig = rigtri.add_polevector(rigtri.read(SAMPLES / "biped.glb"), limb=(limb,))
+    rig = rigtri.constrain(rig, child="shin_L_pole", type="point", driver=("hips",))
+    report = Report()
+    rigtri.add_controls(rig, ik=limb, report=report)
+    (said,) = [notice.text for notice in report.warnings if notice.code == "pole-keyed"]
+    assert said.startswith("'shin_L_pole' follows a constraint")
+    assert "in every clip" in said
+
+
 def test_pole_vectors_of_both_sides_are_as_large_whatever_axes_their_joints_have() -> None:
     """Their size is that of the ring of the middle joint, which stands across the bone."""
     turned = rigtri.orient_joints(rigtri.read(SAMPLES / "biped.glb"), joints="shin_L", offset=(30, 20, 50))

@@ -29,6 +29,7 @@ from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.controls_check import seen_below
 from rigtri.operations.options.bake import BETWEEN
+from rigtri.recognition.joint_tree import helpers
 from rigtri.recognition.one_character import about
 from rigtri.report import Report
 from rigtri.text import and_more
@@ -40,15 +41,19 @@ UNBAKED = 1e-4
 _BETWEEN_KEYS = 3 * BETWEEN
 
 
-def refuse_unbaked(rig: Rig) -> None:
-    """GeometryError where controls move joints at rest or in a clip, and the joints' own keys do not."""
-    _refuse(unbaked(rig))
+def refuse_unbaked(rig: Rig, going: Container[int]) -> None:
+    """GeometryError where controls move joints at rest or in a clip, and the joints' own keys do not.
+
+    going: joints that are to go themselves, as those of limbs do.
+    """
+    _refuse(unbaked(rig, going))
 
 
-def unbaked(rig: Rig) -> str:
+def unbaked(rig: Rig, going: Container[int] = ()) -> str:
     """Where controls move joints at rest or in a clip as the joints' own keys do not, in words; "" for none.
 
     Constraints alone are no motion that somebody has made: they count where controls have keys.
+    going: joints that do not count.
     """
     rig, _ = seen_alone(rig)
     size = skeleton_size(rig)
@@ -56,7 +61,7 @@ def unbaked(rig: Rig) -> str:
     found = ""
     if posed:
         solver = Solver(rig, posed)
-        found = _difference(solver, solver.run({}), PoseCache(rig, {}), "at rest", size)
+        found = _difference(solver, solver.run({}), PoseCache(rig, {}), "at rest", size, going=going)
     shown: list[str] = []
     for timeline in timelines(rig) if not found else ():
         lost = ""
@@ -66,12 +71,12 @@ def unbaked(rig: Rig) -> str:
             where = f"in clip '{timeline.name}'"
             solver, kept = Solver(rig, driven), PoseCache(rig, sampled)
             there = solver.run(sampled)
-            lost = _difference(solver, there, kept, where, size)
+            lost = _difference(solver, there, kept, where, size, going=going)
             if lost:
                 curve = JointCurve(solver, timeline.clip, size)
                 far = curve.apart(there, kept, len(keys.times)).far.max(initial=0.0)
                 if far <= _BETWEEN_KEYS * size:
-                    lost = _difference(solver, there, kept, where, size, keys=keys)
+                    lost = _difference(solver, there, kept, where, size, keys=keys, going=going)
         if lost and not isinstance(rig.clips[timeline.members[0]].key, tuple):
             return lost
         shown.append(lost)
@@ -156,7 +161,7 @@ class _Keys:
             track
             for track in tracks
             if len(track.times) > 2
-            and (track.node not in self.rig.own if taken is None else (track.node, track.path) in taken)
+            and (track.node not in helpers(self.rig) if taken is None else (track.node, track.path) in taken)
         ]
 
 
@@ -305,7 +310,7 @@ def _times(rig: Rig, clip: Clip) -> Floats:
     Not those of another character, among whose keys are those of its controls and of what follows it.
     """
     every = key_times(clip)
-    without = rig.own | rig.others
+    without = helpers(rig) | rig.others
     own = [t for t in clip.tracks if t.path != "weights" and t.node not in without]
     keyed = key_times(replace(clip, tracks=tuple(own)))
     before, after = every < keyed.min(initial=np.inf), every > keyed.max(initial=-np.inf)
@@ -331,14 +336,16 @@ def _difference(
     bound: float = UNBAKED,
     *,
     keys: _Keys | None = None,
+    going: Container[int] = (),
 ) -> str:
     """Where what a solver makes of a pose, ``posed``, is not what is kept of it, in words; "" where it is.
 
     keys: of the clip. With these each node counts only where it and those above it have keys at once.
+    going: joints that do not count.
     """
     rig = solver.rig
     found = dict[int, float]()
-    for node in _joints(rig, set(solver.sets) - rig.own):
+    for node in (node for node in _joints(rig, set(solver.sets) - helpers(rig)) if node not in going):
         rows = None if keys is None else keys.where_known(node)
         if (far := _deviation(kept, posed, node, size, rows)) > bound:
             found[node] = far
