@@ -219,3 +219,19 @@ def test_what_stands_side_by_side_beside_a_whole_body_is_no_flat_part_of_it(
     notes = Report()
     orient_joints(rig_with(joints), report=notes)
     assert "no-hierarchy" not in {note.code for note in notes.warnings}
+
+
+def test_a_root_joint_that_is_the_bone_of_a_limb_does_not_keep_its_axes_without_a_word() -> None:
+    """Before, the thigh of a leg alone was left as it was, and only ``-v`` listed it."""
+    joints = [
+        (name, above, at) for name, above, at in MAN if name in ("thigh.L", "shin.L", "foot.L", "toe.L")
+    ]
+    rig, notes = rig_with([(n, above if n != "thigh.L" else "", at) for n, above, at in joints]), Report()
+    orient_joints(rig, report=notes)
+    (note,) = (note for note in notes.warnings if note.code == "kept-root")
+    assert note.names == ("thigh.L",)
+    turned = orient_joints(rig, joints=["*"])
+    for named in ({"joints": ["*"]}, {}):
+        again = Report()
+        orient_joints(turned, report=again, **named)
+        assert "kept-root" not in {note.code for note in again.warnings}

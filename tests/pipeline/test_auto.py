@@ -344,8 +344,8 @@ def test_warnings_that_name_options_say_where_they_go(tmp_path: Path) -> None:
     line = shlex.join(map(str, ("rigtri", "build", SAMPLES / name, "--spec", spec, "-o", out)))
     hint = f" (options of steps go into {spec}; then: {line})"
     texts = [notice.text for notice in report.warnings]
-    assert ["'up-from: " in text for text in texts] == [True, True, False]
-    assert [text.endswith(hint) for text in texts] == [True, True, False]
+    assert ["'up-from: " in text for text in texts] == [False, True, True, False]
+    assert [text.endswith(hint) for text in texts] == [True, True, True, False]
     report = Report()
     auto(SAMPLES / name, out, overwrite=True, report=report)
     assert "into a spec, which --spec-out leaves" in report.warnings[0].text

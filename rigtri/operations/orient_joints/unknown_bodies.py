@@ -6,7 +6,11 @@ add-controls says the same of controls, in its own words.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
+import numpy as np
+
+from rigtri.maths.vectors import angle
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.joint_selection import LONE, ROOT
 from rigtri.operations.orient_joints.joints_to_orient import Targets
@@ -22,6 +26,8 @@ FEW = 5
 SIDE_BY_SIDE = 8
 # What bends about the lateral axis of a body.
 _TRUNK = ("spine", "neck", "head")
+# What is of a limb, and an angle within which an axis of such a joint aims along its bone.
+_OF_LIMBS, _AIMED = ("arm", "leg", "hand", "finger", "foot"), np.radians(1.0)
 
 
 @dataclass(frozen=True)
@@ -89,6 +95,8 @@ def warn_unsure(
                 "and right are as named, and knees bend to where it faces. See: rigtri recognise FILE",
                 geometry=True,
             )
+        if wording is OF_JOINTS:
+            _warn_kept_roots(targets, character, report)
         if character.confidence >= CONFIDENT or not wording.unsure(character.form):
             if not per_joint and not faces:
                 _warn_no_facing(targets, character, report, wording)
@@ -192,6 +200,36 @@ def _by_body(targets: Targets) -> set[int]:
     """The joints whose up axis a body decides."""
     styles = targets.styles
     return {k for k in targets.joints if styles[k].up_from in ("plane", "pole") or styles[k].held}
+
+
+def _warn_kept_roots(targets: Targets, character: Character, report: Report) -> None:
+    """Warn of root joints that are bones of limbs and hands: of an arm alone the upper arm is one.
+
+    Not of one that has the axes of the others already.
+    """
+    rig, at = targets.tree.rig, targets.ref.world[:, 3, :3]
+    shoulders = {side: character.bones.get(f"{side}Shoulder", -1) for side in ("left", "right")}
+    lost = list[int]()
+    for chain in character.sure_chains:
+        joints = (
+            (shoulders[chain.side], *chain.joints) if chain.kind == "arm" and chain.side else chain.joints
+        )
+        for joint, after in pairwise(joints) if chain.kind in _OF_LIMBS else ():
+            if targets.skipped.get(joint) == ROOT and joint not in lost:
+                bone, axis = at[after] - at[joint], targets.styles[joint].aim
+                own = targets.ref.world[joint, "xyz".index(axis[-1]), :3] * (-1.0 if axis[0] == "-" else 1.0)
+                lost += [] if angle(own, bone) < _AIMED else [joint]
+    if lost:
+        names = [rig.title(joint) for joint in lost]
+        are, it = ("are bones", "them") if len(lost) > 1 else ("is a bone", "it")
+        report.warn(
+            "kept-root",
+            "Root joints keep their axes, because their motion is root motion: "
+            f"{and_more(names, 4)}, too, which {are} of a limb or hand. Turn {it} with --joints NAME "
+            "in a run or step of its own",
+            geometry=True,
+            names=names,
+        )
 
 
 def _kept_hips(targets: Targets, character: Character, wording: Wording) -> str:
