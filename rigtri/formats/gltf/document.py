@@ -143,12 +143,15 @@ class GltfDocument:
         if not closely:
             return facts
         from rigtri.formats.gltf.materials import Materials
+        from rigtri.formats.gltf.stored_data import StoredData
         from rigtri.formats.vrm.scene_facts import read_facts
 
-        materials = Materials(self.container.gltf, self.image)
-        nodes = {k: {**own, **materials.of(self.tree.order[k])} for k, own in facts.nodes.items()}
-        avatar, driven = read_facts(self.container.gltf, self.tree.place, self._pointers)
-        return replace(facts, nodes=nodes, whole={**facts.whole, **avatar}, own=driven)
+        gltf, tree = self.container.gltf, self.tree
+        materials, stored = Materials(gltf, self.image), StoredData(gltf, self.accessors)
+        of = {place: tree.order[place] for place in facts.nodes}
+        nodes = {k: {**own, **materials.of(of[k]), **stored.of(of[k])} for k, own in facts.nodes.items()}
+        avatar, own = read_facts(gltf, tree.place, self._pointers)
+        return replace(facts, nodes=nodes, **stored.with_driven({**facts.whole, **avatar}, own, tree.place))
 
     def image(self, image: dict[str, object]) -> bytes | memoryview:
         """The bytes of an image. FileError where they are not to be had."""

@@ -16,6 +16,12 @@ from rigtri.model.scene_facts import SceneFacts, flat
 
 LIGHTS = "KHR_lights_punctual"
 VISIBILITY = "KHR_node_visibility"
+# What members mean that are not there: stating it adds nothing.
+_PLAIN_LIGHT: dict[str, Any] = {
+    "light color": [1, 1, 1],
+    "light intensity": 1,
+    "light spot innerConeAngle": 0,
+}
 
 
 def read_scene_facts(gltf: Mapping[str, Any], tree: Tree) -> SceneFacts:
@@ -68,7 +74,9 @@ def _light(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[s
     used = object_in(object_in(node, "extensions"), LIGHTS)
     if used:
         among = object_in(object_in(gltf, "extensions"), LIGHTS).get("lights")
-        yield from flat(object_at(among, used.get("light")), "light")
+        for name, value in flat(object_at(among, used.get("light")), "light"):
+            if value != _PLAIN_LIGHT.get(name):
+                yield name, value
 
 
 def _primitives(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
