@@ -336,3 +336,14 @@ def test_a_pole_ahead_of_the_elbow_of_a_nearly_straight_front_leg_is_named() -> 
     (found,) = axis_findings(replace(rig, translation=translation))
     assert found[:2] == ("axes.pole", pole)
     assert "behind the elbow" in found[2] or "to which it bends at 'forearm.L'" in found[2]
+
+
+def test_the_limbs_of_half_a_body_are_judged_as_those_of_a_whole_one() -> None:
+    """Before, nothing was said of knees, elbows and poles of a part of a body, as of legs alone."""
+    legs = [joint for joint in MAN if joint[0].split(".")[0] in ("hips", "thigh", "shin", "foot", "toe")]
+    rig = orient_joints(rig_with(legs))
+    assert [k.form for k in recognise(rig).characters] == ["partial"]
+    assert rules(rig) == set()
+    delta = np.tile(IDENTITY, (len(rig), 1))
+    delta[rig.find("shin.L")] = from_axis_angle(np.array([1.0, 0.0, 0.0]), np.radians(45.0))
+    assert "axes.hinge" in rules(reframe(rig, delta))

@@ -59,6 +59,8 @@ THUMB = cosine_below(75)
 _BENDS = {"arm": "elbow", "leg": "knee"}
 # Bodies whose trunk and limbs have one sense.
 _BODIES = ("biped", "quadruped")
+# And parts of them, whose limbs have.
+_LIMBED = (*_BODIES, "partial")
 Found = tuple[str, int, str]
 
 
@@ -81,7 +83,7 @@ def axis_findings(rig: Rig) -> Iterator[Found]:
         seen = _Seen(tree, character, known[0] if known else None, ref.world, ref.other, limbs)
         if not seen.parallel:
             yield from seen.findings()
-        if character.form in _BODIES:
+        if character.form in _LIMBED:
             yield from pole_findings(rig, character, limbs)
 
 
@@ -167,13 +169,15 @@ class _Seen:
 
     @property
     def parallel(self) -> bool:
-        """Whether most joints of trunk and limbs have the same axes."""
+        """Whether most joints of trunk and limbs have the same axes, or all but for mirrored ones."""
         joints = [*self.trunk, *(joint for limb in self.limbs for joint in limb.triple[:2])]
         if not joints:
             return False
         axes = self.axes[joints]
-        alike = (np.nan_to_num(dot(axes[:, np.newaxis], axes)) > PARALLEL).all(axis=-1)
-        return bool(alike.sum(axis=1).max() > MOST * len(joints))
+        cosines = np.nan_to_num(dot(axes[:, np.newaxis], axes))
+        alike = (cosines > PARALLEL).all(axis=-1)
+        mirrored = len(set(self.turning[joints])) > 1 and bool((np.abs(cosines) > PARALLEL).all())
+        return mirrored or bool(alike.sum(axis=1).max() > MOST * len(joints))
 
     def findings(self) -> Iterator[Found]:
         off: list[int] = []
@@ -194,6 +198,8 @@ class _Seen:
             yield from rolled
             yield from self._limbs(off)
             yield from () if rolled else self._rolled_trunk()
+        elif self.character.form in _LIMBED:
+            yield from self._limbs(off)
         if off:
             names = ", ".join(f"'{self.rig.title(joint)}'" for joint in off[:4])
             more = f" and {len(off) - 4} more" if len(off) > 4 else ""
