@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance, dot
 from rigtri.model.constraints import constraints_of
-from rigtri.model.joint_names import Side, side
+from rigtri.model.joint_names import Side, side, twin
 from rigtri.model.metadata import (
     PIVOTS,
     ControlKind,
@@ -77,6 +77,7 @@ from rigtri.progress import counted
 from rigtri.recognition.limbs import Limb, built_limbs, forward, named_limbs, upright, with_recognised
 from rigtri.recognition.one_character import bodies, within
 from rigtri.recognition.recognise import recognised_as
+from rigtri.recognition.sides import twin_of
 from rigtri.report import Report
 from rigtri.text import and_more
 
@@ -303,11 +304,34 @@ class _Builder:
         return control
 
     def _seat(self, joint: int, kind: ControlKind) -> Seat:
-        size, normal, shift = self.sizes.of(joint, self.axes.frames.get((joint, kind)), beside=kind == "fk")
+        share = self.sizes.share_beside(self._with_twin(joint)) if kind == "fk" else 0.0
+        size, normal, shift = self.sizes.of(joint, self.axes.frames.get((joint, kind)), share=share)
         limb = next((limb for limb in self.limbs if kind == "ik" and limb.end == joint), None)
         size = size if limb is None else self.sizes.of_end(limb)
         drawing = self._drawing(kind, joint, size, normal, shift=shift)
         return self._parent(joint, kind), self.world[joint, 3, :3], drawing
+
+    def _with_twin(self, joint: int) -> dict[int, Floats | None]:
+        """A joint and its twin, if any, with the axes of their FK controls.
+
+        Names say it; where they say no side, it is as the character is recognised, if that was asked for.
+        """
+        rig = self.tree.rig
+        name, both = rig.names[joint], [joint]
+        if (other := twin(name)) != name:
+            named = self._named.get(other, [])
+            both += named if len(named) == 1 else []
+        elif self._all_limbs and (known := twin_of(rig, joint)) in self.tree.above:
+            both += [known] if known is not None else []
+        return {node: self.axes.frames.get((node, "fk")) for node in both}
+
+    @cached_property
+    def _named(self) -> dict[str, list[int]]:
+        """The joints of each name."""
+        found: dict[str, list[int]] = {}
+        for joint in self.tree.joints:
+            found.setdefault(self.tree.rig.names[joint], []).append(joint)
+        return found
 
     def _known(
         self, control: int, kind: ControlKind, joint: int, parent: int, drawing: Drawing, place: Floats

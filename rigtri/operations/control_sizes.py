@@ -60,14 +60,51 @@ class ControlSizes:
         bones = [aim.length for aim in aims.values() if aim.length > 0]
         self.typical = float(np.median(bones)) if bones else extent or 1.0
         self.sections = SkinSections(tree)
+        # Whether the ring of a joint shows at a share of its bone.
+        self._shown: dict[tuple[int, float], bool] = {}
 
     def of(
-        self, joint: int, axes: Floats | None = None, *, beside: bool = False
+        self, joint: int, axes: Floats | None = None, *, share: float = 0.0
     ) -> tuple[float, Floats, float]:
         """The radius of a joint's shape, which axis of its control lies along the bone, (3,), and a shift.
 
-        axes: of a control that has its own. beside: the shape may stand by that shift along that axis, in the
-        bone, where it would be hidden about the joint.
+        axes: of a control that has its own. share: how far along the bone the shape stands, as a share of it
+        (`share_beside`); the shift is that in file units.
+        """
+        bone, normal, place, across, _ = self._bone(joint, axes)
+        shift = share * bone
+        around = self.sections.radius(joint, place + across * shift, across)
+        bone = max(bone, SHORTEST * self.typical)
+        return max(MARGIN * around, LEAST * bone) if around > 0 else RADIUS * bone, normal, shift
+
+    def share_beside(self, joints: Mapping[int, Floats | None]) -> float:
+        """The share of its bone by which the ring of a joint, the first, stands beside that.
+
+        0 where it shows about the joint. joints: a joint and its twin, if any, with the axes of controls that
+        have their own. One look, left to right: of twins both stand where both show. Where that is nowhere,
+        or only one of them has skin and a bone to stand along, each has its own share.
+        """
+        able = [joint for joint, axes in joints.items() if self._bone(joint, axes)[4]]
+        first = next(iter(joints))
+        if first not in able:
+            return 0.0
+        for some in (able, [first]):
+            for share in (0.0, *_BESIDE):
+                if all(self._shows(joint, joints[joint], share) for joint in some):
+                    return share
+        return 0.0
+
+    def _shows(self, joint: int, axes: Floats | None, share: float) -> bool:
+        """Whether a ring that stands at a share of its bone is outside skin by three quarters."""
+        if (joint, share) not in self._shown:
+            bone, _, place, across, _ = self._bone(joint, axes)
+            self._shown[joint, share] = self.sections.shows(joint, place + across * (share * bone), across)
+        return self._shown[joint, share]
+
+    def _bone(self, joint: int, axes: Floats | None) -> tuple[float, Floats, Floats, Floats, bool]:
+        """The bone of a ring: length, axis of the control, (3,), start and direction, (3,), in the world.
+
+        And whether the ring may stand along it.
         """
         end = Aim("keep")
         aim, from_ = self.aims.get(joint, end), joint
@@ -76,18 +113,13 @@ class ControlSizes:
             from_ = self.tree.above[joint]
             aim = self.aims.get(from_, end)
         stand = self.world[joint] if axes is None else from_frame(axes, self.world[joint, 3, :3])
-        normal = np.array([1.0, 0.0, 0.0])
+        normal, able = np.array([1.0, 0.0, 0.0]), False
         if aim.direction is not None:
             along = dot(transform_directions(aim.direction, self.world[from_]), normalise(stand[:3, :3]))
             axis = first_largest(np.abs(along))
             normal = np.where(np.arange(3) == axis, np.sign(along[axis]), 0.0)
-        place, across = stand[3, :3], normalise(transform_directions(normal, stand))
-        shift = 0.0
-        if beside and from_ == joint and aim.direction is not None and np.abs(along).max() > _ALONG:
-            shift = self.sections.shift(joint, place, across, aim.length)
-        around = self.sections.radius(joint, place + across * shift, across)
-        bone = max(bone, SHORTEST * self.typical)
-        return max(MARGIN * around, LEAST * bone) if around > 0 else RADIUS * bone, normal, shift
+            able = bool(from_ == joint and np.abs(along).max() > _ALONG) and self.sections.is_skinned(joint)
+        return bone, normal, stand[3, :3], normalise(transform_directions(normal, stand)), able
 
     def of_end(self, limb: Limb) -> float:
         """Half the edge of a cube around the end of a limb: how thick the limb is where it arrives there."""
@@ -139,22 +171,20 @@ class SkinSections:
             most = widest if half(ends) <= widest else outside(most, widest, cuts, normal)
         return max(own, min(half(ends), most))
 
-    def shift(self, joint: int, place: Floats, normal: Floats, bone: float) -> float:
-        """How far a ring stands along its normal from a place so that a quarter of it at most is inside skin.
+    def shows(self, joint: int, place: Floats, normal: Floats) -> bool:
+        """Whether a ring around a place, (3,), square to ``normal``, (3,), is a quarter inside skin at most.
 
-        0 where that is so about the place, or nowhere along `_BESIDE` of the bone: a shoulder's ring cuts the
-        trunk, and one around the upper arm does not. bone: its length, in file units.
+        A shoulder's ring cuts the trunk, and one around the upper arm does not.
         """
         near = list(self._of([joint]))
-        if not near or (self._by_skin and self._holds(near)):
-            return 0.0
-        for share in (0.0, *_BESIDE):
-            there = place + normal * (share * bone)
-            own, cuts = self._width(joint, near, there, normal), self._cuts(joint, there, normal)
-            radius = max(own, min(half(farthest([lines for lines, _ in cuts], normal)), _WIDER * own))
-            if own > 0 and 4 * inside(radius, *crossed(cuts, normal)) <= len(AROUND):
-                return share * bone
-        return 0.0
+        own, cuts = self._width(joint, near, place, normal), self._cuts(joint, place, normal)
+        radius = max(own, min(half(farthest([lines for lines, _ in cuts], normal)), _WIDER * own))
+        return own > 0 and 4 * inside(radius, *crossed(cuts, normal)) <= len(AROUND)
+
+    def is_skinned(self, joint: int) -> bool:
+        """Whether a joint has skin of its own, or, of a body that has none, a mesh."""
+        near = list(self._of([joint]))
+        return bool(near) and not (self._by_skin and self._holds(near))
 
     def _width(
         self, joint: int, near: list[tuple[SkinnedMesh, Integers]], place: Floats, normal: Floats

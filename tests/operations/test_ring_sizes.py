@@ -151,6 +151,28 @@ def test_the_ring_of_an_arm_that_begins_in_the_trunk_stands_beside_that(trunk: f
         assert record.size == pytest.approx(0.25 * 2.0)  # the least share of a bone
 
 
+@pytest.mark.parametrize(
+    "names", [("root", "arm.L", "hand.L", "arm.R", "hand.R"), ("root", "a", "b", "c", "d")]
+)
+def test_rings_of_twins_stand_beside_their_joints_alike(names: tuple[str, ...]) -> None:
+    """Of a trunk that reaches a little farther on one side. Before, each stood where it shows, alone."""
+    places = np.array([(0, 0, 0), (1, 0, 0), (3, 0, 0), (-1, 0, 0), (-3, 0, 0)], dtype=np.float64)
+    rig = rig_of(list(names), [-1, 0, 1, 0, 3], places - places[[0, 0, 1, 0, 3]])
+    rig = replace(rig, skins=(Skin("skin", np.arange(5), inverse(rig.world)),))
+    parts = [(0, (1.25, 4.0, 4.0), 0.1), (1, (1.0, 0.2, 0.2), 2.0), (3, (1.0, 0.2, 0.2), -2.0)]
+    meshes = [
+        replace(box, skin=0, weights=np.ones((8, 1)), joints=np.full((8, 1), joint), points=points)
+        for joint, half, x in parts
+        for box in [a_box(0, half)]
+        for points in [box.points + np.array([x, 0.0, 0.0])]
+    ]
+    rig = replace(rig, content=Content(read_meshes=lambda: meshes))
+    built = rigtri.add_controls(rig, joints=[names[1], names[3]])
+    shifts = {record.joint: record.shift for record in built.records(ControlRecord).values()}
+    alone = {names[1]: 0.4, names[3]: 0.2}
+    assert shifts == pytest.approx(dict.fromkeys(alone, 0.4) if names[1] == "arm.L" else alone)
+
+
 def test_the_ring_of_a_joint_without_skin_is_as_wide_as_the_skin_of_the_joint_above() -> None:
     rig = chain((0, 0, 0), (5, 0, 0), (6, 0, 0), (7, 0, 0))
     meshes = [
