@@ -160,6 +160,23 @@ def test_a_material_that_states_what_holds_anyway_is_the_same(tmp_path: Path) ->
     assert not verify(before, read(stated.glb(tmp_path / "other.glb"))).passes()
 
 
+@pytest.mark.parametrize(
+    ("shown", "words"),
+    [
+        ({"mesh": 0}, "more, which was not there, shows a mesh"),
+        ({"extensions": {"KHR_lights_punctual": {"light": 0}}}, "more, which was not there, shows a light"),
+        ({}, ""),
+    ],
+)
+def test_a_node_that_shows_more_is_different(shown: dict[str, Any], words: str, tmp_path: Path) -> None:
+    before = read(stage_set().glb(tmp_path / "before.glb"))
+    other = stage_set()
+    other.gltf["nodes"].append({"name": "more", **shown})
+    other.gltf["scenes"][0]["nodes"].append(6)
+    result = verify(before, read(other.glb(tmp_path / "after.glb")))
+    assert result.different == ((words,) if words else ())
+
+
 def test_a_light_that_states_what_holds_anyway_is_the_same(tmp_path: Path) -> None:
     before = read(stage_set().glb(tmp_path / "before.glb"))
     stated = stage_set()

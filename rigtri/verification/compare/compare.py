@@ -33,7 +33,12 @@ from rigtri.verification.compare.probe_selection import (
 )
 from rigtri.verification.compare.probes import Probe, mesh_points, mesh_title
 from rigtri.verification.compare.resting_children import left_their_rest
-from rigtri.verification.compare.scene_facts import SceneFacts, compare_scene_facts, compare_surfaces
+from rigtri.verification.compare.scene_facts import (
+    SceneFacts,
+    compare_scene_facts,
+    compare_surfaces,
+    newly_shown,
+)
 from rigtri.verification.compare.verdict import Comparison as Comparison
 from rigtri.verification.compare.verdict import Motion
 
@@ -100,6 +105,7 @@ def verify(before: Source, after: Source) -> Comparison:
         different += compare_attached(mine, theirs, found)
         pairs, _ = _mesh_pairs(mine, found, meshes, others)
         different += compare_surfaces(pairs, lambda mesh: mesh_title(mine, mesh))
+        different += newly_shown(theirs, now, found)
     found = found.with_more(lost=lost, changed=changed)
     return compared(mine, theirs, found, probes, sizes, different, added=True)
 

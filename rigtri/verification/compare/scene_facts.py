@@ -94,6 +94,16 @@ def compare_scene_facts(
     return seen, [text for name, text in found if name in UNSEEN]
 
 
+def newly_shown(after: Rig, theirs: SceneFacts, m: Correspondence) -> list[str]:
+    """Meshes and lights of nodes that only the second glTF has, but for what rigtri has added."""
+    known = {*m.node.tolist(), *m.shown.tolist(), *after.own}
+    return [
+        f"{after.title(node)}, which was not there, shows a {'light' if 'light type' in facts else 'mesh'}"
+        for node, facts in theirs.nodes.items()
+        if node not in known and ("light type" in facts or "number of primitives" in facts)
+    ]
+
+
 def _without_rules(rig: Rig, scene_facts: SceneFacts) -> SceneFacts:
     """Without node constraints that stand for constraints of rigtri's: those change on purpose."""
     ours = constraints_from_metadata(rig)
