@@ -78,7 +78,7 @@ def command(before: str, after: str, **values: Any) -> None:
 def _diff(before: str, after: str, values: dict[str, Any]) -> bool:
     """Print what differs; whether nothing does."""
     from rigtri.files.input_stream import opened
-    from rigtri.verification.diff.diff import diff
+    from rigtri.pipeline.files import diff
 
     check_streams(before, after)
     brief, quiet = values["brief"], values["quiet"]

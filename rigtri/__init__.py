@@ -52,7 +52,7 @@ _WHERE = {
     "describe": "rigtri.export.text_description",
     "matrix_table": "rigtri.export.matrix_table",
     "verify": "rigtri.pipeline.files",
-    "diff": "rigtri.verification.diff.diff",
+    "diff": "rigtri.pipeline.files",
     "check": "rigtri.verification.checks",
     "recognise": "rigtri.recognition.recognise",
     "draw": "rigtri.export.drawing.picture",
@@ -171,6 +171,7 @@ if TYPE_CHECKING:
     from rigtri.operations.take_clips.take_clips import take_clips as take_clips
     from rigtri.pipeline.convert import convert as convert
     from rigtri.pipeline.edit import edit as edit
+    from rigtri.pipeline.files import diff as diff
     from rigtri.pipeline.files import read as read
     from rigtri.pipeline.files import verify as verify
     from rigtri.pipeline.files import write as write
@@ -182,7 +183,6 @@ if TYPE_CHECKING:
     from rigtri.recognition.recognise import recognise as recognise
     from rigtri.report import Report as Report
     from rigtri.verification.checks import check as check
-    from rigtri.verification.diff.diff import diff as diff
 
 
 def __dir__() -> list[str]:

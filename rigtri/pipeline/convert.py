@@ -161,7 +161,7 @@ def verify_converted(before: Source, after: Source) -> Comparison | None:
         known = pair.node >= 0
         others = np.delete(known, list(pair.before.own))
         if any(2 * np.count_nonzero(each) > len(each) for each in (known, others)):
-            return compare_converted(pair)
+            return compare_converted(pair, at_all_keys=True)
     return None
 
 

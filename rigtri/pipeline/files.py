@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rigtri.errors import UsageError
 from rigtri.files import temp_dirs
@@ -21,8 +21,12 @@ from rigtri.operations.operation import with_keywords
 from rigtri.pipeline.edit import EditRequest, Outcome, edit_file
 from rigtri.pipeline.verify_variants import with_variants
 from rigtri.report import Report
+from rigtri.verification import Terms
 from rigtri.verification.compare import compare
 from rigtri.verification.compare.compare import Comparison, Source
+
+if TYPE_CHECKING:
+    from rigtri.verification.diff.diff import Difference
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,13 +148,45 @@ def verify(
     Of a glTF and a USD that `rigtri.convert` has made of one another, nodes are known by what it calls them.
     """
     with _source(before, options) as one, _source(after, options) as other:
-        if type(one) is not type(other):
-            from rigtri.pipeline.convert import verify_converted
+        found = _of_two_formats(one, other)
+        return with_variants(compare.verify(one, other), one, other) if found is None else found
 
-            found = verify_converted(one, other)
-            if found is not None:
-                return found
-        return with_variants(compare.verify(one, other), one, other)
+
+def _of_two_formats(one: Source, other: Source) -> Comparison | None:
+    """How far a glTF and a USD that were made of one another look apart; None for any others."""
+    if type(one) is type(other):
+        return None
+    from rigtri.pipeline.convert import verify_converted
+
+    return verify_converted(one, other)
+
+
+def diff(
+    before: Path | str,
+    after: Path | str,
+    *,
+    only: Terms | None = None,
+    tolerance: float = 0.0,
+    verify: bool = True,
+    options: ReadOptions | None = None,
+) -> Difference:
+    """Say what of the second file is not what it was in the first; see `rigtri.verification.diff.diff.diff`.
+
+    How far a glTF and a USD that were made of one another look apart is what `verify` says.
+    before, after: paths of files. only: in ``rig`` or ``file`` terms alone. tolerance: numbers that
+    differ by no more are the same. verify: measure how far they look apart, too. options: how files are read.
+    """
+    from rigtri.verification.diff import diff as terms
+
+    return terms.diff(
+        before,
+        after,
+        only=only,
+        tolerance=tolerance,
+        verify=verify,
+        options=options,
+        measure=lambda one, other: _of_two_formats(one, other) or compare.verify(one, other),
+    )
 
 
 @contextmanager

@@ -27,6 +27,7 @@ from rigs import chain, rig_of
 from second_opinions import validator
 from usd_of_everything import planted
 
+import rigtri
 from rigtri import diff
 from rigtri.errors import FileError, RigtriError
 from rigtri.formats import read
@@ -466,6 +467,16 @@ def test_files_of_two_formats_are_compared_in_rig_terms(samples: Path) -> None:
     assert found.looks is not None
     with pytest.raises(FileError, match="two formats"):
         diff(samples / "biped.glb", samples / "biped.usda", only="file")
+
+
+def test_a_glb_and_the_stage_made_of_it_look_as_verify_says(samples: Path, tmp_path: Path) -> None:
+    out = tmp_path / "hero.usda"
+    rigtri.convert(samples / "hand.glb", out)
+    for one, other in ((samples / "hand.glb", out), (out, samples / "hand.glb")):
+        looks = rigtri.diff(one, other).looks
+        assert looks is not None
+        assert looks.deviation < 1e-6
+        assert not looks.lost
 
 
 def test_without_a_rig_the_files_are_still_compared(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from pxr import UsdGeom, UsdSkel
 
 from rigtri.export.conversion.gltf_scene import read_scene
 from rigtri.export.conversion.scene import Scene
-from rigtri.export.conversion.usd_names import distinct
+from rigtri.export.conversion.usd_names import clip_titles
 from rigtri.export.conversion.usd_stage import UsdLook, WrittenStage, conversion_matrix, write_stage
 from rigtri.formats.document import Companion, ReadOptions
 from rigtri.formats.gltf.document import GltfDocument
@@ -66,7 +66,7 @@ class ToUsd:
         look = UsdLook(stage.GetTimeCodesPerSecond(), up, UsdGeom.GetStageMetersPerUnit(stage))
         there = {p.GetDisplayName() or p.GetName() for p in stage.Traverse() if p.IsA(UsdSkel.Animation)}
         rig = before.rig
-        titles = zip(distinct([clip.name for clip in rig.clips]), rig.clips, strict=True)
+        titles = zip(clip_titles([clip.name for clip in rig.clips]), rig.clips, strict=True)
         clips = tuple(clip for title, clip in titles if title in there) or rig.clips[:1]
         gone = [f"clip {clip.name}" for clip in rig.clips if there and clip not in clips]
         found = cls(before, look)

@@ -45,6 +45,15 @@ def distinct(names: Sequence[str]) -> list[str]:
     return found
 
 
+def clip_titles(names: Sequence[str]) -> list[str]:
+    """What clips are called in USD, by their names, of which some are empty or equal.
+
+    >>> clip_titles(["walk", "", "walk"])
+    ['walk', 'clip_1', 'walk_1']
+    """
+    return distinct([name or f"clip_{number}" for number, name in enumerate(names)])
+
+
 def node_identifiers(names: Sequence[str], labels: Sequence[str]) -> list[str]:
     """The identifiers of the nodes of a rig, in order; those without a name go by their labels."""
     given = Names()

@@ -25,7 +25,7 @@ from rigtri.export.conversion.usd_joint_scales import (
     without_steady_scales,
 )
 from rigtri.export.conversion.usd_materials import MaterialWriter
-from rigtri.export.conversion.usd_names import Names, distinct, name_prim, node_identifiers
+from rigtri.export.conversion.usd_names import Names, clip_titles, distinct, name_prim, node_identifiers
 from rigtri.export.conversion.usd_primitives import PrimitiveWriter, hide
 from rigtri.export.conversion.usd_samples import frame_times, rate_of
 from rigtri.export.conversion.usd_skeletons import Skeleton, joints_of, plan_skeletons
@@ -242,7 +242,7 @@ class _Writer:
     def _clips(self) -> None:
         rig, names = self.rig, Names()
         holder = f"{self.root}/Animations"
-        titles = distinct([clip.name or f"clip_{number}" for number, clip in enumerate(rig.clips)])
+        titles = clip_titles([clip.name for clip in rig.clips])
         for title, clip in counted([*zip(titles, rig.clips, strict=True)], "clips"):
             if clip.name and title != clip.name:
                 self.scene.lose(f"that several clips are called '{clip.name}': one is '{title}'")

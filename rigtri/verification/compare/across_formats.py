@@ -76,15 +76,17 @@ class _LookingFrames(FramePoints):
         return super().distances(replace(poses, before=world))
 
 
-def compare_converted(pair: Converted) -> Comparison:
+def compare_converted(pair: Converted, *, at_all_keys: bool = False) -> Comparison:
     """Every point of every mesh, frames of cameras and lights, and origins of nodes, at rest and in every
     clip.
 
-    Looked at at the keys of the first, and between and beyond them: the second has others. What a clip is
-    meant to be, and how a mesh is meant to be skinned, where it is not what it was, is `Comparison.motion`.
+    Looked at at the keys of the first, and between and beyond them: the second, which was just made of it,
+    has many more where motion is a spline. at_all_keys: at those of the second, too, which may have been
+    edited since. What a clip is meant to be, and how a mesh is meant to be skinned, where it is not what it
+    was, is `Comparison.motion`.
     """
     sizes = sizes_of(pair.before, [mesh for mesh, _ in pair.meshes])
-    found = _measured(pair, sizes, pair.clips)
+    found = _measured(pair, sizes, pair.clips, at_all_keys)
     motion = None
     sources = [*pair.sources, *[None] * (len(pair.clips) - len(pair.sources))]
     others = [
@@ -93,7 +95,7 @@ def compare_converted(pair: Converted) -> Comparison:
         if pair.source_meshes or source is not None
     ]
     if others or pair.source_meshes:
-        moved = _measured(replace(pair, meshes=pair.source_meshes or pair.meshes), sizes, others)
+        moved = _measured(replace(pair, meshes=pair.source_meshes or pair.meshes), sizes, others, at_all_keys)
         motion = Motion(moved.largest, moved.worst, moved.clips)
     return Comparison(
         deviation=found.largest,
@@ -113,7 +115,9 @@ def compare_converted(pair: Converted) -> Comparison:
     )
 
 
-def _measured(pair: Converted, sizes: Floats, clips: Sequence[tuple[Clip, Clip]]) -> Deviation:
+def _measured(
+    pair: Converted, sizes: Floats, clips: Sequence[tuple[Clip, Clip]], at_all_keys: bool
+) -> Deviation:
     before, after = pair.before, pair.after
     mine = [mesh for mesh, _ in pair.meshes]
     points = [mesh_points(before, after, *meshes) for meshes in pair.meshes]
@@ -140,7 +144,11 @@ def _measured(pair: Converted, sizes: Floats, clips: Sequence[tuple[Clip, Clip]]
         found.probes = kinds[0] if first else kinds[1]
         found.sizes = [sizes[probe.placed] for probe in found.probes]
         if found.probes:
-            _add_clip(found, pair, clip, at_keys_of(other, clip), block)
+            other = at_keys_of(other, clip)
+            keys = key_times(clip)
+            if at_all_keys:
+                keys = np.union1d(keys, key_times(other))
+            _add_clip(found, pair, (clip, other), keys, block)
     return found
 
 
@@ -156,9 +164,9 @@ def _worlds(rig: Rig, local: Floats) -> Floats:
     return worlds(rig, local)[np.newaxis]
 
 
-def _add_clip(found: Deviation, pair: Converted, clip: Clip, other: Clip, block: int) -> None:
+def _add_clip(found: Deviation, pair: Converted, clips: tuple[Clip, Clip], keys: Floats, block: int) -> None:
+    clip, other = clips
     motions = ClipMotion(pair.before, clip), ClipMotion(pair.after, other)
-    keys = key_times(clip)
     times = between_keys(keys)
     times = times[~in_a_step(times, keys)]
     for start in counted(range(0, len(times), block), "moments"):

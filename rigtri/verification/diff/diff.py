@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import filecmp
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -89,12 +89,14 @@ def diff(
     tolerance: float = 0.0,
     verify: bool = True,
     options: ReadOptions | None = None,
+    measure: Callable[[Document, Document], Comparison] = compare,
 ) -> Difference:
     """Say what of the second file is not what it was in the first.
 
     before, after: paths of files. options: how they are read.
     only: in ``rig`` or ``file`` terms alone. tolerance: numbers that differ by no more are
-    the same; 0 compares every bit and every spelling. verify: measure how far they look apart, too.
+    the same; 0 compares every bit and every spelling. verify: measure how far they look apart, too;
+    measure: by what.
     Files of two formats are compared in rig terms. Where the rig of one cannot be read, the rest
     is compared and ``notices`` has the reason. Raises FileError where nothing can be compared.
     """
@@ -115,7 +117,9 @@ def diff(
     if only != "file":
         documents = _documents(before, after, options, notices, required=file is None)
         if documents is not None:
-            rig, looks = _rig_terms(documents, tolerance, verify, only == "rig" or bool(file))
+            rig, looks = _rig_terms(
+                documents, tolerance, measure if verify else None, only == "rig" or bool(file)
+            )
     return Difference(rig, None if file is None else tuple(file), looks, tuple(notices))
 
 
@@ -159,10 +163,13 @@ def _documents(
 
 
 def _rig_terms(
-    documents: tuple[Document, Document], tolerance: float, verify: bool, differs: bool
+    documents: tuple[Document, Document],
+    tolerance: float,
+    measure: Callable[[Document, Document], Comparison] | None,
+    differs: bool,
 ) -> tuple[tuple[Change, ...], Comparison | None]:
     one, other = documents
     meshes = one.meshes(), other.meshes()
     scene_facts = one.scene_facts(closely=True), other.scene_facts(closely=True)
     rig = tuple(rig_changes(one.rig, other.rig, meshes=meshes, scene_facts=scene_facts, tolerance=tolerance))
-    return rig, compare(one, other) if verify and (rig or differs) else None
+    return rig, measure(one, other) if measure is not None and (rig or differs) else None

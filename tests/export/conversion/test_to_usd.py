@@ -734,3 +734,36 @@ def test_blend_shapes_of_another_skeleton_have_the_same_names(tmp_path: Path) ->
     stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
     shown = [UsdSkel.BindingAPI(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
     assert [list(one.GetBlendShapesAttr().Get()) for one in shown] == [["bulge", "other"]] * 2
+
+
+def test_verify_sees_keys_that_only_the_stage_has(tmp_path: Path) -> None:
+    source, out = SAMPLES / "biped.glb", tmp_path / "out.usda"
+    rigtri.convert(source, out)
+    assert rigtri.verify(source, out).passes(TOLERANCE)
+    stage = Usd.Stage.Open(str(out))
+    (animation, *_) = (UsdSkel.Animation(p) for p in stage.Traverse() if p.IsA(UsdSkel.Animation))
+    rotations = animation.GetRotationsAttr()
+    start, end = rotations.GetTimeSamples()[:2]
+    # Between two keys, where no time of the glTF file is looked at, one joint turns and turns back.
+    turned, *before_and_after = (
+        (start + share * (end - start), rotations.Get(start + share * (end - start)))
+        for share in (0.4, 0.38, 0.42)
+    )
+    turned[1][1] *= Gf.Quatf(Gf.Rotation(Gf.Vec3d(1, 0, 0), 40).GetQuat())
+    for time, values in (turned, *before_and_after):
+        rotations.Set(values, time)
+    stage.GetRootLayer().Save()
+    for one, other in ((source, out), (out, source)):
+        assert not rigtri.verify(one, other).passes(TOLERANCE)
+
+
+def test_verify_knows_clips_without_names(tmp_path: Path) -> None:
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    for clip in gltf["animations"]:
+        clip["name"] = ""
+    (tmp_path / "in.glb").write_bytes(glb_bytes(gltf, binary))
+    rigtri.convert(tmp_path / "in.glb", tmp_path / "out.usda")
+    found = rigtri.verify(tmp_path / "in.glb", tmp_path / "out.usda")
+    assert found.passes(TOLERANCE)
+    assert found.poses > 1
+    assert not found.lost
