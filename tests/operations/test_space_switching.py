@@ -188,6 +188,29 @@ def test_a_second_run_changes_nothing_and_keeps_the_keys_of_other_clips() -> Non
 
 
 @pytest.mark.parametrize("suffix", ["glb", slow("usda")])
+def test_a_second_run_may_name_another_space(suffix: str, tmp_path: Path) -> None:
+    """The node of a driver that is gone becomes that of the new one. Before, no file could be written."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / f"biped.{suffix}"), limbs="auto", root_control=True)
+    clip = rig.clips[0]
+    moment = f"{clip.name}@{clip.tracks[0].times[-1] / 2:g}"
+    once, twice = tmp_path / f"once.{suffix}", tmp_path / f"twice.{suffix}"
+    child: dict[str, Any] = {"child": "hand_L_ik_ctl"}
+    rig = rigtri.constrain(rig, **child, space=("root", "head"), switch=(f"{moment}=head",))
+    rigtri.write(rig, once)
+    rig = rigtri.constrain(rigtri.read(once), **child, space=("root", "spine"))
+    rigtri.write(rig, twice)
+    found = rigtri.read(twice)
+    (rule,) = constraints_of(found).values()
+    assert [found.names[node] for node in rule.drivers] == ["hips_root_ctl", "spine"]
+    weight = found.find("hand_L_ik_ctl_offset_weight_spine")
+    assert weight in rule.weight_nodes
+    assert len(found.nodes_of("constraintWeight")) == 2
+    held = [track.values for each in found.clips for track in each.tracks if track.node == weight]
+    assert not any(values.any() for values in held)
+    rigtri.bake(found, to="joints")
+
+
+@pytest.mark.parametrize("suffix", ["glb", slow("usda")])
 def test_a_control_is_switched_by_its_offset_and_keeps_its_keys(suffix: str, tmp_path: Path) -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / f"biped.{suffix}"), limbs="auto", root_control=True)
     rig = rigtri.bake(rig, to="controls", clip=("walk",))

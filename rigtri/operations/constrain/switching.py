@@ -27,7 +27,7 @@ from rigtri.model.metadata import ConstraintRecord, ConstraintWeightRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import offsets_in
 from rigtri.operations.constrain.weight_keys import WeightKeys, stored_keys
-from rigtri.operations.rigtri_nodes import add, with_record
+from rigtri.operations.rigtri_nodes import add, renamed, with_record
 from rigtri.report import Report
 from rigtri.text import list_names
 
@@ -146,24 +146,32 @@ def stored_switching(
     rig: Rig, node: int, rule: Constraint, found: Switching | None
 ) -> tuple[Rig, Constraint, list[int]]:
     """The rig with the weight nodes below the constraint's own, and their keys; the rule that names them; and
-    the weight nodes that it had before and needs no more: all where weights can have no keys."""
+    the weight nodes that it had before and needs no more: all where weights can have no keys.
+
+    Nodes of drivers that are gone become those of new ones, which hold their weight: so none is taken out
+    of a file as others come.
+    """
     known, nodes = _known(rig, node), list[int]()
     if found is None:
         return rig, rule, [each for own in known.values() for each in own]
-    for driver, clip, weight in zip(rule.drivers, found.clips, rule.weights.tolist(), strict=True):
-        record = ConstraintWeightRecord(driver=rig.address(driver), clip=clip)
-        own = known.get((record.driver, clip), [])
-        if own:
-            at = own.pop(0)
-        else:
-            name = rig.names[rule.child] or f"node_{rule.child}"
-            about = "world" if rig.type_of(driver) == "group" else rig.names[driver]
-            rig, at = add(rig, f"{name}_weight_{about}", node, record)
-        rig = _standing(with_record(rig, at, record), at, weight)
+    records = [
+        ConstraintWeightRecord(driver=rig.address(driver), clip=clip)
+        for driver, clip in zip(rule.drivers, found.clips, strict=True)
+    ]
+    kept = [own.pop(0) if (own := known.get((each.driver, each.clip))) else None for each in records]
+    left = [each for own in known.values() for each in own]
+    for k, (record, at) in enumerate(zip(records, kept, strict=True)):
+        driver, child = rule.drivers[k], rig.names[rule.child] or f"node_{rule.child}"
+        about = "world" if rig.type_of(driver) == "group" else rig.names[driver]
+        if at is None and left:
+            at = left.pop(0)
+            rig = renamed(_held(rig, at, float(rule.weights[k])), at, f"{child}_weight_{about}")
+        elif at is None:
+            rig, at = add(rig, f"{child}_weight_{about}", node, record)
+        rig = _standing(with_record(rig, at, record), at, float(rule.weights[k]))
         nodes.append(at)
     for keys in found.keys:
         rig = put_tracks(rig, keys.timeline, _tracks(keys, nodes, rule.weights))
-    left = [each for own in known.values() for each in own]
     return rig, replace(rule, weight_nodes=tuple(nodes)), left
 
 
@@ -201,6 +209,20 @@ def _known(rig: Rig, node: int) -> dict[tuple[str, str], list[int]]:
         if int(rig.parents[each]) == node:
             known.setdefault((record.driver, record.clip), []).append(each)
     return known
+
+
+def _held(rig: Rig, node: int, weight: float) -> Rig:
+    """The rig whose clips hold a weight where they had keys of another driver's."""
+    clips = []
+    for clip in rig.clips:
+        tracks = tuple(
+            replace(each, values=np.tile((weight, 0.0, 0.0), (len(each.times), 1)), interpolation="STEP")
+            if each.node == node
+            else each
+            for each in clip.tracks
+        )
+        clips.append(replace(clip, tracks=tracks) if node in clip.nodes else clip)
+    return replace(rig, clips=tuple(clips))
 
 
 def _standing(rig: Rig, node: int, weight: float) -> Rig:
