@@ -235,3 +235,12 @@ def test_a_root_joint_that_is_the_bone_of_a_limb_does_not_keep_its_axes_without_
         again = Report()
         orient_joints(turned, report=again, **named)
         assert "kept-root" not in {note.code for note in again.warnings}
+
+
+def test_the_wrist_of_a_hand_alone_does_not_keep_its_axes_without_a_word() -> None:
+    """Before, ``check`` found it rolled against its fingers after orient-joints, too."""
+    joints = [joint for joint in with_fingers() if joint[0] == "hand.L" or _is_finger(joint[0])]
+    hand = [(n, above if n != "hand.L" else "", at) for n, above, at in joints if n.endswith(".L")]
+    notes = Report()
+    orient_joints(rig_with(hand), aim="-z", report=notes)
+    assert [note.names for note in notes.warnings if note.code == "kept-root"] == [("hand.L",)]

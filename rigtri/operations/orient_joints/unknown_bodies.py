@@ -10,6 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from rigtri.maths.triangle import axis_of
+from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.joint_selection import LONE, ROOT
@@ -26,8 +28,9 @@ FEW = 5
 SIDE_BY_SIDE = 8
 # What bends about the lateral axis of a body.
 _TRUNK = ("spine", "neck", "head")
-# What is of a limb, and an angle within which an axis of such a joint aims along its bone.
-_OF_LIMBS, _AIMED = ("arm", "leg", "hand", "finger", "foot"), np.radians(1.0)
+# What is of a limb, and angles within which an axis of such a joint aims along its bone, and of a hand to its
+# fingers.
+_OF_LIMBS, _AIMED, _POINTS = ("arm", "leg", "hand", "finger", "foot"), np.radians(1.0), np.radians(30.0)
 
 
 @dataclass(frozen=True)
@@ -209,16 +212,25 @@ def _warn_kept_roots(targets: Targets, character: Character, report: Report) -> 
     """
     rig, at = targets.tree.rig, targets.ref.world[:, 3, :3]
     shoulders = {side: character.bones.get(f"{side}Shoulder", -1) for side in ("left", "right")}
-    lost = list[int]()
+    fingers: dict[str, list[int]] = {}
     for chain in character.sure_chains:
+        if chain.kind == "finger" and "thumb" not in chain.name:
+            fingers.setdefault(chain.side, []).append(chain.joints[0])
+    bones: dict[int, tuple[Floats, float]] = {}
+    for chain in (chain for chain in character.sure_chains if chain.kind in _OF_LIMBS):
         joints = (
             (shoulders[chain.side], *chain.joints) if chain.kind == "arm" and chain.side else chain.joints
         )
-        for joint, after in pairwise(joints) if chain.kind in _OF_LIMBS else ():
-            if targets.skipped.get(joint) == ROOT and joint not in lost:
-                bone, axis = at[after] - at[joint], targets.styles[joint].aim
-                own = targets.ref.world[joint, "xyz".index(axis[-1]), :3] * (-1.0 if axis[0] == "-" else 1.0)
-                lost += [] if angle(own, bone) < _AIMED else [joint]
+        bones |= {a: (at[b] - at[a], _AIMED) for a, b in pairwise(joints)}
+        if chain.kind == "hand" and chain.side in fingers:
+            hand = chain.joints[0]
+            first, last = fingers[chain.side][0], fingers[chain.side][-1]
+            bones[hand] = at[first] + at[last] - 2.0 * at[hand], _POINTS
+    lost = list[int]()
+    for joint, (bone, least) in bones.items():
+        if targets.skipped.get(joint) == ROOT:
+            column, sign = axis_of(targets.styles[joint].aim)
+            lost += [joint] if angle(sign * targets.ref.world[joint, column, :3], bone) > least else []
     if lost:
         names = [rig.title(joint) for joint in lost]
         are, it = ("are bones", "them") if len(lost) > 1 else ("is a bone", "it")
