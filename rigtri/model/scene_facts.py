@@ -8,6 +8,9 @@ from typing import Any
 
 from rigtri.model.dataclass import dataclass
 
+# In the names of facts that a clip states; a clip that only the second file has changes nothing visible.
+IN_CLIP = " in clip "
+
 
 @dataclass(frozen=True, eq=False)
 class Reference:

@@ -16,6 +16,7 @@ from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animation_reader import pointer_of, target_of
 from rigtri.formats.gltf.structure import INSTANCING
 from rigtri.formats.json_values import object_at, object_in
+from rigtri.model.scene_facts import IN_CLIP
 
 DRACO = "KHR_draco_mesh_compression"
 _OF_NODE = re.compile(r"/nodes/([0-9]{1,9})/")
@@ -35,7 +36,7 @@ class StoredData:
         mesh = object_at(self._gltf.get("meshes"), raw.get("mesh")) or {}
         primitives = mesh.get("primitives")
         for number, primitive in enumerate(primitives if isinstance(primitives, list) else ()):
-            packed = object_in(object_in(primitive, "extensions"), DRACO)
+            packed = object_in(object_in(object_in({"": primitive}, ""), "extensions"), DRACO)
             if packed:
                 facts[f"compressed data of primitive {number}"] = self._bytes(packed.get("bufferView"))
         return facts
@@ -53,7 +54,7 @@ class StoredData:
                 keys = self._numbers(sampler.get("input")), self._numbers(sampler.get("output"))
                 found = _OF_NODE.match(pointer)
                 what = pointer[found.end() :] if found else pointer
-                clip = f"{what} in clip '{animation.get('name', f'#{number}')}'"
+                clip = f"{what}{IN_CLIP}'{animation.get('name', f'#{number}')}'"
                 yield int(found[1]) if found else None, clip, (kind, *keys)
 
     def with_driven(

@@ -17,6 +17,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
+from rigtri.model.scene_facts import IN_CLIP
 from rigtri.model.scene_facts import Reference as Reference
 from rigtri.model.scene_facts import SceneFacts as SceneFacts
 from rigtri.model.scene_facts import flat as flat
@@ -46,7 +47,7 @@ class _Sides:
         """Name and words of each fact that is not the same."""
         for name in dict.fromkeys((*mine, *theirs)):
             was, now = mine.get(name), theirs.get(name)
-            if not self.equal(was, now):
+            if not self.equal(was, now) and not (was is None and IN_CLIP in name):
                 texts = (
                     _short_text(value, rig) for value, rig in zip((now, was), self.rigs[::-1], strict=True)
                 )
