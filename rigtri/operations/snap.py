@@ -225,7 +225,9 @@ class _Limb:
         match_limb(found, ik, before, self._rules, lambda node, parts: _single(parts))
         channels = dict(found.controls)
         if self.timeline is not None:  # at rest the controls' channels start from their offsets
-            for fk in ik.below({fk.own.offset for fk in ik.fk.values()}.difference(ik.carries)):
+            # Those that constraints move, or that hold such, stay where they are, as IK leaves them.
+            still = Solver(self.rig, (), self.reference).still
+            for fk in ik.below({fk.own.offset for fk in ik.fk.values()}.difference(ik.carries, still)):
                 stand = _single(fk.beneath(found.posed))
                 if all(np.isfinite(each).all() for each in stand):
                     found.posed.set(fk.own.offset, stand)

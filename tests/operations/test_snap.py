@@ -278,6 +278,15 @@ def test_an_ik_end_that_follows_a_constraint_is_reported() -> None:
         snap(rig, options=SnapOptions("fk", ("walk@0.3",), (ARM,)))
 
 
+def test_a_limb_whose_fk_controls_follow_and_are_followed_goes_to_ik_and_is_reported() -> None:
+    rig, report = posed_by_fk(), Report()
+    for child, driver in (("upper_arm_L_ctl", "head_ctl"), ("upper_arm_R_ctl", "hand_L_ctl")):
+        rig = constrain(rig, options=ConstrainOptions(type="orient", child=child, driver=((driver, 1.0),)))
+    done = snap(rig, options=SnapOptions("ik", ("new@0.5",), (ARM,)), report=report)
+    assert control(rig, "hand_L", "ik") in keyed(done, "new")
+    assert apart(rig, done, "new@0.5") < BOUND or any(each.code == "snap-off" for each in report.warnings)
+
+
 def test_at_rest_channels_are_set_at_rest() -> None:
     rig = replace(rigged(), clips=())
     hand = control(rig, "hand_L", "ik")
