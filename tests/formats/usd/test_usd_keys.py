@@ -438,6 +438,24 @@ def test_new_ops_have_no_default_where_those_of_before_had_none(same: bool, tmp_
     assert_allclose(*(rig.local[rig.find("/Root/Sword", "node")] for rig in rests), atol=1e-12)
 
 
+def test_a_prim_of_matrix_samples_alone_rests_where_it_did_when_other_keys_begin_elsewhere(
+    tmp_path: Path,
+) -> None:
+    """Its place alone could do without a default, but then its new turn would count at its first sample."""
+    ops = """    matrix4d xformOp:transform.timeSamples = {
+        1: ( (0, 1, 0, 0), (-1, 0, 0, 0), (0, 0, 1, 0), (1, 0, 0, 1) ),
+        4: ( (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (1, 0, 0, 1) ),
+    }
+    uniform token[] xformOpOrder = ["xformOp:transform"]"""
+    path, out = sword(tmp_path, ops), tmp_path / "out.usda"
+    document = read(path)
+    node = document.rig.find("/Root/Sword", "node")
+    times, turns = np.array([1.0, 4.0]), np.array([[0.6, 0, 0, 0.8], [0.0, 0, 0.5**0.5, 0.5**0.5]])
+    write(document, played(document.rig, Track(node, "rotation", "LINEAR", times, turns)), out)
+    rests = [read(each).rig for each in (path, out)]
+    assert_allclose(*(rig.local[rig.find("/Root/Sword", "node")] for rig in rests), atol=1e-12)
+
+
 # --- blend shapes
 
 SHAPES = (

@@ -93,7 +93,10 @@ def _sampled(xformable: Any, local: Floats, tracks: Mapping[Path, Track]) -> lis
         stated = xformable.GetPrim().GetAttribute(OPS[path])  # an op that is out of use
         if _is_same(path, track.values[0], rests) and (not stated or stated.Get() is None):
             found.append(path)
-    return found
+    # With one op without a default a prim rests at the first samples of all ops.
+    rest = dict(zip(OPS, decompose(local), strict=True))
+    starts = all(_is_same(t.path, t.values[0], rest[t.path]) for t in tracks.values() if t.path in OPS)
+    return found if starts else []
 
 
 def _is_same(path: Path, one: Floats, other: Floats) -> bool:
