@@ -407,3 +407,22 @@ def test_a_surface_that_nobody_can_tell_differs_from_none() -> None:
     mesh = read(SAMPLES / "biped.glb").meshes()[0]
     unknown = replace(mesh, surface=None)
     assert compare_surfaces([(unknown, mesh), (mesh, unknown)], str) == []
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ('def Sphere "More" {}', "More, which was not there, shows a mesh"),
+        ('def DomeLight "More" {}', "More, which was not there, shows a light"),
+        ('def Sphere "More" {\ntoken visibility = "invisible"\n}', ""),
+        ('def Xform "More" {}', ""),
+    ],
+    ids=["drawn", "light", "invisible", "nothing"],
+)
+def test_a_prim_that_shows_more_is_different(more: str, words: str, tmp_path: Path) -> None:
+    text = stage_text()
+    before = read(usd_files.save(tmp_path, text, "before.usda"))
+    after = read(
+        usd_files.save(tmp_path, text.replace('def Camera "Eye"', f'{more}\ndef Camera "Eye"'), "after.usda")
+    )
+    assert verify(before, after).different == ((words,) if words else ())

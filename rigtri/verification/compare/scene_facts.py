@@ -25,6 +25,8 @@ from rigtri.verification.compare.correspondence import Correspondence
 
 # Facts that nobody sees: they are reported, and pass.
 UNSEEN = ("morph target names", "start time code", "end time code", "frames per second")
+# Facts that a node has which draws or lights anything.
+_SHOWS = frozenset({"light type", "number of primitives", "gprim type"})
 # Numbers that another program stored again as float32 differ by less, of their size.
 SAME_NUMBER = 1e-6
 # Normals that another program stored as 8-bit integers differ by less, and colours;
@@ -96,12 +98,12 @@ def compare_scene_facts(
 
 
 def newly_shown(after: Rig, theirs: SceneFacts, m: Correspondence) -> list[str]:
-    """Meshes and lights of nodes that only the second glTF has, but for what rigtri has added."""
+    """Meshes and lights of nodes that only the second file has, but for what rigtri has added."""
     known = {*m.node.tolist(), *m.shown.tolist(), *after.own}
     return [
         f"{after.title(node)}, which was not there, shows a {'light' if 'light type' in facts else 'mesh'}"
         for node, facts in theirs.nodes.items()
-        if node not in known and ("light type" in facts or "number of primitives" in facts)
+        if node not in known and _SHOWS.intersection(facts) and facts.get("visibility") != "invisible"
     ]
 
 

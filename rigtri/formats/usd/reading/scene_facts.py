@@ -126,7 +126,9 @@ def _plain(value: Any) -> Any:
 
 
 def _values(prim: Any) -> Iterator[tuple[str, Any]]:
-    """What a camera, a light or a mesh is set to."""
+    """What a camera, a light or a mesh is set to, and what type anything is that is drawn."""
+    if prim.IsA(UsdGeom.Gprim):
+        yield "gprim type", str(prim.GetTypeName())
     if prim.IsA(UsdGeom.Mesh):
         for name in DRAWN:
             yield name, _over_time(prim.GetAttribute(name))
@@ -134,6 +136,8 @@ def _values(prim: Any) -> Iterator[tuple[str, Any]]:
         for name in UsdGeom.Camera.GetSchemaAttributeNames(False):
             yield f"camera {name}", _over_time(prim.GetAttribute(name))
     else:
+        if "LightAPI" in prim.GetPrimDefinition().GetAppliedAPISchemas():
+            yield "light type", str(prim.GetTypeName())
         for attribute in prim.GetAttributes():
             if attribute.GetName().startswith("inputs:") and attribute.HasAuthoredValue():
                 yield f"light {attribute.GetName()[len('inputs:') :]}", _over_time(attribute)
