@@ -407,8 +407,10 @@ def test_a_mirrored_constraint_warns_of_keys_of_the_control_that_follows(samples
     rig = constrain(rig, options=rule)
     still, keyed, limb = Report(), Report(), Report()
     arm = {rig.find("upper_arm_R"), *rig.below(rig.find("upper_arm_R"))}
-    without = [replace(c, tracks=tuple(t for t in c.tracks if t.node not in arm)) for c in rig.clips]
-    mirror(replace(rig, clips=tuple(without)), options=MirrorOptions(from_side="left"), report=still)
+    # Or the head takes the hand along, or the clavicle the arm without its hand.
+    led = {*arm, *rig.path_to_root(rig.find("head")), *rig.path_to_root(rig.find("upper_arm_R"))}
+    at_rest = [replace(c, tracks=tuple(t for t in c.tracks if t.node not in led)) for c in rig.clips]
+    mirror(replace(rig, clips=tuple(at_rest)), options=MirrorOptions(from_side="left"), report=still)
     assert "mirror-moves" not in {notice.code for notice in still.warnings}
     # From now on IK moves the limb in all clips; before, it moved otherwise than by its keys without a word.
     mirror(rig, options=MirrorOptions(from_side="left"), report=limb)
@@ -416,7 +418,7 @@ def test_a_mirrored_constraint_warns_of_keys_of_the_control_that_follows(samples
     assert "upper_arm_R" in text
     assert "in walk, wave and follow" in text
     keys = Track(rig.find("hand_R_ik_ctl"), "translation", "STEP", np.zeros(1), np.full((1, 3), 0.1))
-    only = replace(rig, clips=(Clip("reach", (keys,)), *without))
+    only = replace(rig, clips=(Clip("reach", (keys,)), *at_rest))
     mirror(only, options=MirrorOptions(from_side="left"), report=keyed)
     (text,) = [notice.text for notice in keyed.warnings if notice.code == "mirror-moves"]
     assert text.startswith("hand_R_ik_ctl has keys in reach")
@@ -452,6 +454,34 @@ def test_mirrored_spaces_warn_of_keys_that_count_from_elsewhere(
     mirror(rig, options=MirrorOptions(from_side="left"), report=report)
     said = [each.text.split(":")[0] for each in report.warnings if each.code == "mirror-moves"]
     assert said == told
+
+
+@pytest.mark.parametrize(
+    ("keyed", "clip"),
+    [
+        ("chest_ctl", "reach"),
+        ("chest", "reach"),
+        ("spine_ctl", "reach"),  # above the driver
+        ("hips_root_ctl", ""),  # what carries both
+        ("thigh_R", ""),
+        ("forearm_L_ctl", ""),
+    ],
+)
+def test_a_mirrored_constraint_warns_of_drivers_that_move_what_has_no_keys(
+    keyed: str, clip: str, samples: Path
+) -> None:
+    """Before, IK moved a limb with a driver that has keys, and nothing said so."""
+    rig = _controlled(samples)
+    rig = constrain(rig, options=ConstrainOptions(child="hand_L_ik_ctl", driver=(("chest", 1.0),)))
+    key = Track(rig.find(keyed), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0.0, 0.6, 0.8]]))
+    rig, first, second = replace(rig, clips=(Clip("reach", (key,)),)), Report(), Report()
+    out = mirror(rig, options=MirrorOptions(from_side="left"), report=first)
+    said = [each.text for each in first.warnings if each.code == "mirror-moves"]
+    assert len(said) == bool(clip)
+    assert all(text.startswith("'hand_R_ik_ctl' follows 'chest' from now on") for text in said)
+    assert all(text.endswith("in reach@0") for text in said)
+    mirror(out, options=MirrorOptions(from_side="left"), report=second)
+    assert not [each for each in second.warnings if each.code == "mirror-moves"]
 
 
 @pytest.mark.parametrize("keyed", ["clavicle_R", "hand_R_ctl", "hand_R", "hand_R_ik_ctl", "shin_R"])

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from rigtri.evaluation.active_controls import joints_of
 from rigtri.evaluation.constraint_solver import to_parts
+from rigtri.evaluation.timelines import timelines
 from rigtri.frames.mirroring import mirrored_axes, world_rotation
 from rigtri.maths.matrices import identity
 from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, from_axes, multiply, to_axes
@@ -16,6 +19,7 @@ from rigtri.model.metadata import ConstraintRecord, ControlRecord, OffsetRecord,
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import follow
 from rigtri.operations.constrain.weight_keys import WeightKeys
+from rigtri.operations.controls_check import apart_in_clips, apart_in_words
 from rigtri.operations.mirror.counterparts import (
     SAME_NUMBER,
     NotMirroredError,
@@ -33,6 +37,7 @@ from rigtri.text import and_more
 
 def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Let the twins follow as this side does, by offsets that leave them where they are."""
+    start, fresh = rig, list[Constraint]()
 
     def build(rig: Rig, node: int, report: Report) -> Rig:
         rule = constraints_of(rig).get(node)
@@ -50,9 +55,13 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             if not (keep and _follows_parent(rig, mirrored)):
                 _warn_keyed(rig, mirrored, report)
             _warn_switched(rig, rule, report)
+            fresh.append(mirrored)
         return rig if same else built
 
-    return mirror_each(rig, of_side(rig, options, ConstraintRecord), "constraint", build, report)
+    rig = mirror_each(rig, of_side(rig, options, ConstraintRecord), "constraint", build, report)
+    if fresh and rig.clips and not rig.rules.unread:
+        _warn_led(start, rig, fresh, report)
+    return rig
 
 
 def _follows_parent(rig: Rig, rule: Constraint) -> bool:
@@ -64,6 +73,55 @@ def _follows_parent(rig: Rig, rule: Constraint) -> bool:
 
 def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
     """Warn of clips whose keys a new rule overrules, or lets count from elsewhere: bakes then differ."""
+    moved = _moved(rig, rule)
+    keyed = {clip.name: moved & clip.nodes for clip in rig.clips}
+    if nodes := set[int]().union(*keyed.values()):
+        names = and_more([rig.title(node) for node in sorted(nodes)], 6)
+        clips = and_more([clip for clip, nodes in keyed.items() if nodes], 6)
+        verbs = ("has", "follows") if len(nodes) == 1 else ("have", "follow")
+        text = f"{names} {verbs[0]} keys in {clips} and {verbs[1]} a constraint from now on"
+        report.warn("mirror-moves", f"{text}: the next bake gives other motion there")
+
+
+def _warn_led(before: Rig, rig: Rig, rules: Sequence[Constraint], report: Report) -> None:
+    """Warn of clips in which drivers of new rules take along what has no keys of its own there.
+
+    Measured, for drivers may move with what follows them, or not at all. What has keys, `_warn_keyed` names.
+    """
+    moved = [_moved(before, rule) for rule in rules]
+    reach = [each | _joints_below(before, each) for each in moved]
+    shown = before.is_joint | (before.attachment >= 0)
+    nodes = [node for node in sorted(set[int]().union(*reach)) if shown[node]]
+    said = {
+        line.name: set[int]().union(
+            *(all_of_it for each, all_of_it in zip(moved, reach, strict=True) if each & line.clip.nodes)
+        )
+        for line in timelines(before)
+    }
+    apart = {
+        node: others
+        for node, clips in apart_in_clips(before, rig, nodes).items()
+        if (others := {name: each for name, each in clips.items() if node not in said[name]})
+    }
+    if not apart:
+        return
+    led = [rule for rule, each in zip(rules, reach, strict=True) if not each.isdisjoint(apart)]
+    pairs = [f"'{rig.title(rule.child)}' follows '{rig.title(rule.drivers[0])}'" for rule in led]
+    text = f"{and_more(pairs, 4)} from now on, also where it has no keys"
+    report.warn(
+        "mirror-moves", f"{text}: the next bake gives other motion there, {apart_in_words(rig, apart)}"
+    )
+
+
+def _joints_below(rig: Rig, moved: set[int]) -> set[int]:
+    """What is below nodes that a rule moves, and the joints of the controls there with all below them."""
+    below = _carried(rig, moved)
+    joints = joints_of(rig, moved | below)
+    return below.union(joints, *(rig.below(joint) for joint in joints))
+
+
+def _moved(rig: Rig, rule: Constraint) -> set[int]:
+    """The nodes whose keys count otherwise with a rule: what it moves, and what is below that."""
     limbs = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
     limbs |= {node: record.chain for node, record in rig.records(ControlRecord).items() if record.chain}
     moved = {rule.child}
@@ -79,13 +137,7 @@ def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
         moved.add(joint)  # so it is with an FK control and its joint
     if rule.kind != "polevector":  # which bends a limb, and leaves its end where it is
         moved |= _carried(rig, moved)
-    keyed = {clip.name: moved & clip.nodes for clip in rig.clips}
-    if nodes := set[int]().union(*keyed.values()):
-        names = and_more([rig.title(node) for node in sorted(nodes)], 6)
-        clips = and_more([clip for clip, nodes in keyed.items() if nodes], 6)
-        verbs = ("has", "follows") if len(nodes) == 1 else ("have", "follow")
-        text = f"{names} {verbs[0]} keys in {clips} and {verbs[1]} a constraint from now on"
-        report.warn("mirror-moves", f"{text}: the next bake gives other motion there")
+    return moved
 
 
 def _carried(rig: Rig, moved: set[int]) -> set[int]:
