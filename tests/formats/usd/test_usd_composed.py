@@ -249,6 +249,31 @@ def test_a_composed_rig_bakes_as_the_rig_that_it_refers_to(text: str, built: Pat
     assert max(np.abs(one[key] - other[key]).max() for key in one) <= 1e-5 * size
 
 
+@pytest.mark.parametrize("target", ["root", "new"])
+def test_what_metadata_say_no_more_is_blocked_over_an_asset(target: str, tmp_path: Path) -> None:
+    """Controls that a shot gives the axes of their joints have no others of the asset's left."""
+    rigged, shot, alone, out = (tmp_path / f"{name}.usda" for name in ("rigged", "shot", "alone", "out"))
+    cli(
+        "add-controls",
+        save(tmp_path, scene(skeleton(), animation(), MESH)),
+        "--below",
+        "a",
+        "-o",
+        rigged,
+        code=0,
+    )
+    shot.write_text("#usda 1.0\n(\n    subLayers = [@./rigged.usda@]\n)\n")
+    again = ("--below", "a", "--frame", "joint")
+    cli("add-controls", rigged, *again, "-o", alone, code=0)
+    cli("add-controls", shot, *again, "-o", out, "--edit-target", target, code=0)
+    metadata = [
+        {rig.names[node]: dict(each) for node, each in rig.metadata.items()}
+        for rig in (read(alone).rig, read(out).rig)
+    ]
+    assert metadata[0] == metadata[1]
+    assert not any("axes" in each for each in metadata[1].values())
+
+
 @pytest.mark.ci
 @pytest.mark.parametrize("text", ["twice", "instances", "sublayered"])
 def test_strip_takes_keys_of_a_shot_off_the_controls_of_its_asset(text: str, built: Path) -> None:

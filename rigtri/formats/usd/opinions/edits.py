@@ -200,6 +200,21 @@ def remove_properties(prim: Any, *names: str) -> Edit:
     return Edit(Sdf.Path(prim), edit)
 
 
+def drop_attribute(attribute: Any, layer: Any) -> Edit:
+    """Remove an attribute of a prim; block it where it is composed from elsewhere than ``layer``, too."""
+    prim, name = attribute.GetPrimPath(), attribute.GetName()
+    if not any(is_elsewhere(spec, attribute.GetPath(), layer) for spec in attribute.GetPropertyStack()):
+        return remove_properties(prim, name)
+    uniform = attribute.GetVariability() == Sdf.VariabilityUniform
+    custom, type_name = attribute.IsCustom(), attribute.GetTypeName()
+    return set_value(prim, name, type_name, Sdf.ValueBlock(), uniform=uniform, custom=custom, alone=True)
+
+
+def is_elsewhere(spec: Any, path: Any, layer: Any) -> bool:
+    """Whether a spec of what the stage shows at ``path`` is of another layer, or of a prim referred to."""
+    return bool(spec.layer != layer or spec.path.StripAllVariantSelections() != path)
+
+
 def bind_animation(skeleton: str, animation: str) -> list[Edit]:
     """Let a skeleton be driven by an animation: its binding, and the schema that UsdSkel requires."""
     return _bind(skeleton, SOURCE, [animation])

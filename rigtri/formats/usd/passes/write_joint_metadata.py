@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rigtri.formats.usd.opinions.edits import remove_properties, set_attributes
+from rigtri.formats.usd.opinions.edits import drop_attribute, set_attributes
 from rigtri.formats.usd.opinions.reference_edits import portable
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading import metadata_attributes
@@ -22,10 +22,12 @@ def write_joint_metadata(edit: UsdEdit) -> None:
             by_skeleton.setdefault(path, {})[token] = portable(rig, metadata, path)
     for path in sorted(changed):
         # An attribute is written as a whole, with what other versions of rigtri have stored.
-        for token, metadata in metadata_attributes.read_joints(edit.source.stage.GetPrimAtPath(path)).items():
+        prim = edit.source.stage.GetPrimAtPath(path)
+        for token, metadata in metadata_attributes.read_joints(prim).items():
             if illegible(metadata):
                 by_skeleton.setdefault(path, {})[token] = metadata
         if path in by_skeleton:
             edit.values += set_attributes(path, metadata_attributes.joint_attributes(by_skeleton[path]))
         else:
-            edit.values.append(remove_properties(path, *metadata_attributes.JOINT_NOTES))
+            notes = map(prim.GetAttribute, metadata_attributes.JOINT_NOTES)
+            edit.values += [drop_attribute(note, edit.source.layer) for note in notes if note]

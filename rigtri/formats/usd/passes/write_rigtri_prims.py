@@ -18,6 +18,7 @@ from rigtri.formats.usd.opinions.edits import (
     apply_schema,
     bind_skeleton,
     define,
+    drop_attribute,
     free_path,
     remove_properties,
     set_attributes,
@@ -171,7 +172,9 @@ def _update_metadata(source: Source, rig: Rig, node: int) -> list[Edit]:
         name = str(written.GetName())
         if name not in after and name.split(":")[1] in changed and isinstance(written, Usd.Attribute):
             gone.append(name)
-    found: list[Edit] = [remove_properties(path, name) for name in dict.fromkeys(gone)]
+    prim = source.stage.GetPrimAtPath(path)
+    dropped = (prim.GetAttribute(name) for name in dict.fromkeys(gone))
+    found: list[Edit] = [drop_attribute(attribute, source.layer) for attribute in dropped if attribute]
     return found + set_attributes(path, {k: v for k, v in after.items() if before.get(k) != v})
 
 
