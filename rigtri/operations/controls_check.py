@@ -18,7 +18,7 @@ from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, timelines
-from rigtri.evaluation.zero_pose import SAME_POSITION, ControlsAtZero
+from rigtri.evaluation.zero_pose import SAME_POSITION, ControlsAtZero, moved_controls
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.limits import TOLERANCE
 from rigtri.maths.matrices import unsheared_axes
@@ -27,6 +27,7 @@ from rigtri.maths.ranking import SAME_SHARE, first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
+from rigtri.report import Report
 from rigtri.text import and_more
 
 # Radians: what stands a tenth of the size from a node that turns by less moves by less than the tolerance.
@@ -61,6 +62,29 @@ def refuse_other_rest(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
     if free := set(moved) - set(was.fk):
         _refuse_other_zero(rig, after, was, free)
         _refuse_other_root(rig, after, was, free)
+
+
+def warn_old_rest(rig: Rig, moved: Sequence[int], report: Report) -> None:
+    """Warn of controls that are still where their joints rested before. moved: what rests otherwise.
+
+    Keys of controls count from there, so clips play as before; and so does a control without any.
+    """
+    zero, size = ControlsAtZero(rig), SAME_POSITION * skeleton_size(rig)
+    apart = np.abs(zero.local - rig.normalised_local).max(axis=(1, 2))
+    still = {own.control for joint, own in zero.fk.items() if apart[joint] > size}
+    for limb in zero.limbs:
+        end = limb.chain[2]
+        away = length(zero.world[limb.control][3, :3] - rig.normalised_world[end][3, :3])
+        if not set(moved).isdisjoint(rig.path_to_root(end)) and away > size:
+            still.add(limb.control)
+    if still:
+        names = [rig.title(node) for node in sorted(still)]
+        verbs, them = (("is", "poses"), "it") if len(still) == 1 else (("are", "pose"), "them")
+        text = f"At zero {and_more(names, 4)} {verbs[0]} in the old rest pose and {verbs[1]} joints so"
+        run = "rigtri add-controls with the options of before puts"
+        if moved_controls(rig):  # of which add-controls keeps the pose at zero
+            run = "rigtri bake --to joints, strip, add-controls and bake --to controls put"
+        report.warn("controls-old-rest", f"{text}; {run} {them} into the new one", names=names)
 
 
 def _refuse_other_zero(rig: Rig, after: Rig, was: ControlsAtZero, free: set[int]) -> None:

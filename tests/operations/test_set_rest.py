@@ -20,6 +20,7 @@ from vrm_files import vrm_0
 import rigtri
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.vectors import normalise
@@ -27,6 +28,7 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.operations.controls_check import refuse_other_rest
+from rigtri.operations.set_rest import SetRestOptions, set_rest
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
@@ -544,3 +546,36 @@ def test_a_joint_that_is_mirrored_about_one_axis_keeps_the_signs_of_its_scale(
     assert ("rest so already" in told) == (pose in ("--like", "--pose bind"))
     if suffix == ".usda":
         assert deviation(source, out, at_rest=False) < 1e-6
+
+
+@pytest.mark.parametrize("keyed", [False, True])
+def test_controls_that_stay_in_the_old_rest_pose_are_named_with_what_mends_it(keyed: bool) -> None:
+    """Before, a later key of zero moved the mesh back without a word."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
+    assert _off_at_zero(rig) < 1e-6
+    if keyed:
+        key = Track(rig.find("chest_ctl"), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0.0, 0.6, 0.8]]))
+        rig = replace(rig, clips=(*rig.clips, Clip("bows", (key,))))
+    report = Report()
+    out = set_rest(rig, options=SetRestOptions(pose="tpose"), report=report)
+    (told,) = [each for each in report.warnings if each.code == "controls-old-rest"]
+    assert {"upper_arm_L_ctl", "foot_R_ik_ctl"} <= {*told.names}
+    assert not {"chest_ctl", "head_ctl"} & {*told.names}
+    assert told.text.endswith("put them into the new one" if keyed else "puts them into the new one")
+    assert _off_at_zero(out) > 0.1
+    if keyed:
+        assert _off_at_zero(rigtri.add_controls(out, whole_character=True)) > 0.1
+        bare = rigtri.strip(rigtri.bake(out, to="joints"))
+        mended = rigtri.bake(rigtri.add_controls(bare, whole_character=True), to="controls")
+    else:
+        mended = rigtri.add_controls(out, whole_character=True)
+    assert _off_at_zero(mended) < 1e-6
+    back = Report()
+    set_rest(out, options=SetRestOptions(pose="bind"), report=back)
+    assert not back.warned("controls-old-rest")
+
+
+def _off_at_zero(rig: Rig) -> float:
+    """How far joints are from how they rest while all controls are zero, in metres."""
+    apart = ControlsAtZero(rig).world[rig.is_joint] - rig.normalised_world[rig.is_joint]
+    return float(np.abs(apart[:, 3, :3]).max())
