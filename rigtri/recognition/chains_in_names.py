@@ -55,9 +55,21 @@ def _is_nearer(tree: Tree, chain: Sequence[int], other: Sequence[int]) -> bool:
 def _is_of_another(tree: Tree, chain: Sequence[int]) -> bool:
     """Whether a joint hangs at a bone of another limb: its own, or the names of both, may be wrong."""
     names = tree.rig.names
-    over = (names[above] for k in chain if (above := tree.above[k]) >= 0 and above not in chain)
-    bones = (name for name in over if parse_name(name).side and not _is_held_by(name))
+    above = [over for k in chain if (over := tree.above[k]) >= 0 and over not in chain]
+    if any(_is_bone_elsewhere(tree, over, chain[0]) for over in above):
+        return True
+    bones = (name for name in (names[k] for k in above) if parse_name(name).side and not _is_held_by(name))
     return any(levels and "before" not in levels for levels in (limb_words(name).levels for name in bones))
+
+
+def _is_bone_elsewhere(tree: Tree, over: int, start: int) -> bool:
+    """Whether what a joint hangs at leads to it alone, as a bone does, and not to the start of its limb.
+
+    Of limbs whose names are told in part, ``hip_L`` and ``elbow_L`` are no bones of one.
+    """
+    name = tree.rig.names[over]
+    lone = len(tree.below[over]) == 1 and tree.above[over] >= 0 and bool(tree.below[start])
+    return lone and over != start and not tree.is_below(start, over) and not _is_held_by(name)
 
 
 def _is_held_by(name: str) -> bool:

@@ -311,3 +311,17 @@ def test_a_wing_whose_next_bone_hangs_elsewhere_is_not_sure() -> None:
     found = [k for k in limbs(joints, named=True) if k.kind == "wing"]
     assert found
     assert not any(k.is_sure for k in found)
+
+
+@pytest.mark.parametrize("other", [[], ["upper_arm.R", "forearm.R"]])
+def test_names_that_are_told_in_part_make_no_limb_of_the_hip_and_the_elbow(other: list[str]) -> None:
+    words = {"thigh": "hip", "shin": "knee", "foot": "ankle", "toe": "ball", "clavicle": "collar"}
+    words |= {"upper_arm": "shoulder", "forearm": "elbow", "hand": "wrist"}
+    man, lost = [*MAN, *FINGERS], ["upper_arm.L", "shin.L", "foot.L", *other]
+    told = renamed(man, words)
+    new = {name: f"bone_{k}" for k, (name, _, _) in enumerate(told) if man[k][0] in lost}
+    found = sure(
+        [(new.get(name, name), new.get(over, over), place) for name, over, place in told], named=True
+    )
+    assert not any({"hip.L", "elbow.L"} <= set(limb) for limb in found)
+    assert any(limb[1:] == ("elbow.L", "wrist.L") and limb[0].startswith("bone_") for limb in found)
