@@ -25,6 +25,7 @@ from rigtri.maths.vectors import distance, dot, length, normalise, project
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.controls_check import apart_in_clips, apart_in_words
+from rigtri.operations.moved_chain import followed_again
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_polevector import AddPolevectorOptions as AddPolevectorOptions
 from rigtri.operations.rigtri_nodes import (
@@ -307,6 +308,7 @@ def _placed(
         moved = (move_joint if joint else stand)(rig, node, position, axes)
         if not np.array_equal(moved.local[node, 3], rig.local[node, 3]):
             _warn_solved(rig, moved, node, record, report)
+            moved = followed_again(rig, moved, report)
         return moved, node
     if options.as_ == "joint":
         parent, like = skin_sibling_parent(rig, limb.start)

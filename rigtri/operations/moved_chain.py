@@ -58,8 +58,15 @@ def move_chain(
     rig = before
     for joint, place, rows in zip(joints, places, axes, strict=True):
         rig = move_joint(rig, joint, place, rows)
-    there = _controls_along(before, rig)
-    rig, changed = _offsets_again(there, before, rebuilt)
+    return followed_again(before, _controls_along(before, rig), report, rebuilt)
+
+
+def followed_again(before: Rig, rig: Rig, report: Report, rebuilt: Collection[int] = ()) -> Rig:
+    """The rig, nodes of which stand elsewhere than before, with what follows them where it rests.
+
+    Offsets that left a child at rest are measured anew. rebuilt: see `move_chain`.
+    """
+    rig, changed = _offsets_again(rig, before, rebuilt)
     _tell_followers(before, rig, changed, rebuilt, report)
     return rig
 
@@ -170,7 +177,7 @@ def _tell_followers(
             "offsets-measured-anew",
             list(dict.fromkeys(changed)),
             ("keeps its rest place", "keep their rest places"),
-            "offsets to joints that were put elsewhere are measured anew.",
+            "offsets to what was put elsewhere are measured anew.",
         ),
         (
             "followers-go-along",

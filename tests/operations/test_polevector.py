@@ -12,6 +12,7 @@ from places import SAMPLES
 from rigs import chain, rig_of
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, multiply
@@ -22,6 +23,7 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.mirror.mirror import MirrorOptions, mirror
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
@@ -211,6 +213,21 @@ def test_clips_in_which_a_keyed_pole_bends_its_limb_otherwise_are_told_with_how_
     placed(rig, report, limb=limb, bend={"b": (0.0, 0.7, 0.7)})
     (notice,) = (one for one in report.warnings if one.code == "pole-moved")
     assert "'b_pole' bends its limb otherwise in clips: 'b' by" in notice.text
+
+
+def test_what_follows_a_pole_vector_that_moves_keeps_its_rest_place() -> None:
+    """Before, its offset stayed, and the result was refused: the constraint no longer held the child."""
+    rig = add_controls(read(SAMPLES / "biped.glb").rig, whole_character=True)
+    rule = ConstrainOptions(type="aim", child="head_ctl", driver=(("forearm_L_pole", 1.0),))
+    rig, report = constrain(rig, options=rule), Report()
+    options = AddPolevectorOptions(limb=(given(rig, "upper_arm_L", "forearm_L", "hand_L"),), reach=0.9)
+    after = add_polevector(rig, options=options, report=report)
+    pole = rig.find("forearm_L_pole")
+    assert np.abs(after.world[pole] - rig.world[pole]).max() > 0.01
+    (told,) = [each.text for each in report.warnings if each.code == "offsets-measured-anew"]
+    assert told.startswith("head_ctl keeps its rest place")
+    heads = [Solver(each).run({}).world(each.find("head"))[0] for each in (rig, after)]
+    assert_allclose(*heads, atol=1e-6)
 
 
 def test_the_foot_of_a_flat_rig_need_not_be_parented_below_the_shin() -> None:
