@@ -22,6 +22,7 @@ from second_opinions import usd_errors
 
 import rigtri
 from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation.adaptive_sampling import WITHIN
 from rigtri.evaluation.sampling import Motion, morph_weights, worlds
 from rigtri.evaluation.skinning import deformed
 from rigtri.export.conversion.usd_values import dictionary
@@ -196,11 +197,14 @@ def test_what_rigtri_has_built_and_motion_that_only_controls_have_is_reported(
 
 @pytest.mark.ci
 def test_verify_compares_a_rig_with_what_convert_made_of_its_character(samples: Path, tmp_path: Path) -> None:
-    """There are more controls than joints, and USD gets none of them."""
+    """There are more controls than joints, and USD gets none of them.
+
+    At keys of USD between those of glTF it is as near as straight lines follow a spline.
+    """
     rigged, there = tmp_path / "rigged.glb", tmp_path / "there.usda"
     rigtri.write(rigtri.add_controls(rigtri.read(samples / "biped.glb"), whole_character=True), rigged)
     rigtri.convert(rigged, there)
-    assert cli("verify", rigged, there, "--json").json["deviation"] < 1e-6
+    assert cli("verify", rigged, there, "--json").json["deviation"] < WITHIN
 
 
 def test_what_usd_cannot_say_is_listed_and_strict_refuses_it(everything: Path, tmp_path: Path) -> None:
