@@ -194,7 +194,7 @@ for prim in stage.Traverse():
     assert {"group", "control", "offset", "poleVector"} <= set(done.stdout.split())
 
 
-@pytest.mark.slow
+@pytest.mark.ci
 def test_schemas_that_come_before_the_first_stage_are_known_and_too_late_is_a_warning(tmp_path: Path) -> None:
     out = tmp_path / "out.usda"
     arms = "ConstrainOptions(type='point', child='hand_L', driver=(('head', 1.0),))"

@@ -13,6 +13,7 @@ import numpy as np
 from rigtri.errors import NameNotFoundError
 from rigtri.files.atomic_write import same_file
 from rigtri.formats.document import Companion, Embedded, ReadOptions
+from rigtri.formats.usd.codeless_schemas import check_known
 from rigtri.formats.usd.composition import external_paths
 from rigtri.formats.usd.composition.edit_target import sublayer
 from rigtri.formats.usd.composition.held_layers import Held, files_of, reading
@@ -110,7 +111,9 @@ class UsdDocument:
             if options.edit_target != "root" and not options.is_override:
                 layer = sublayer(stage, options.edit_target)
             with reading(files_of(stage)):
-                return cls(read_source(path, options, stage, warnings), options, layer)
+                document = cls(read_source(path, options, stage, warnings), options, layer)
+        check_known()  # it warns, which nobody would see within
+        return document
 
     @property
     def rig(self) -> Rig:

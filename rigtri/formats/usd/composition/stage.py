@@ -136,7 +136,6 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
         del held  # they had to stay open until the stage has them
     if not stage:
         raise FileError(f"{path}: no USD file, or a damaged one.")
-    codeless_schemas.check_known()
     with quiet(f"{path}: USD cannot read it"):
         for layer in stage.GetUsedLayers():
             if layer.realPath and not external_paths.is_of_site(layer.identifier):
