@@ -178,15 +178,11 @@ def diff(
     """
     from rigtri.verification.diff import diff as terms
 
-    return terms.diff(
-        before,
-        after,
-        only=only,
-        tolerance=tolerance,
-        verify=verify,
-        options=options,
-        measure=lambda one, other: _of_two_formats(one, other) or compare.verify(one, other),
-    )
+    def looks(one: Source, other: Source) -> Comparison:
+        return _of_two_formats(one, other) or compare.verify(one, other)
+
+    measure = looks if verify else None
+    return terms.diff(before, after, only=only, tolerance=tolerance, options=options, measure=measure)
 
 
 @contextmanager

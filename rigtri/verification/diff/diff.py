@@ -87,16 +87,14 @@ def diff(
     *,
     only: Terms | None = None,
     tolerance: float = 0.0,
-    verify: bool = True,
     options: ReadOptions | None = None,
-    measure: Callable[[Document, Document], Comparison] = compare,
+    measure: Callable[[Document, Document], Comparison] | None = compare,
 ) -> Difference:
     """Say what of the second file is not what it was in the first.
 
     before, after: paths of files. options: how they are read.
     only: in ``rig`` or ``file`` terms alone. tolerance: numbers that differ by no more are
-    the same; 0 compares every bit and every spelling. verify: measure how far they look apart, too;
-    measure: by what.
+    the same; 0 compares every bit and every spelling. measure: how far they look apart; None: not asked.
     Files of two formats are compared in rig terms. Where the rig of one cannot be read, the rest
     is compared and ``notices`` has the reason. Raises FileError where nothing can be compared.
     """
@@ -117,9 +115,7 @@ def diff(
     if only != "file":
         documents = _documents(before, after, options, notices, required=file is None)
         if documents is not None:
-            rig, looks = _rig_terms(
-                documents, tolerance, measure if verify else None, only == "rig" or bool(file)
-            )
+            rig, looks = _rig_terms(documents, tolerance, measure, only == "rig" or bool(file))
     return Difference(rig, None if file is None else tuple(file), looks, tuple(notices))
 
 
