@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -121,10 +122,6 @@ def straight_times(track: Track, size: float) -> Floats:
     size: of what a translation moves, in file units.
     """
 
-    def values(times: Floats) -> Floats:
-        found = sample(track, times)
-        return unit(found) if track.path == "rotation" else found
-
     def error(found: Floats, left: Floats, right: Floats, share: Floats, _: Floats) -> Floats:
         if track.path == "rotation":
             between = slerp(left, right, share)
@@ -133,13 +130,12 @@ def straight_times(track: Track, size: float) -> Floats:
         return np.asarray(np.abs(found - left - (right - left) * share[:, np.newaxis]).max(axis=1))
 
     far = size if track.path == "translation" else 1.0
-    return adaptive_key_times(values, error, track.times, within=WITHIN * far)
+    return adaptive_key_times(partial(_shown, track), error, track.times, within=WITHIN * far)
 
 
 def without_splines(rig: Rig, size: float) -> Rig:
     """The rig with straight keys where clips have splines; see `straight_times`."""
-    splines = {track.interpolation for clip in rig.clips for track in clip.tracks} & {"CUBICSPLINE"}
-    if not splines:
+    if not any(track.interpolation == "CUBICSPLINE" for clip in rig.clips for track in clip.tracks):
         return rig
     clips = (
         replace(clip, tracks=tuple(_straight(track, size) for track in clip.tracks)) for clip in rig.clips
@@ -150,7 +146,11 @@ def without_splines(rig: Rig, size: float) -> Rig:
 def _straight(track: Track, size: float) -> Track:
     if track.interpolation != "CUBICSPLINE":
         return track
-    times = straight_times(track, size) if len(track.times) > 1 else track.times
-    values = sample(track, times)
-    values = unit(values) if track.path == "rotation" else values
-    return replace(track, interpolation="LINEAR", times=times, values=values)
+    times = straight_times(track, size)
+    return replace(track, interpolation="LINEAR", times=times, values=_shown(track, times))
+
+
+def _shown(track: Track, times: Floats) -> Floats:
+    """What a track shows, (f, c): splines of rotations leave the unit sphere between keys."""
+    found = sample(track, times)
+    return unit(found) if track.path == "rotation" else found

@@ -61,10 +61,8 @@ def sample_times(tracks: Sequence[Track], size: float) -> Floats:
     """At which seconds tracks that share their samples need some. size: of what they move, in file units."""
     times = [np.zeros(0)]
     for track in tracks:
-        if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
-            times.append(straight_times(track, size))
-        else:
-            times.append(track.times)
+        spline = track.interpolation == "CUBICSPLINE"
+        times.append(straight_times(track, size) if spline else track.times)
         if track.interpolation == "STEP":
             times.append(track.times[1:] - step_before(track.times[1:]))
     return sorted_unique(np.concatenate(times))
