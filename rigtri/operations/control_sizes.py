@@ -139,6 +139,7 @@ class SkinSections:
         rig = self.rig = tree.rig
         # By the number of the character.
         self._extents: dict[int, float] = {}
+        self._known_cuts: dict[tuple[int, bytes, bytes], list[tuple[Floats, Floats]]] = {}
         self._by_skin: dict[int, list[SkinnedMesh]] = {}
         # By the joint that a mesh is, or is below.
         self._by_joint: dict[int, list[SkinnedMesh]] = {}
@@ -197,7 +198,13 @@ class SkinSections:
         return own
 
     def _cuts(self, joint: int, place: Floats, normal: Floats) -> list[tuple[Floats, Floats]]:
-        return [skinned.signed_cut(skinned.triangles, place, normal) for skinned in self._body_of(joint)]
+        # Whether a ring shows at a place is asked first, and then how large it is there.
+        key = joint, place.tobytes(), normal.tobytes()
+        if key not in self._known_cuts:
+            self._known_cuts[key] = [
+                skinned.signed_cut(skinned.triangles, place, normal) for skinned in self._body_of(joint)
+            ]
+        return self._known_cuts[key]
 
     def thickness(self, joints: list[int], place: Floats, normal: Floats) -> float:
         """How thick the skin of joints is in the plane: as `radius`, but half of the directions are enough.

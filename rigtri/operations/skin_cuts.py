@@ -21,7 +21,7 @@ from rigtri.model.rig import Rig
 MARGIN = 1.2
 # A vertex is skin of the joint that has the largest weight there, or as large a one but for rounding.
 _LARGEST = 0.999
-# Where that is too little, by this factor at a time until a quarter at most is inside, as beside limbs.
+# By this factor at a time a ring gets wider until a quarter at most is inside.
 _STEP = 1.1
 # Directions in a plane.
 AROUND = (
@@ -128,7 +128,7 @@ def farthest(cuts: list[Floats], normal: Floats) -> Floats:
 
 
 def half(ends: Floats) -> float:
-    """How far a ring must reach for half of it to be beyond all that ends, (8,), as `_farthest` has them."""
+    """How far a ring must reach for half of it to be beyond all that ends, (8,), as `farthest` has them."""
     return float(ends[len(ends) // 2])
 
 
@@ -143,7 +143,7 @@ def outside(radius: float, most: float, cuts: list[tuple[Floats, Floats]], norma
 
 
 def crossed(cuts: list[tuple[Floats, Floats]], normal: Floats) -> tuple[Floats, Floats]:
-    """Where directions cross the lines of cuts, as `_crossings`, and whether into what a surface encloses."""
+    """Where directions cross the lines of cuts, as `crossings`, and whether into what a surface encloses."""
     found = [crossings(lines, normal) for lines, _ in cuts]
     at = np.concatenate([along for along, _ in found], axis=1)
     turns = np.concatenate([turns * sign for (_, turns), (_, sign) in zip(found, cuts, strict=True)], axis=1)

@@ -100,15 +100,23 @@ def test_the_ring_of_a_weapon_s_slot_is_not_as_wide_as_the_weapon(half: tuple[fl
     assert 0 < rings["c"] < 2.5 * rings["b"]
 
 
-def with_boxes(rig: Rig, *parts: tuple[int, float, tuple[float, float, float]]) -> Rig:
-    """The rig with upright boxes for skin: of each its joint, half its width, and its middle."""
+Size = tuple[float, float, float]
+
+
+def with_boxes(rig: Rig, *parts: tuple[int, Size, Size]) -> Rig:
+    """The rig with boxes for skin: of each its joint, half its edges, and its middle."""
     meshes = [
         replace(box, skin=0, weights=np.ones((8, 1)), joints=np.full((8, 1), joint), points=points)
         for joint, half, middle in parts
-        for box in [a_box(0, (half, 4.0, half))]
-        for points in [box.points + middle]
+        for box in [a_box(0, half)]
+        for points in [box.points + np.array(middle)]
     ]
     return replace(rig, content=Content(read_meshes=lambda: meshes))
+
+
+def upright(half: float) -> Size:
+    """Half the edges of a box that stands as a leg does."""
+    return half, 4.0, half
 
 
 def size_of(rig: Rig, joint: str) -> float:
@@ -121,7 +129,9 @@ def test_the_ring_of_a_leg_is_outside_a_skirt_but_not_as_wide_as_a_tent() -> Non
     rig, size = chain((0, 10, 0), (1, 6, 0), (1, 0, 0)), float(np.linalg.norm([1, 10]))
 
     def ring(skirt: float) -> float:
-        drawn = with_boxes(rig, (thigh, 0.3, (1.0, 3.0, 0.0)), (hips, skirt, (1.0, 6.0, 0.0)))
+        drawn = with_boxes(
+            rig, (thigh, upright(0.3), (1.0, 3.0, 0.0)), (hips, upright(skirt), (1.0, 6.0, 0.0))
+        )
         return size_of(rigtri.add_controls(drawn, joints=["a", "b"]), "b")
 
     assert ring(0.9) > 0.9 * MARGIN
@@ -133,14 +143,7 @@ def test_the_ring_of_a_leg_is_outside_a_skirt_but_not_as_wide_as_a_tent() -> Non
 def test_the_ring_of_an_arm_that_begins_in_the_trunk_stands_beside_that(trunk: float, shift: float) -> None:
     """Before, it was wide enough to surround half of the trunk, or hidden in it. The arm goes from 1 to 3."""
     rig = chain((0, 0, 0), (1, 0, 0), (3, 0, 0))
-    parts = [(0, (trunk, 4.0, 4.0), 0.0), (1, (1.0, 0.2, 0.2), 2.0)]
-    meshes = [
-        replace(box, skin=0, weights=np.ones((8, 1)), joints=np.full((8, 1), joint), points=points)
-        for joint, half, x in parts
-        for box in [a_box(0, half)]
-        for points in [box.points + np.array([x, 0.0, 0.0])]
-    ]
-    rig = replace(rig, content=Content(read_meshes=lambda: meshes))
+    rig = with_boxes(rig, (0, (trunk, 4.0, 4.0), (0.0, 0.0, 0.0)), (1, (1.0, 0.2, 0.2), (2.0, 0.0, 0.0)))
     built = rigtri.add_controls(rig, joints=["b"])
     ((node, record),) = built.records(ControlRecord).items()
     assert (record.shift or 0.0) == pytest.approx(shift)
@@ -159,14 +162,8 @@ def test_rings_of_twins_stand_beside_their_joints_alike(names: tuple[str, ...]) 
     places = np.array([(0, 0, 0), (1, 0, 0), (3, 0, 0), (-1, 0, 0), (-3, 0, 0)], dtype=np.float64)
     rig = rig_of(list(names), [-1, 0, 1, 0, 3], places - places[[0, 0, 1, 0, 3]])
     rig = replace(rig, skins=(Skin("skin", np.arange(5), inverse(rig.world)),))
-    parts = [(0, (1.25, 4.0, 4.0), 0.1), (1, (1.0, 0.2, 0.2), 2.0), (3, (1.0, 0.2, 0.2), -2.0)]
-    meshes = [
-        replace(box, skin=0, weights=np.ones((8, 1)), joints=np.full((8, 1), joint), points=points)
-        for joint, half, x in parts
-        for box in [a_box(0, half)]
-        for points in [box.points + np.array([x, 0.0, 0.0])]
-    ]
-    rig = replace(rig, content=Content(read_meshes=lambda: meshes))
+    arms = [(joint, (1.0, 0.2, 0.2), (x, 0.0, 0.0)) for joint, x in ((1, 2.0), (3, -2.0))]
+    rig = with_boxes(rig, (0, (1.25, 4.0, 4.0), (0.1, 0.0, 0.0)), *arms)
     built = rigtri.add_controls(rig, joints=[names[1], names[3]])
     shifts = {record.joint: record.shift for record in built.records(ControlRecord).values()}
     alone = {names[1]: 0.4, names[3]: 0.2}
@@ -196,8 +193,8 @@ def test_a_ring_among_other_limbs_is_no_wider_than_it_needs_to_be() -> None:
     """Where the plane of a limb cuts others far away it was as wide as any may be, 15 % of the character."""
     rig = chain((0, 10, 0), (1, 6, 0), (1, 5, 0), (1, 0, 0))
     others = ((3, 0), (-3, 0), (0, 3), (0, -3), (3, 3), (-3, -3))
-    limbs = [(0, 0.6, (1.0 + x, 3.0, z)) for x, z in others]
-    drawn = with_boxes(rig, (1, 0.3, (1.0, 3.0, 0.0)), *limbs)
+    limbs = [(0, upright(0.6), (1.0 + x, 3.0, z)) for x, z in others]
+    drawn = with_boxes(rig, (1, upright(0.3), (1.0, 3.0, 0.0)), *limbs)
     size = size_of(rigtri.add_controls(drawn, joints=["b"]), "b")
     assert size < 1.6 * np.sqrt(2) * 0.3 * MARGIN * 1.01
 
