@@ -160,10 +160,10 @@ def _warn_side_by_side(
     heads = {chain.joints[-1] for chain in chains if chain.kind == "head"}
     hands = {chain.joints[0] for chain in chains if chain.kind == "hand"}
     for above in tree.joints:
-        if (complete and above not in hands) or any(k == above or rig.is_below(above, k) for k in heads):
-            continue
         leaves = [k for k in tree.below[above] if not tree.below[k] and tree.carries[k] and k in joints]
-        if len(leaves) < SIDE_BY_SIDE:
+        if len(leaves) < SIDE_BY_SIDE or (complete and above not in hands):
+            continue
+        if any(k == above or rig.is_below(above, k) for k in heads):
             continue
         lost = [k for k in leaves if targets.skipped.get(k) == LONE or _copies(targets, k)]
         if lost:
@@ -186,8 +186,10 @@ def _copies(targets: Targets, joint: int) -> bool:
 
 def _warn_no_facing(targets: Targets, character: Character, report: Report, wording: Wording) -> None:
     """Warn of the trunk of a part of a body of which nothing shows where it faces."""
-    trunk = () if any(character.facing) else (k for k in character.sure_chains if k.kind in _TRUNK)
-    names = [chain.name for chain in trunk if _by_body(targets).intersection(chain.joints)]
+    if any(character.facing):
+        return
+    trunk, by_body = (k for k in character.sure_chains if k.kind in _TRUNK), _by_body(targets)
+    names = [chain.name for chain in trunk if by_body.intersection(chain.joints)]
     if names:
         part = targets.tree.rig.title(character.hips if character.hips >= 0 else character.root)
         report.warn(
