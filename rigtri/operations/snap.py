@@ -182,9 +182,14 @@ class _Limb:
         return next((each for each in timelines(rig) if first in each.members), empty)
 
     @cached_property
+    def _resting(self) -> Solver:
+        """The rig's solver with no control at work."""
+        return Solver(self.rig, (), self.reference)
+
+    @property
     def _rules(self) -> Mapping[int, Any]:
         """The constraints, by the node that follows."""
-        return Solver(self.rig, (), self.reference).rules
+        return self._resting.rules
 
     def _solver(self, rig: Rig) -> Solver:
         """The solver of a state of the rig; its rest pose is this one's but after a snap at rest."""
@@ -226,8 +231,8 @@ class _Limb:
         channels = dict(found.controls)
         if self.timeline is not None:  # at rest the controls' channels start from their offsets
             # Those that constraints move, or that hold such, stay where they are, as IK leaves them.
-            still = Solver(self.rig, (), self.reference).still
-            for fk in ik.below({fk.own.offset for fk in ik.fk.values()}.difference(ik.carries, still)):
+            taken = self._resting.still.union(ik.carries)
+            for fk in ik.below({fk.own.offset for fk in ik.fk.values()} - taken):
                 stand = _single(fk.beneath(found.posed))
                 if all(np.isfinite(each).all() for each in stand):
                     found.posed.set(fk.own.offset, stand)
