@@ -14,11 +14,11 @@ import numpy as np
 
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animation_reader import pointer_of, target_of
+from rigtri.formats.gltf.mesh_reader import DRACO
 from rigtri.formats.gltf.structure import INSTANCING
 from rigtri.formats.json_values import object_at, object_in
 from rigtri.model.scene_facts import IN_CLIP
 
-DRACO = "KHR_draco_mesh_compression"
 _OF_NODE = re.compile(r"/nodes/([0-9]{1,9})/")
 
 
