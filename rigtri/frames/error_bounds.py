@@ -88,7 +88,7 @@ class LeverArm:
     @cached_property
     def _meshes(self) -> list[Mesh]:
         try:
-            return [mesh for mesh in self._rig.content.read_outlines() if mesh.fits(self._rig.skins)]
+            return [mesh for mesh in self._rig.content.outlines if mesh.fits(self._rig.skins)]
         except FileError:
             return []
 

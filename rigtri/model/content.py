@@ -35,6 +35,11 @@ class Content:
     read_meshes: Callable[[], Sequence[Mesh]] = tuple
 
     @cached_property
+    def outlines(self) -> Sequence[Mesh]:
+        """What to measure of all that is drawn. Kept, as rigs made one from another share it."""
+        return self.read_outlines()
+
+    @cached_property
     def meshes(self) -> Sequence[Mesh]:
         """All that is drawn and can be read; none for a rig that no file was read for."""
         return self.read_meshes()
@@ -43,7 +48,7 @@ class Content:
         """The content without meshes of some skins, by number."""
         return replace(
             self,
-            read_outlines=lambda: [mesh for mesh in self.read_outlines() if mesh.skin not in hidden],
+            read_outlines=lambda: [mesh for mesh in self.outlines if mesh.skin not in hidden],
             read_meshes=lambda: [mesh for mesh in self.meshes if mesh.skin not in hidden],
         )
 
@@ -56,7 +61,7 @@ class Content:
 
         return replace(
             self,
-            read_outlines=lambda: called(self.read_outlines()),
+            read_outlines=lambda: called(self.outlines),
             read_meshes=lambda: called(self.meshes),
         )
 
@@ -64,6 +69,6 @@ class Content:
         """The content with node k called ``new[k]``."""
         return replace(
             self,
-            read_outlines=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.read_outlines()],
+            read_outlines=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.outlines],
             read_meshes=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.meshes],
         )

@@ -257,7 +257,7 @@ class _Merging:
 
     def take_still(self, most: int = 0) -> list[int]:
         """Let joints go alone that never move against their heirs, until so many are left; which stay."""
-        size, rest = size_of(self.rig, self.rig.content.read_outlines()), self.rig.world[np.newaxis]
+        size, rest = size_of(self.rig, self.rig.content.outlines), self.rig.world[np.newaxis]
         left, stay = len(self._joints - self.gone), []
         for node in sorted(self._joints - self.gone, reverse=True):  # those below first
             heir, way = self.heir(node), node
@@ -293,7 +293,7 @@ class _Merging:
 
     @cached_property
     def _moved(self) -> list[Moved]:
-        meshes = self.rig.content.read_outlines()
+        meshes = self.rig.content.outlines
         return [moved_by(self.rig, mesh) for mesh in meshes if mesh.skin is not None and mesh.joints.shape[1]]
 
     def cost(self, node: int, poses: Floats, *, alone: bool = False) -> float:

@@ -180,7 +180,7 @@ def _morphed(rig: Rig, timeline: Timeline | None, time: float) -> dict[int, Floa
     still = (
         {
             mesh.node: rig.pending.morph_weights.get(mesh.node, mesh.morph_weights)
-            for mesh in rig.content.read_outlines()
+            for mesh in rig.content.outlines
         }
         if found
         else {}

@@ -230,7 +230,7 @@ def placed_by_skin(rig: Rig, content: Content) -> set[int]:
     if rig.rules.sized_binding:
         return set()
     try:
-        meshes = content.read_outlines()
+        meshes = content.outlines
     except FileError:  # which the comparison with the source reports
         return set()
     moved = {track.node for clip in rig.clips for track in clip.tracks if track.path != "weights"}

@@ -53,7 +53,7 @@ def _is_flat(points: Floats, wide: Floats, thick: Floats) -> bool:
 def _moved(rig: Rig, joints: Sequence[int], world: Floats) -> Iterator[Floats]:
     """The points that joints move more than all others do, as they are in a pose, (v, 3) each."""
     try:
-        meshes = [mesh for mesh in rig.content.read_outlines() if mesh.fits(rig.skins)]
+        meshes = [mesh for mesh in rig.content.outlines if mesh.fits(rig.skins)]
     except FileError:
         return
     for mesh in meshes:

@@ -195,7 +195,7 @@ class Poses:
         """For each joint the corners of the boxes of what it moves, (8, 3) each, in its own space."""
         found: dict[int, list[Floats]] = {}
         try:
-            meshes = [mesh for mesh in self.rig.content.read_outlines() if mesh.skin is not None]
+            meshes = [mesh for mesh in self.rig.content.outlines if mesh.skin is not None]
         except FileError:
             return found
         for mesh in meshes:

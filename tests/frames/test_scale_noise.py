@@ -202,7 +202,7 @@ def test_what_a_clip_stretches_reaches_further(path: Any, tmp_path: Path) -> Non
         LeverArm(replace(rig, clips=())).exact,
         LeverArm(replace(rig, clips=(Clip("long", (track,)),))).exact,
     )
-    longer = float(length(rig.translation[wrist])) / size_of(rig, rig.content.read_outlines())
+    longer = float(length(rig.translation[wrist])) / size_of(rig, rig.content.outlines)
     assert moved[elbow] == pytest.approx(2 * still[elbow] if path == "scale" else still[elbow] + longer)
     assert moved[wrist] == pytest.approx(still[wrist] * (2.0 if path == "scale" else 1.0))
 

@@ -253,4 +253,4 @@ def test_no_mesh_is_of_the_one_skin_that_joints_are_bound_by_at_rest() -> None:
     found = standard_rest(Counterparts(other_body(), biped())).counterparts()
     for rig in (found.rig, found.other):
         assert len(rig.skins) == 1
-        assert {mesh.skin for mesh in (*rig.content.read_outlines(), *rig.content.read_meshes())} <= {None}
+        assert {mesh.skin for mesh in (*rig.content.outlines, *rig.content.read_meshes())} <= {None}

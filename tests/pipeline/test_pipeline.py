@@ -273,7 +273,7 @@ def test_a_file_is_let_go_as_soon_as_nobody_holds_it(samples: Path, name: str) -
         document = read(samples / name)
         rig = document.rig
         gone = weakref.ref(document), weakref.ref(rig)
-        assert len(rig.content.read_outlines())
+        assert len(rig.content.outlines)
         assert all(skin.weighted.any() for skin in rig.skins)
         assert recognise(rig).characters
         del document, rig

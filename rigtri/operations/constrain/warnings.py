@@ -20,7 +20,7 @@ def warn_as_it_is(rig: Rig, rule: Constraint, switched: bool, report: Report) ->
             "constraint-weightless",
             f"all drivers of '{rig.title(rule.child)}' have weight 0, so it keeps its own place",
         )
-    if any(mesh.node == rule.child and mesh.skin is not None for mesh in rig.content.read_outlines()):
+    if any(mesh.node == rule.child and mesh.skin is not None for mesh in rig.content.outlines):
         report.warn(
             "constraint-skinned",
             f"'{rig.title(rule.child)}' shows a skinned mesh, which is where its joints are: the constraint "

@@ -423,7 +423,7 @@ def test_a_primvar_whose_other_half_has_samples_alone_is_compared(still: str, tm
 
 def test_an_edit_and_its_check_read_meshes_once(tmp_path: Path) -> None:
     document = read(save(tmp_path, scene(skeleton(), animation(), MESH)))
-    assert document.outlines()[0] is document.rig.content.read_outlines()[0]
+    assert document.outlines()[0] is document.rig.content.outlines[0]
     assert document.meshes()[0] is document.rig.content.meshes[0]
 
 
