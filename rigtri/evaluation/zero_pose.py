@@ -17,6 +17,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.evaluation.rig_space import shearing_node
+from rigtri.evaluation.sampling import worlds
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import (
     SKEW,
@@ -206,8 +207,13 @@ class ControlsAtZero:
     def _posed(self, controls: set[int]) -> dict[int, Floats]:
         """Where joints stand by their offsets that do not stand there by themselves."""
         rig, found = self.rig, {}
+        if not self.fk:
+            return found
+        still = rig.normalised_local.copy()
+        still[list(controls)] = _WORLD
+        at_zero = worlds(rig, still)
         for joint, own in self.fk.items():
-            there = world_at_zero(rig, own.offset, controls)
+            there = at_zero[own.offset]
             here = rig.normalised_world[joint]
             axes = nearest_rotation(here)
             turned = unsheared_axes(there)

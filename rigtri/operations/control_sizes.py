@@ -202,7 +202,8 @@ class SkinSections:
         key = joint, place.tobytes(), normal.tobytes()
         if key not in self._known_cuts:
             self._known_cuts[key] = [
-                skinned.signed_cut(skinned.triangles, place, normal) for skinned in self._body_of(joint)
+                skinned.signed_cut(skinned.triangles_near(place, normal), place, normal)
+                for skinned in self._body_of(joint)
             ]
         return self._known_cuts[key]
 

@@ -23,6 +23,10 @@ MARGIN = 1.2
 _LARGEST = 0.999
 # By this factor at a time a ring gets wider until a quarter at most is inside.
 _STEP = 1.1
+# So many triangles, one after another, share a box: where a plane passes that, it cuts none of them.
+_BLOCK = 64
+# A box grows by this share of the largest coordinate: rounding moves no point so far.
+_ROUNDING = 1e-12
 # Directions in a plane.
 AROUND = (
     np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)])
@@ -60,7 +64,7 @@ class SkinnedMesh:
 
     def signed_cut(self, corners: Integers, place: Floats, normal: Floats) -> tuple[Floats, Floats]:
         """As `cut`, and the sign, (m,), with which each line goes round what the surface encloses."""
-        above = (dot(self.points, normal) > dot(place, normal))[corners]
+        above = dot(self.points[corners], normal) > dot(place, normal)
         corners = corners[above.any(axis=1) & ~above.all(axis=1)]
         flat, height = seen_from(self.points[corners], place, normal)
         # Rounded in this way, what begins in the plane may be on one side of it after all.
@@ -77,6 +81,22 @@ class SkinnedMesh:
         share = height[:, :1] / apart
         lines = flat[:, :1] + share[..., np.newaxis] * (flat[:, 1:] - flat[:, :1])
         return np.asarray(lines), np.where(height[:, 0] > 0, 1.0, -1.0)
+
+    def triangles_near(self, place: Floats, normal: Floats) -> Integers:
+        """The triangles, (t, 3), in their order, without most of those that a plane does not cut."""
+        middles, halves, farthest = self._boxes
+        slack = _ROUNDING * max(farthest, float(np.abs(place).max()))
+        reached = np.abs(dot(middles - place, normal)) <= dot(halves, np.abs(normal)) + slack
+        rows = np.flatnonzero(reached)[:, np.newaxis] * _BLOCK + np.arange(_BLOCK)
+        return np.asarray(self.triangles[rows[rows < len(self.triangles)]])
+
+    @cached_property
+    def _boxes(self) -> tuple[Floats, Floats, float]:
+        """Of the boxes of blocks of triangles middles and half sizes, (b, 3), and the largest coordinate."""
+        corners, starts = self.points[self.triangles], np.arange(0, len(self.triangles), _BLOCK)
+        low = np.minimum.reduceat(corners.min(axis=1), starts)
+        high = np.maximum.reduceat(corners.max(axis=1), starts)
+        return (low + high) / 2, (high - low) / 2, float(np.abs(corners).max(initial=0.0))
 
     @cached_property
     def _own(self) -> _Groups:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from calls import calls
 from numpy.testing import assert_allclose
 from rigs import chain, rig_of
 
@@ -227,3 +228,13 @@ def test_a_joint_grows_by_its_volume_where_its_carriers_scale_is_not_uniform(
     rig = rig_of(["carrier", "parent", "joint"], [-1, -1, 1], np.zeros((3, 3)), scale=scales)
     parts = ControlsAtZero(rig).carried_parts(2, 0, np.diag([1.0, 2, 4, 1])[np.newaxis])
     assert_allclose(parts.scale, [scale])
+
+
+def test_four_times_as_many_controls_in_a_chain_are_four_times_the_work() -> None:
+    def work(count: int) -> int:
+        names = [f"j{k}" for k in range(count)]
+        rig = chain(*((float(k), 0.0, 0.0) for k in range(count)), names=names)
+        built = add_controls(rig, options=AddControlsOptions(joints=("*",)))
+        return calls(lambda: ControlsAtZero(built).world)
+
+    assert work(120) < 4.5 * work(30)

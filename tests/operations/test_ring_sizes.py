@@ -20,6 +20,7 @@ from rigtri.formats import read
 from rigtri.frames.skeleton import skeleton
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import normalise
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.mesh_triangles import triangles
@@ -27,7 +28,7 @@ from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.control_sizes import SkinSections
-from rigtri.operations.skin_cuts import MARGIN
+from rigtri.operations.skin_cuts import MARGIN, SkinnedMesh
 
 
 def skin(rig: Rig) -> Floats:
@@ -307,3 +308,22 @@ def test_a_joint_far_below_the_skin_is_not_the_ground() -> None:
     floor = a_box(0, (20.0, 20.0, 20.0))
     drawn = replace(rig, content=Content(read_meshes=lambda: [box, floor]))
     assert root_heights(rigtri.add_controls(drawn, root_control=True)) == pytest.approx([-0.5])
+
+
+def test_a_plane_cuts_the_triangles_near_it_and_no_others() -> None:
+    random, looked_at = np.random.default_rng(1), list[float]()
+    rig = read(SAMPLES / "biped.glb").rig
+    for mesh in rig.meshes:
+        body = SkinnedMesh(rig, mesh)
+        places = [*random.uniform(-1.0, 1.0, (40, 3)), *body.points[:20]]
+        for place, normal in zip(places, normalise(random.normal(size=(60, 3))), strict=True):
+            for along in (normal, np.array([0.0, 1.0, 0.0])):
+                near = body.triangles_near(place, along)
+                looked_at.append(len(near) / len(body.triangles))
+                for mine, whole in zip(
+                    body.signed_cut(near, place, along),
+                    body.signed_cut(body.triangles, place, along),
+                    strict=True,
+                ):
+                    np.testing.assert_array_equal(mine, whole)
+    assert np.mean(looked_at) < 0.5
