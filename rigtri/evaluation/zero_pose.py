@@ -206,7 +206,7 @@ class ControlsAtZero:
 
     def _posed(self, controls: set[int]) -> dict[int, Floats]:
         """Where joints stand by their offsets that do not stand there by themselves."""
-        rig, found = self.rig, {}
+        rig, found = self.rig, dict[int, Floats]()
         if not self.fk:
             return found
         still = rig.normalised_local.copy()

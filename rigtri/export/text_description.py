@@ -20,6 +20,7 @@ from rigtri.maths.triangle import STRAIGHT_SINE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, triple
 from rigtri.model.animation import Clip
+from rigtri.model.arguments import typed
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.recognition.body_hinges import turned_facings
@@ -47,6 +48,7 @@ _DEEPEST, _DOTTED = 60, 1 / 4
 _SPARE = (3, 4, 4, 3)
 
 
+@typed
 def describe(rig: Rig, *, width: int | None = None) -> str:
     """A rig as text, without a newline at its end.
 

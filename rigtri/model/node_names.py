@@ -110,8 +110,7 @@ class NodeNames(Hierarchy, ABC):
         A joint of USD is also called by its Skeleton and token, ``/Hero/Skel:hips/spine``.
         Raises NameNotFoundError, or AmbiguousNameError where several share the name.
         """
-        if not isinstance(name, str):
-            raise TypeError(f"a node is found by its name, or as text by its number ('#3'), not by {name!r}")
+        _check_text(name)
         found = self._called(name)
         if not found:
             self._check_instances(name)
@@ -154,6 +153,7 @@ class NodeNames(Hierarchy, ABC):
         be given as they are. Of other characters than the one that is edited alone none is meant, but by
         a name that no node of that has. Raises NameNotFoundError when nothing matches.
         """
+        _check_text(pattern)
         exact = self._by_name.get(pattern) or self._by_address(pattern)
         others = self.rules.others
         if exact:
@@ -171,3 +171,9 @@ class NodeNames(Hierarchy, ABC):
         if not found:
             raise NameNotFoundError("joint", pattern, self._hints, pattern=True)
         return found
+
+
+def _check_text(name: object) -> None:
+    """TypeError for what is no text."""
+    if not isinstance(name, str):
+        raise TypeError(f"a node is found by its name, or as text by its number ('#3'), not by {name!r}")

@@ -22,6 +22,7 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.limits import LARGEST, fits
+from rigtri.model.arguments import check_arguments
 from rigtri.model.limb import Limb
 from rigtri.model.options import Kind, Option, check, default_of, hints_of, options_of
 from rigtri.model.rig import Rig
@@ -86,9 +87,7 @@ def operation(
             report: Report | None = None,
             **keywords: Any,
         ) -> Rig:
-            if not isinstance(rig, Rig):
-                kind_given = type(rig).__name__
-                raise TypeError(f"{function.__name__}: give a rig, as rigtri.read does, not {kind_given}")
+            check_arguments(function, (rig, *others), {"options": options, "report": report})
             if options is not None and keywords:
                 raise TypeError(f"{function.__name__}: give options or {', '.join(keywords)}, not both")
             report = report if report is not None else Report()
@@ -147,6 +146,7 @@ def takes_keywords(kind: type) -> Callable[[Callable[..., T]], Callable[..., T]]
 
         @functools.wraps(function)
         def called(*values: Any, options: Any = None, **keywords: Any) -> T:
+            check_arguments(function, values, {"options": options, **keywords})
             chosen = {word: keywords.pop(word) for word in [*keywords] if word not in own}
             if options is not None and chosen:
                 raise TypeError(f"{function.__name__}: give options or {', '.join(chosen)}, not both")
@@ -165,6 +165,7 @@ def with_keywords(*kinds: type) -> Callable[[F], F]:
     def decorated(function: F) -> F:
         @functools.wraps(function)
         def called(*values: Any, **keywords: Any) -> Any:
+            check_arguments(function, values, keywords)
             with spelled(python_spelling(*kinds), keywords.get("report")):
                 return function(*values, **keywords)
 

@@ -14,6 +14,7 @@ from rigtri.files.input_stream import opened
 from rigtri.formats import Document, ReadOptions
 from rigtri.formats import read as read_document
 from rigtri.limits import TOLERANCE
+from rigtri.model.arguments import typed
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
@@ -57,6 +58,7 @@ class Origin:
         return [*own, *self.document.needed()]
 
 
+@typed
 def read(path: Path | str, options: ReadOptions | None = None) -> Rig:
     """The rig in a file; its suffix names the format. It knows its file, so that `write` can write it.
 
@@ -137,6 +139,7 @@ def _file(origin: Origin) -> Iterator[Path]:
         yield path
 
 
+@typed
 def verify(
     before: Path | str | Source, after: Path | str | Source, *, options: ReadOptions | None = None
 ) -> Comparison:
@@ -161,6 +164,7 @@ def _of_two_formats(one: Source, other: Source) -> Comparison | None:
     return verify_converted(one, other)
 
 
+@typed
 def diff(
     before: Path | str,
     after: Path | str,

@@ -17,6 +17,7 @@ from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.container import glb
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.limits import TOLERANCE
+from rigtri.model.arguments import typed
 from rigtri.model.rig import Rig
 from rigtri.pipeline.files import Origin, known, write
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from pygltflib import GLTF2
 
 
+@typed
 def from_pygltflib(gltf: GLTF2, options: ReadOptions | None = None) -> Rig:
     """The rig in a pygltflib.GLTF2, which stays as it is; files are looked for where it was loaded from.
 
@@ -41,6 +43,7 @@ def from_pygltflib(gltf: GLTF2, options: ReadOptions | None = None) -> Rig:
         return known(GltfDocument.read(path, options, content), path, options, content)
 
 
+@typed
 def to_pygltflib(
     rig: Rig, *, verify: bool = True, tolerance: float = TOLERANCE, strict: bool = False
 ) -> GLTF2:

@@ -11,6 +11,7 @@ import numpy as np
 
 from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.scalar_vector import Vector
+from rigtri.model.arguments import typed
 from rigtri.model.rig import Rig
 from rigtri.recognition.arms_legs import find_limbs
 from rigtri.recognition.chains_in_names import order_of_chains
@@ -48,6 +49,7 @@ _IN_A_ROW = ("front", "second", "third", "fourth", "fifth", "sixth", "seventh")
 _layouts: WeakKeyDictionary[Rig, Layout] = WeakKeyDictionary()
 
 
+@typed
 def recognise(rig: Rig, *, scheme: Sequence[Path | str | Scheme] = ()) -> Layout:
     """The characters of a rig, with chains, joints and words of evidence; and remarks.
 

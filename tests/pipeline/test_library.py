@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from pathlib import Path
@@ -26,6 +27,7 @@ from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFound
 from rigtri.model.constraints import constraints_of
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.options import key_of, options_of
+from rigtri.model.rig import Rig
 from rigtri.operations.operation import from_keywords
 from rigtri.operations.options.convert import ConvertOptions
 from rigtri.operations.orient_joints.orient import OrientJointsOptions
@@ -386,8 +388,6 @@ def test_what_is_drawn_and_described_is_checked_too() -> None:
     rig = rigtri.read(BIPED)
     with pytest.raises(UsageError, match="width=nan: give a whole number"):
         rigtri.describe(rig, width=float("nan"))  # type: ignore[arg-type]
-    with pytest.raises(UsageError, match=r"against=\{\}: give a rig"):
-        rigtri.draw(rig, against={})
     with pytest.raises(UsageError, match=r"title=\{\}: give a text"):
         rigtri.draw(rig, title={})
 
@@ -678,9 +678,43 @@ for function in (read, check):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_what_is_no_rig_is_reported() -> None:
-    with pytest.raises(TypeError, match=r"orient_joints: give a rig, as rigtri\.read does, not NoneType"):
-        rigtri.orient_joints(None)  # type: ignore[arg-type]
+A_RIG = "is to be a Rig, as rigtri.read returns, not"
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda _: rigtri.orient_joints(None), f"orient_joints: rig {A_RIG} NoneType"),
+        (lambda rig: rigtri.orient_joints(rig, report=3), "orient_joints: report is to be a Report, not int"),
+        (lambda rig: rigtri.bake(rig, options={}), "bake: options is to be a BakeOptions, not dict"),
+        (lambda _: rigtri.read(BIPED, options={}), "read: options is to be a ReadOptions, not dict"),
+        (lambda _: rigtri.read(BIPED, "glb"), "read: options is to be a ReadOptions, not str"),
+        (lambda _: rigtri.verify(BIPED, BIPED, options={}), "verify: options is to be a ReadOptions"),
+        (lambda _: rigtri.write("x"), f"write: rig {A_RIG} str"),
+        (lambda _: rigtri.describe(None), f"describe: rig {A_RIG} NoneType"),
+        (lambda _: rigtri.draw(None), f"draw: rig {A_RIG} NoneType"),
+        (lambda rig: rigtri.draw(rig, against={}), f"draw: against {A_RIG} dict"),
+        (lambda _: rigtri.matrix_table("x"), f"matrix_table: rig {A_RIG} str"),
+        (lambda _: rigtri.recognise("x"), f"recognise: rig {A_RIG} str"),
+        (lambda rig: rig.match(None), "a node is found by its name"),
+    ],
+)
+def test_an_argument_of_another_type_is_named(call: Callable[[Rig], object], words: str) -> None:
+    with pytest.raises(TypeError, match=re.escape(words)):
+        call(rigtri.read(BIPED))
+
+
+def test_all_functions_of_the_library_name_a_rig_a_report_and_options_of_another_type() -> None:
+    wrong = object()
+    for name in rigtri.__all__:
+        function = getattr(rigtri, name)
+        if not inspect.isfunction(function) or name in ("explain", "register_usd_schemas"):
+            continue
+        words = inspect.signature(inspect.unwrap(function)).parameters
+        for word in {"rig", "report", "options"}.intersection(words):
+            needed = [p.name for p in words.values() if p.kind is p.POSITIONAL_OR_KEYWORD and p.name != word]
+            with pytest.raises(TypeError, match=f"^{name}: (rig|{word}) is to be a "):
+                function(**dict.fromkeys(needed), **{word: wrong})
 
 
 @pytest.mark.parametrize("name", ["hero.glb", "hero.gltf", "hero.usda", "hero.usdc"])

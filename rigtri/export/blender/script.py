@@ -32,6 +32,7 @@ from rigtri.maths.matrices import determinant, skew
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
+from rigtri.model.arguments import typed
 from rigtri.model.constraints import Constraint, constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
@@ -57,6 +58,7 @@ class Setup:
     plan: dict[str, Any]
 
 
+@typed
 def export_blender(
     path: Path | str, *, options: ReadOptions | None = None, report: Report | None = None
 ) -> str:

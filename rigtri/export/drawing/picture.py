@@ -68,8 +68,6 @@ def draw(
     AmbiguousNameError.
     """
     check(options)
-    if against is not None and not isinstance(against, Rig):
-        raise UsageError(f"against={against!r}: give a rig")
     for word, text in (("title", title), ("title_against", title_against)):
         if not isinstance(text, str):
             raise UsageError(f"{word}={text!r}: give a text")

@@ -26,6 +26,7 @@ from rigtri.export.drawing.style import LEGEND, variables
 from rigtri.export.viewer.page_data import clip_names, clip_number, facts
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import Embedded, ReadOptions, read
+from rigtri.model.arguments import typed
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.pose import warn_outside_clip
@@ -65,6 +66,7 @@ class Begin:
         return self
 
 
+@typed
 def view(
     path: Path | str,
     *,

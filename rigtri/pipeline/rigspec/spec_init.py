@@ -12,6 +12,7 @@ from rigtri.evaluation.zero_pose import idle_ik
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
+from rigtri.model.arguments import typed
 from rigtri.model.characters import characters
 from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
@@ -34,6 +35,7 @@ TWISTS, INFLUENCES = 2, 4
 REACHING = ("arm", "leg", "limb")
 
 
+@typed
 def spec_init(path: Path | str, *, options: ReadOptions | None = None, report: Report | None = None) -> str:
     """A spec in YAML to start from, with steps for the joints of a file, as `rigtri spec-init` writes it.
 
