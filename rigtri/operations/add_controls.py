@@ -50,7 +50,7 @@ from rigtri.operations.control_drawing import (
     requested_members,
 )
 from rigtri.operations.control_frames import ControlAxes, stored_style
-from rigtri.operations.control_sizes import ControlSizes
+from rigtri.operations.control_sizes import ControlSizes, of_twins
 from rigtri.operations.controls_check import refuse_carried
 from rigtri.operations.foot_roll import Foot, rolling_feet
 from rigtri.operations.joint_selection import chosen
@@ -304,10 +304,15 @@ class _Builder:
         return control
 
     def _seat(self, joint: int, kind: ControlKind) -> Seat:
-        share = self.sizes.share_beside(self._with_twin(joint)) if kind == "fk" else 0.0
+        both = self._with_twin(joint)
+        share = self.sizes.share_beside(both) if kind == "fk" else 0.0
         size, normal, shift = self.sizes.of(joint, self.axes.frames.get((joint, kind)), share=share)
         limb = next((limb for limb in self.limbs if kind == "ik" and limb.end == joint), None)
-        size = size if limb is None else self.sizes.of_end(limb)
+        if limb is not None:
+            ends = zip(self._with_twin(limb.middle), both, strict=False)
+            size = of_twins([self.sizes.of_end(*end) for end in ends])
+        elif kind == "fk":
+            size = of_twins([self.sizes.of(node, axes, share=share)[0] for node, axes in both.items()])
         drawing = self._drawing(kind, joint, size, normal, shift=shift)
         return self._parent(joint, kind), self.world[joint, 3, :3], drawing
 

@@ -5,7 +5,7 @@ Skin is as wide as the joint's own part of the mesh at rest, where the plane of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -31,7 +31,6 @@ from rigtri.operations.skin_cuts import (
     outside,
     seen_from,
 )
-from rigtri.recognition.limbs import Limb
 
 # The radius of a shape at least, and without skin, as a share of the bone. Bones shorter than this share of
 # the median count as that.
@@ -121,14 +120,22 @@ class ControlSizes:
             able = bool(from_ == joint and np.abs(along).max() > _ALONG) and self.sections.is_skinned(joint)
         return bone, normal, stand[3, :3], normalise(transform_directions(normal, stand)), able
 
-    def of_end(self, limb: Limb) -> float:
+    def of_end(self, middle: int, joint: int) -> float:
         """Half the edge of a cube around the end of a limb: how thick the limb is where it arrives there."""
-        end, bone = self.world[limb.end, 3, :3], self.world[limb.end, 3, :3] - self.world[limb.middle, 3, :3]
+        end, bone = self.world[joint, 3, :3], self.world[joint, 3, :3] - self.world[middle, 3, :3]
         for place in (end - bone * BEFORE, end) if bone.any() else ():
-            thick = self.sections.thickness([limb.middle, limb.end], place, normalise(bone))
+            thick = self.sections.thickness([middle, joint], place, normalise(bone))
             if thick > 0:
                 return MARGIN * thick
-        return self.of(limb.end)[0]
+        return self.of(joint)[0]
+
+
+def of_twins(sizes: Sequence[float]) -> float:
+    """The size of a control, the first of the sizes, as large as its twin's, if any: one look, left to right.
+
+    Not where the twin has far more around it, as a shield.
+    """
+    return max(size for size in sizes if size <= _WIDER * sizes[0] or size == sizes[0])
 
 
 class SkinSections:
@@ -212,8 +219,8 @@ class SkinSections:
 
         So the length of a foot does not count where its ankle is low.
         """
-        near = [(skinned, skinned.triangles_of(vertices)) for skinned, vertices in self._of(joints)]
-        return half(farthest([skinned.cut(corners, place, normal) for skinned, corners in near], normal))
+        cuts = [skinned.cut_of(vertices, place, normal) for skinned, vertices in self._of(joints)]
+        return half(farthest(cuts, normal))
 
     def points_of(self, joints: list[int]) -> Floats:
         """The points, (v, 3), that joints move most, in the world at rest."""
@@ -308,6 +315,6 @@ def _width(near: list[tuple[SkinnedMesh, Integers]], place: Floats, normal: Floa
     for skinned, vertices in near:
         flat, _ = seen_from(skinned.points[vertices], place, normal)
         whole = max(whole, float(length(flat).max(initial=0.0)))
-        lines = skinned.cut(skinned.triangles_of(vertices), place, normal)
+        lines = skinned.cut_of(vertices, place, normal)
         own = max(own, float(length(lines).max(initial=0.0)))
     return own or whole

@@ -54,13 +54,19 @@ class SkinnedMesh:
         """The vertices, (v,), that rows of the skin's joints move most."""
         return np.unique(self._own.of(np.array(rows)))
 
-    def triangles_of(self, vertices: Integers) -> Integers:
-        """The triangles, (t, 3), that vertices are at, some more than once."""
-        return np.asarray(self.triangles[self._at.of(vertices)])
-
     def cut(self, corners: Integers, place: Floats, normal: Floats) -> Floats:
         """The lines, (m, 2, 3), in which triangles, (t, 3), cut a plane, seen from ``place``."""
         return self.signed_cut(corners, place, normal)[0]
+
+    def cut_of(self, vertices: Integers, place: Floats, normal: Floats) -> Floats:
+        """As `cut`, of the triangles at vertices, (v,).
+
+        One that has a single corner there is skin of another joint, and may reach across the trunk: it
+        counts where no other is cut.
+        """
+        numbers, corners = np.unique(self._at.of(vertices), return_counts=True)
+        lines = self.cut(self.triangles[numbers[corners > 1]], place, normal)
+        return lines if len(lines) else self.cut(self.triangles[numbers], place, normal)
 
     def signed_cut(self, corners: Integers, place: Floats, normal: Floats) -> tuple[Floats, Floats]:
         """As `cut`, and the sign, (m,), with which each line goes round what the surface encloses."""

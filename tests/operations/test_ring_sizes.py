@@ -171,6 +171,33 @@ def test_rings_of_twins_stand_beside_their_joints_alike(names: tuple[str, ...]) 
     assert shifts == pytest.approx(dict.fromkeys(alone, 0.4) if names[1] == "arm.L" else alone)
 
 
+@pytest.mark.parametrize(("left", "expected"), [(0.7, 0.7), (0.4, 0.6), (3.0, 3.0)])
+def test_rings_of_twins_are_as_large_but_for_a_shield(left: float, expected: float) -> None:
+    """Skin of the right arm reaches 0.6 to the side. Before, each ring was as large as its own side."""
+    places = np.array([(0, 0, 0), (1, 0, 0), (3, 0, 0), (-1, 0, 0), (-3, 0, 0)], dtype=np.float64)
+    rig = rig_of(
+        ["root", "arm.L", "hand.L", "arm.R", "hand.R"], [-1, 0, 1, 0, 3], places - places[[0, 0, 1, 0, 3]]
+    )
+    rig = replace(rig, skins=(Skin("skin", np.arange(5), inverse(rig.world)),))
+    boxes = [(k, (1.0, half, half), (x, 0.0, 0.0)) for k, half, x in ((1, left, 2.0), (3, 0.6, -2.0))]
+    built = rigtri.add_controls(with_boxes(rig, *boxes), joints=["arm.L", "arm.R"])
+    wide = MARGIN * np.sqrt(2.0)
+    assert size_of(built, "arm.L") == pytest.approx(max(left, expected) * wide)
+    assert size_of(built, "arm.R") == pytest.approx((expected if left < 1.0 else 0.6) * wide)
+
+
+def test_a_triangle_with_one_corner_of_a_joint_is_not_its_skin() -> None:
+    """One across the trunk made the ring of one arm, of two alike, as wide as that."""
+    rig = chain((0, 0, 0), (1, 0, 0), (3, 0, 0))
+    faces = np.array([(0, 1, 2), (0, 2, 1), (0, 3, 4)])
+    points = np.array([(0.9, 0.2, 0), (2, -0.2, 0.2), (2, 0, -0.2), (1.5, 4, 0), (1.5, 5, 0)])
+    surface = Surface("Mesh", np.full(3, 3), faces.ravel(), np.zeros((0, 3)))
+    joints = np.array([1, 1, 1, 0, 0])[:, np.newaxis]
+    mesh = Mesh("sleeve", 0, points, skin=0, joints=joints, weights=np.ones((5, 1)), surface=lambda: surface)
+    built = rigtri.add_controls(replace(rig, content=Content(read_meshes=lambda: [mesh])), joints=["b"])
+    assert size_of(built, "b") < 1.0
+
+
 def test_the_ring_of_a_joint_without_skin_is_as_wide_as_the_skin_of_the_joint_above() -> None:
     rig = chain((0, 0, 0), (5, 0, 0), (6, 0, 0), (7, 0, 0))
     meshes = [
