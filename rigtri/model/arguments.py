@@ -35,7 +35,7 @@ def check_arguments(function: Callable[..., Any], values: Sequence[Any], keyword
             kind = kinds[name][0].__name__
             source = f", as {_RETURNED_BY[kind]} returns," if kind in _RETURNED_BY else ","
             given = type(value).__name__
-            raise TypeError(f"{function.__name__}: {name} is to be a {kind}{source} not {given}")
+            raise TypeError(f"{function.__name__}: {name} must be a {kind}{source} not {given}")
 
 
 @cache

@@ -46,7 +46,7 @@ def pose_of(
 ) -> PoseCache:
     """The pose, one row for each requested node. What cannot be as requested is a warning of the report.
 
-    written: it is to be a rest pose, which no limb stretched without end can be. Raises UsageError,
+    written: it becomes a rest pose, which no limb stretched without end can be. Raises UsageError,
     NameNotFoundError (a clip), GeometryError (a cycle, such a limb).
     """
     timeline, time = timeline_and_time(rig, options.at)

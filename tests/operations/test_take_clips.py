@@ -440,7 +440,7 @@ def test_one_name_in_place_of_a_list_is_refused() -> None:
 
 
 def test_no_rig_to_take_from_is_an_error_that_reports_what_is_missing() -> None:
-    with pytest.raises(TypeError, match=r"from_ is to be a Rig.*not NoneType"):
+    with pytest.raises(TypeError, match=r"from_ must be a Rig.*not NoneType"):
         take_clips(rig_of(), from_=None)  # type: ignore[arg-type]
 
 

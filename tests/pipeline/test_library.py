@@ -678,18 +678,18 @@ for function in (read, check):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-A_RIG = "is to be a Rig, as rigtri.read returns, not"
+A_RIG = "must be a Rig, as rigtri.read returns, not"
 
 
 @pytest.mark.parametrize(
     ("call", "words"),
     [
         (lambda _: rigtri.orient_joints(None), f"orient_joints: rig {A_RIG} NoneType"),
-        (lambda rig: rigtri.orient_joints(rig, report=3), "orient_joints: report is to be a Report, not int"),
-        (lambda rig: rigtri.bake(rig, options={}), "bake: options is to be a BakeOptions, not dict"),
-        (lambda _: rigtri.read(BIPED, options={}), "read: options is to be a ReadOptions, not dict"),
-        (lambda _: rigtri.read(BIPED, "glb"), "read: options is to be a ReadOptions, not str"),
-        (lambda _: rigtri.verify(BIPED, BIPED, options={}), "verify: options is to be a ReadOptions"),
+        (lambda rig: rigtri.orient_joints(rig, report=3), "orient_joints: report must be a Report, not int"),
+        (lambda rig: rigtri.bake(rig, options={}), "bake: options must be a BakeOptions, not dict"),
+        (lambda _: rigtri.read(BIPED, options={}), "read: options must be a ReadOptions, not dict"),
+        (lambda _: rigtri.read(BIPED, "glb"), "read: options must be a ReadOptions, not str"),
+        (lambda _: rigtri.verify(BIPED, BIPED, options={}), "verify: options must be a ReadOptions"),
         (lambda _: rigtri.write("x"), f"write: rig {A_RIG} str"),
         (lambda _: rigtri.describe(None), f"describe: rig {A_RIG} NoneType"),
         (lambda _: rigtri.draw(None), f"draw: rig {A_RIG} NoneType"),
@@ -713,7 +713,7 @@ def test_all_functions_of_the_library_name_a_rig_a_report_and_options_of_another
         words = inspect.signature(inspect.unwrap(function)).parameters
         for word in {"rig", "report", "options"}.intersection(words):
             needed = [p.name for p in words.values() if p.kind is p.POSITIONAL_OR_KEYWORD and p.name != word]
-            with pytest.raises(TypeError, match=f"^{name}: (rig|{word}) is to be a "):
+            with pytest.raises(TypeError, match=f"^{name}: (rig|{word}) must be a "):
                 function(**dict.fromkeys(needed), **{word: wrong})
 
 

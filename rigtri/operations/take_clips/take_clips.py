@@ -74,7 +74,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     """
     start, edited = rig, options.from_
     if edited is None:
-        raise TypeError("from_ is to be a Rig, the one with the motion, not NoneType; read(path).rig is one")
+        raise TypeError("take_clips: from_ must be a Rig, the one with the motion, not NoneType")
     if options.character is not None:
         alone = without(edited, others_of(rig, edited, options.character))
         one = replace(options, from_=alone, character=None)
