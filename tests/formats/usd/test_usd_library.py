@@ -83,6 +83,17 @@ def test_a_joint_that_no_clip_lists_is_not_taken_for_one_that_is_not_there(tmp_p
     assert "'z'" in cli("add-root", clips, "-o", out, "--overwrite", "--above", rig.labels[1], code=5).stderr
 
 
+def test_joints_keep_the_order_of_the_animation_when_one_gets_a_root(tmp_path: Path) -> None:
+    """Before, they were sorted by depth: what came to lie deeper moved behind its cousins, in a traceback."""
+    text = animation().replace('"a/b"', '"a/z"').replace('"a/b/c"', '"a/b"')
+    source, out = save(tmp_path, library(text)), tmp_path / "out.usda"
+    first = read(source).rig.labels
+    run("add-root", source, "-o", out, "--above", "a/z")
+    run("verify", source, out)
+    labels = (*first[:2], "a/root", *first[2:])
+    assert read(out).rig.labels == tuple(label.replace("a/z", "a/root/z") for label in labels)
+
+
 def test_only_the_animation_is_written(tmp_path: Path) -> None:
     source = save(tmp_path, library(animation()))
     document = read(source)

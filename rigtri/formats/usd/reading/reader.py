@@ -33,6 +33,7 @@ from rigtri.formats.usd.reading.sampled_xforms import notice_shear, sampled_trac
 from rigtri.formats.usd.reading.skeleton_reader import (
     Skeleton,
     joint_parents,
+    nearest_listed,
     outside_of_scene,
     read_skeleton,
 )
@@ -350,8 +351,7 @@ class _Reader:
 
 def _stand_in(prim: Any, animation: Animation, world: Floats) -> Skeleton:
     """The joints of an animation, by the hierarchy in their paths, as it poses them first below ``world``."""
-    # Animations may list their joints in any order; a rig needs parents first.
-    order = sorted(range(len(animation.tokens)), key=lambda k: animation.tokens[k].count("/"))
+    order = _parents_first(animation.tokens)
     tokens = tuple(animation.tokens[k] for k in order)
     parents = joint_parents(animation.path, tokens)
     parts = {name: _first_row(animation.properties.get(name), name, order) for name in NOTHING}
@@ -364,6 +364,18 @@ def _stand_in(prim: Any, animation: Animation, world: Floats) -> Skeleton:
         if name not in animation.properties:
             locked = locked or f"animation <{animation.path}> has no {name}, and no skeleton gives them"
     return Skeleton(animation.path, tokens, parents, bind, rest, False, locked, (animation.path,))
+
+
+def _parents_first(tokens: Sequence[str]) -> list[int]:
+    """The joints in their own order, but none before its parent: animations may list them in any order."""
+    above, order = nearest_listed(tokens).tolist(), dict[int, None]()
+    for joint in range(len(tokens)):
+        line = []
+        while joint >= 0 and joint not in order:
+            line.append(joint)
+            joint = above[joint]
+        order.update(dict.fromkeys(reversed(line)))
+    return list(order)
 
 
 def _first_row(item: Property | None, name: str, order: list[int]) -> Floats:
