@@ -20,11 +20,12 @@ from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.bind_pose import unit_rotations
 from rigtri.evaluation.sampling import between_keys, sorted_unique
 from rigtri.export.conversion.usd_clips import EVEN, unevenness
+from rigtri.export.conversion.usd_samples import PARTS, parts_apart
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.reading.sampled_xforms import along_arcs, matrices_at, turning_ops
 from rigtri.formats.usd.reading.xform_hierarchy import read_transform, value_numbers
 from rigtri.maths.matrices import SKEW, compose, decompose, skew
-from rigtri.maths.quaternions import IDENTITY, angle_between, from_axes, make_continuous, slerp, unit
+from rigtri.maths.quaternions import IDENTITY, angle_between, from_axes, make_continuous, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Track
 from rigtri.text import and_more
@@ -33,7 +34,6 @@ from rigtri.verification.compare.across_formats import PlayedClip, in_a_step
 # How far keys may be off between two of them: radians, and shares of where the prim goes or, where that is
 # less, of what it shows. Prims below each other add up, so it is a part of what a conversion may be off.
 WITHIN = 4e-6
-_PARTS = (3, 7)  # where rotation and scale begin among ten numbers
 
 
 @dataclass(eq=False)
@@ -78,23 +78,18 @@ class PrimMotion:
             return np.concatenate(decompose(_locals(prim, times)), axis=1)
 
         times = sorted_unique(np.concatenate([track.times for track in tracks]))
-        goes = float(np.abs(np.nan_to_num(parts(times))[:, : _PARTS[0]]).max())
+        goes = float(np.abs(np.nan_to_num(parts(times))[:, : PARTS[0]]).max())
         size = max(1e-9, min(goes, most or goes))
 
         def error(found: Floats, left: Floats, right: Floats, share: Floats, at: Floats) -> Floats:
             if (skew(_locals(prim, at)) > SKEW).any():
                 self.sheared.add(first.node)
-            one, two = _PARTS
-            line = left + (right - left) * share[:, np.newaxis]
-            off = np.abs(found - line)
-            turned = angle_between(found[:, one:two], slerp(left[:, one:two], right[:, one:two], share))
-            large = np.maximum(1.0, np.abs(found[:, two:]).max(axis=1))
-            far = np.maximum(off[:, :one].max(axis=1) / size, off[:, two:].max(axis=1) / large)
-            return np.asarray(np.maximum(far, turned))
+            large = np.maximum(1.0, np.abs(found[:, PARTS[1] :]).max(axis=1))
+            return np.asarray(np.max(parts_apart(found, left, right, share, size, large), axis=0))
 
         if len(times) > 1:
             times = adaptive_key_times(parts, error, times, within=WITHIN, of=f"<{prim.GetPath()}>")
-        values = np.split(parts(times), _PARTS, axis=1)
+        values = np.split(parts(times), PARTS, axis=1)
         if not all(np.isfinite(each).all() for each in values):
             return tracks
         return [

@@ -14,8 +14,9 @@ from pxr import Usd
 
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times, straight_times
 from rigtri.evaluation.sampling import sorted_unique
+from rigtri.maths.matrices import decompose
+from rigtri.maths.quaternions import angle_between, slerp
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 
 # The rates at which programs play; the first that has all keys on whole frames is taken.
@@ -26,6 +27,8 @@ _ROUNDING = 2e-7
 _FAR = 1e-4
 # Samples that are nearer to each other than this, in frames, are where rounding one would show.
 _CROWDED = 1e-2
+# Where rotation and scale begin among the ten numbers of a frame's parts.
+PARTS = (3, 7)
 
 
 def rate_of(clips: Sequence[Clip]) -> float:
@@ -73,29 +76,38 @@ def step_before(times: Floats) -> Floats:
     return np.maximum(np.abs(times) * 1e-12, float(Usd.TimeCode.SafeStep()) / RATES[-2])
 
 
-def motion_times(sampled: Callable[[Floats], Floats], times: Floats, within: float) -> Floats:
-    """As many times, those given among them, as straight lines need to follow what is sampled, (f, c)."""
+def frame_times(sampled: Callable[[Floats], Floats], times: Floats, within: float, most: float) -> Floats:
+    """As many times as translations and scales in straight lines and rotations along arcs need to follow a
+    frame, (f, 4, 4).
+
+    within: a share of ``most``, the size of the model by which it is judged, which may be far out, or where
+    that has none of its distance from the origin; radians; and a share of its scale.
+    """
+
+    def parts(times: Floats) -> Floats:
+        return np.concatenate(decompose(sampled(times)), axis=1)
+
+    if len(times) < 2:
+        return times
+    moves, _, scales = np.split(parts(times), PARTS, axis=1)
+    goes = max(float(np.abs(moves).max()), 1e-9)
+    size, large = max(most or goes, _FAR * goes), float(np.abs(scales).max()) or 1.0
 
     def error(found: Floats, left: Floats, right: Floats, share: Floats, _: Floats) -> Floats:
-        return np.asarray(np.abs(found - left - (right - left) * share[:, np.newaxis]).max(axis=1))
+        return np.asarray(sum(parts_apart(found, left, right, share, size, large)))
 
-    return adaptive_key_times(sampled, error, times, within=within) if len(times) > 1 else times
+    return adaptive_key_times(parts, error, times, within=within)
 
 
-def frame_times(sampled: Callable[[Floats], Floats], times: Floats, within: float, most: float) -> Floats:
-    """As many times as straight lines need to follow a frame, (f, 4, 4).
+def parts_apart(
+    found: Floats, left: Floats, right: Floats, share: Floats, size: float, large: float | Floats
+) -> tuple[Floats, Floats, Floats]:
+    """How far parts are, (f,) each, from what lines and arcs between two others give: shares of ``size``,
+    radians, and shares of ``large``.
 
-    within: a share of its distance from the origin, or of ``most`` where that is less: the size of the model
-    by which it is judged, which may be far out. Short axes, as below an armature of 0.01, are as exact.
+    found, left, right: translation, rotation and scale of a frame, (f, 10).
     """
-    frames = sampled(times)
-    goes = max(float(np.abs(frames).max()), 1e-9)
-    size = min(goes, max(most, _FAR * goes))
-    longest = float(length(frames[:, :3, :3]).max())
-    scale = longest if 0.0 < longest < 0.5 else 1.0
-
-    def rows(times: Floats) -> Floats:
-        found = sampled(times)
-        return np.concatenate([found[:, :3] / scale, found[:, 3:]], axis=1).reshape(-1, 16)
-
-    return motion_times(rows, times, within * size)
+    one, two = PARTS
+    off = np.abs(found - left - (right - left) * share[:, np.newaxis])
+    turned = angle_between(found[:, one:two], slerp(left[:, one:two], right[:, one:two], share))
+    return off[:, :one].max(axis=1) / size, turned, off[:, two:].max(axis=1) / large

@@ -41,9 +41,11 @@ from rigtri.progress import counted
 from rigtri.report import Notice
 from rigtri.text import and_more
 
-# How far a baked camera or light may be off between samples, as a share of how far it is from the origin, or
-# of the size of the model.
-BAKED = 1e-6
+# How far a baked camera or light may be off between samples, as a share of the size of the model and of its
+# scale, and in radians: half of what verification sees at corners of a frame, which are farther away.
+BAKED = 5e-7
+# Frames with less skew than this stand and look as without it.
+_SHEARED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -328,14 +330,14 @@ class _Writer:
 
             times = frame_times(sampled, key_times(clip), BAKED, self._judged_by[node])
             frames = sampled(times)
-            if (skew(frames) > BAKED).any():
+            if (skew(frames) > _SHEARED).any():
                 times = frame_times(
                     lambda times: looking_frames(sampled(times)), times, BAKED, self._judged_by[node]
                 )
                 frames = sampled(times)
         rest = rig.normalised_world[node]
         # Shear comes of a scale and a rotation below it, and neither a camera nor a light has a size.
-        if (skew(np.concatenate([frames, rest[np.newaxis]])) > BAKED).any():
+        if (skew(np.concatenate([frames, rest[np.newaxis]])) > _SHEARED).any():
             self.result.sheared.add(node)
             frames, rest = looking_frames(frames), looking_frames(rest)
             if node in self.scene.cameras:

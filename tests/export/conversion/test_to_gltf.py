@@ -19,6 +19,7 @@ from second_opinions import khronos_errors
 from usd_files import MESH, animation, at, deviation, read, save, scene, skeleton
 
 import rigtri
+from rigtri.errors import DeviationError
 from rigtri.evaluation.sampling import Motion, morph_weights, worlds
 from rigtri.evaluation.skinning import deformed
 from rigtri.export.conversion.usd_scene import read_scene
@@ -525,3 +526,18 @@ def test_a_blend_shape_that_is_not_there_moves_nothing(tmp_path: Path) -> None:
     source = save(tmp_path, scene(skeleton(), animation(), MESH.rstrip("}") + shapes))
     cli("convert", source, "-o", tmp_path / "out.glb", code=0)
     assert rigtri.verify(source, tmp_path / "out.glb").deviation < 1e-6
+
+
+def test_a_key_whose_rounding_is_what_differs_is_named(tmp_path: Path) -> None:
+    stage = Usd.Stage.CreateNew(str(tmp_path / "in.usda"))
+    box = UsdGeom.Mesh.Define(stage, "/box")
+    box.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+    box.CreateFaceVertexCountsAttr([3])
+    box.CreateFaceVertexIndicesAttr([0, 1, 2])
+    move = box.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble)
+    for time, far in ((0.0, 0.0), (24.0, 100000001.3)):
+        move.Set(Gf.Vec3d(far, 0, 0), time)
+    stage.Save()
+    words = r"The translation of 'box' in clip 'xforms' is 1e\+08: the float32"
+    with pytest.raises(DeviationError, match=words):
+        rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")

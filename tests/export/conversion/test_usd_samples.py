@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,13 @@ from pxr import Usd
 from rigtri.evaluation.adaptive_sampling import WITHIN
 from rigtri.evaluation.sampling import sample
 from rigtri.export.conversion.usd_samples import (
-    motion_times,
+    frame_times,
     rate_of,
     sample_times,
     step_before,
     time_codes,
 )
+from rigtri.maths.matrices import compose
 from rigtri.maths.quaternions import from_axis_angle, slerp, unit
 from rigtri.model.animation import Clip, Track
 from rigtri.verification.compare.across_formats import at_keys_of
@@ -135,14 +137,19 @@ def test_splines_get_as_many_samples_as_keep_the_motion(path: Any, size: float) 
         assert len(sample_times([one], 1.0)) > 2 * len(times)
 
 
-def test_motion_gets_samples_where_straight_lines_do_not_follow_it() -> None:
-    def bent(times: Any) -> Any:
-        return np.stack([np.abs(times - 0.25), 3.0 * times], axis=1)
+def test_a_frame_gets_samples_where_lines_and_arcs_do_not_follow_it_whatever_its_unit_and_scale() -> None:
+    def bent(times: Any, unit: float, scale: float) -> Any:
+        zero, one = np.zeros_like(times), np.ones_like(times)
+        moves = np.stack([np.abs(times - 0.25), 3.0 * times, zero], axis=1) * unit
+        turns = from_axis_angle([0.0, 1.0, 0.0], 2.0 * times)
+        return compose(moves, turns, np.stack([one] * 3, axis=1) * scale)
 
-    found = motion_times(bent, np.array([0.0, 1.0]), 1e-3)
-    assert 0.25 in found
-    assert len(found) <= 5
-    assert motion_times(bent, np.array([0.5]), 1e-3).tolist() == [0.5]
+    for size in (1e-4, 1.0, 1e4):
+        for scale in (1e-4, 1.0, 1e4):
+            found = frame_times(partial(bent, unit=size, scale=scale), np.array([0.0, 1.0]), 1e-3, size)
+            assert 0.25 in found
+            assert len(found) <= 5
+    assert frame_times(partial(bent, unit=1.0, scale=1.0), np.array([0.5]), 1e-3, 1.0).tolist() == [0.5]
 
 
 def test_samples_beside_a_key_stay_where_motion_is_fast_and_move_to_it_before_a_step() -> None:
