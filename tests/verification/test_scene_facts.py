@@ -37,15 +37,27 @@ def stage_set() -> gltf_files.Builder:
     b.gltf["materials"] = [{"name": "skin", "pbrMetallicRoughness": painted}, {"name": "cloth"}]
     b.gltf["textures"], b.gltf["images"] = [{"source": 0}], [{"uri": "data:image/png;base64,AAAA"}]
     b.gltf["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]
-    b.gltf["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 4}]}}
-    b.gltf["extensionsUsed"] = ["KHR_lights_punctual"]
+    b.gltf["extensions"] = {
+        "KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 4}]},
+        "EXT_lights_image_based": {"lights": [_studio(3), _studio(4)]},
+    }
+    b.gltf["extensionsUsed"] = ["KHR_lights_punctual", "EXT_lights_image_based"]
     b.gltf["nodes"] += [
         {"name": "eye", "camera": 0},
         {"name": "lamp", "extensions": {"KHR_lights_punctual": {"light": 0}}},
     ]
     b.gltf["nodes"][3]["name"] = "body"
-    b.gltf["scenes"] = [{"nodes": [0, 3, 4, 5]}, {"nodes": [0]}]
+    b.gltf["scenes"] = [{"nodes": [0, 3, 4, 5]} | _lit(0), {"nodes": [0]}]
     return b
+
+
+def _studio(intensity: float) -> dict[str, Any]:
+    images = {"specularImageSize": 1, "specularImages": [[0] * 6]}
+    return {"intensity": intensity, "irradianceCoefficients": [[1, 1, 1]] * 9, **images}
+
+
+def _lit(number: int) -> dict[str, Any]:
+    return {"extensions": {"EXT_lights_image_based": {"light": number}}}
 
 
 def _lights(gltf: Any) -> Any:
@@ -94,6 +106,22 @@ GLTF_FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
     "a light where none was": (
         lambda g: g["nodes"][1].update(extensions={"KHR_lights_punctual": {"light": 0}}),
         "light type of joint 1 is spot, was none",
+    ),
+    "other surroundings": (
+        lambda g: g["scenes"][0].update(_lit(1)),
+        "image-based light intensity of the scene that is shown is 4, was 3",
+    ),
+    "no surroundings": (
+        lambda g: g["scenes"][0].pop("extensions"),
+        "image-based light specularImageSize of the scene that is shown is none, was 1",
+    ),
+    "surroundings where none were": (
+        lambda g: g["scenes"][1].update(_lit(1)),
+        "image-based light intensity of scene #1 is 4, was none",
+    ),
+    "brighter surroundings": (
+        lambda g: g["extensions"]["EXT_lights_image_based"]["lights"][0].update(intensity=5),
+        "image-based light intensity of the scene that is shown is 5, was 3",
     ),
     "another colour of light": (
         lambda g: _lights(g)[0].update(color=[1, 0, 0]),

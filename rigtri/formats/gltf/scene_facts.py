@@ -1,7 +1,7 @@
 """What a glTF file shows besides poses, from its JSON alone.
 
 Source: glTF 2.0 §3.5.1 (scenes), §3.10 (cameras), §3.7.2 (primitives);
-KHR_lights_punctual; KHR_node_visibility.
+KHR_lights_punctual; KHR_node_visibility; EXT_lights_image_based.
 """
 
 from __future__ import annotations
@@ -15,17 +15,20 @@ from rigtri.formats.json_values import object_at, object_in
 from rigtri.model.scene_facts import SceneFacts, flat
 
 LIGHTS = "KHR_lights_punctual"
+IMAGE_LIGHTS = "EXT_lights_image_based"
 VISIBILITY = "KHR_node_visibility"
 # What members mean that are not there: stating it adds nothing.
 _PLAIN_LIGHT: dict[str, Any] = {
     "light color": [1, 1, 1],
     "light intensity": 1,
     "light spot innerConeAngle": 0,
+    "image-based light rotation": [0, 0, 0, 1],
+    "image-based light intensity": 1,
 }
 
 
 def read_scene_facts(gltf: Mapping[str, Any], tree: Tree) -> SceneFacts:
-    """The facts of each node that shows something, by its place in the rig."""
+    """The facts of each node that shows something, by its place in the rig, and what lights scenes."""
     nodes = gltf.get("nodes", [])
     shown = [index for index in tree.order if shows(nodes[index])]
     scenes = _scenes(gltf, tree)
@@ -38,15 +41,13 @@ def read_scene_facts(gltf: Mapping[str, Any], tree: Tree) -> SceneFacts:
         own.update(_light(gltf, node))
         own.update(_primitives(gltf, node))
         facts[tree.place[index]] = own
-    return SceneFacts("glTF", {}, facts)
+    return SceneFacts("glTF", dict(_surroundings(gltf)), facts)
 
 
 def _scenes(gltf: Mapping[str, Any], tree: Tree) -> list[tuple[str, ...]]:
     """For each node of the file the scenes that it is in; the one that is shown is called so."""
-    shown = gltf.get("scene", 0)
     roots: dict[Any, list[str]] = {}
-    for number, scene in enumerate(gltf.get("scenes", [])):
-        title = "the scene that is shown" if number == shown else f"scene #{number}"
+    for title, scene in _titled(gltf):
         for root in scene.get("nodes") or ():
             roots.setdefault(root, []).append(title)
     found: list[tuple[str, ...]] = [()] * len(tree.order)
@@ -54,6 +55,20 @@ def _scenes(gltf: Mapping[str, Any], tree: Tree) -> list[tuple[str, ...]]:
         above = tree.above[index]
         found[index] = (*(found[above] if above >= 0 else ()), *roots.get(index, ()))
     return found
+
+
+def _titled(gltf: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """The scenes of a file, each with what it is called."""
+    shown = gltf.get("scene", 0)
+    for number, scene in enumerate(gltf.get("scenes", [])):
+        yield "the scene that is shown" if number == shown else f"scene #{number}", scene
+
+
+def _surroundings(gltf: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """The light that surrounds each scene; images are known by their numbers, as materials without names."""
+    for title, scene in _titled(gltf):
+        for name, value in _used(gltf, scene, IMAGE_LIGHTS, "image-based light"):
+            yield f"{name} of {title}", value
 
 
 def _hidden(nodes: Sequence[Mapping[str, Any]], tree: Tree) -> list[bool]:
@@ -71,10 +86,17 @@ def _lens(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[st
 
 
 def _light(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    used = object_in(object_in(node, "extensions"), LIGHTS)
+    return _used(gltf, node, LIGHTS, "light")
+
+
+def _used(
+    gltf: Mapping[str, Any], user: Mapping[str, Any], extension: str, word: str
+) -> Iterator[tuple[str, Any]]:
+    """The light of an extension that a node or a scene uses."""
+    used = object_in(object_in(user, "extensions"), extension)
     if used:
-        among = object_in(object_in(gltf, "extensions"), LIGHTS).get("lights")
-        for name, value in flat(object_at(among, used.get("light")), "light"):
+        among = object_in(object_in(gltf, "extensions"), extension).get("lights")
+        for name, value in flat(object_at(among, used.get("light")), word):
             if value != _PLAIN_LIGHT.get(name):
                 yield name, value
 
