@@ -18,6 +18,7 @@ from pxr import Usd
 from rigs import chain
 from taken_clips import BIPED, apart, notices, places, rig_of, split, turned_key, with_tracks
 
+from rigtri.cli.take_clips import summary
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import bind_pose, sampling
 from rigtri.evaluation.constraint_solver import to_parts
@@ -957,3 +958,14 @@ def test_joints_with_keys_between_first_and_last_say_when_frames_are(
     held = [(0, [0.0, 1.0, 2.0, 3.0]), (1, joints)]
     tracks = [Track(n, "scale", "LINEAR", np.array(t), np.ones((len(t), 3))) for n, t in held if t]
     assert Transfer(bodies, Clip("walk", tracks), None, lambda times: times).joint_frames.tolist() == frames
+
+
+def test_nodes_of_one_name_are_counted_and_listed_as_several() -> None:
+    rig = rig_of()
+    both = [rig.find(name) for name in ("forearm_L", "forearm_R")]
+    edited = turned_key(turned_key(rig, "forearm_L"), "forearm_R")
+    names = tuple("forearm" if node in both else name for node, name in enumerate(rig.names))
+    report = Report()
+    take_clips(replace(rig, names=names), from_=replace(edited, names=names), clip="walk", report=report)
+    assert "2 tracks of 2 nodes transferred" in summary(report)
+    assert set(report.added[0]["changed"]) == {f"forearm ({rig.labels[node]})" for node in both}

@@ -327,3 +327,17 @@ def test_splines_become_straight_keys_where_the_format_has_none(tmp_path: Path) 
         apart = np.abs(there[:, edited.find(name), 3, :3] - here[:, home.find(name), 3, :3]).max()
         assert apart < 2e-5
     assert {track.interpolation for track in made.tracks} <= {"LINEAR", "STEP"}
+
+
+@pytest.mark.parametrize("scale", [(-1.0, 1.0, 1.0), (1.0, 1.0, -1.0)])
+def test_a_file_that_is_mirrored_against_the_other_is_named(scale: tuple[float, float, float]) -> None:
+    rig = rig_of()
+    mirrored = rig.scale.copy()
+    mirrored[0] = scale
+    for one, other, name, free in (
+        (rig, replace(rig, scale=mirrored), "EDITED", "RIG"),
+        (replace(rig, scale=mirrored), rig, "RIG", "EDITED"),
+    ):
+        words = f"^{name} is mirrored by a negative scale from 'biped' on, and {free} is not"
+        with pytest.raises(GeometryError, match=words):
+            take_clips(one, from_=other)

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.maths.matrices import determinant
 from rigtri.maths.ranking import SAME_SHARE, ranked
 from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
@@ -64,10 +65,16 @@ def checked_bodies(both: Counterparts, every: Sequence[Taken], report: Report) -
     _refuse_other_nodes(both, every)
     refuse_infinite_motion(both, every)
     driven = {track.node for taken in every for track in taken.clip.tracks if track.path != "weights"}
-    bodies = _of_one_skeleton(both, {both.back[node] for node in driven if node in both.back})
+    try:
+        bodies = _of_one_skeleton(both, {both.back[node] for node in driven if node in both.back})
+        stood = stood_up(bodies.both, every, report)
+    except GeometryError as error:
+        if why := _mirrored(both):  # bones that point elsewhere, or a body that lies, is what follows
+            raise GeometryError(why) from error
+        raise
+    if stood is not bodies.both:
+        bodies = Proportions(stood)
     both = bodies.both
-    if (stood := stood_up(both, every, report)) is not both:
-        both, bodies = stood, Proportions(stood)
     warn_differences(both, report)
     warn_facing(both, report)
     warn_lengths(bodies, report)
@@ -92,6 +99,23 @@ def _refuse_other_nodes(both: Counterparts, every: Sequence[Taken]) -> None:
             f"EDITED's clips move nothing that RIG has: they move {names}, and RIG has {ours}. "
             "Is one an export of the other?"
         )
+
+
+def _mirrored(both: Counterparts) -> str:
+    """Which file is mirrored against the other, and from where on, in words; "" where none is."""
+    ours, theirs = np.array([*both.of]), np.array([*both.of.values()])
+    rigs = (both.rig.normalised_world[ours], both.other.normalised_world[theirs])
+    mine, other = (np.sign(determinant(worlds)) for worlds in rigs)
+    apart = mine * other < 0
+    if 2 * np.count_nonzero(apart) <= len(apart):
+        return ""
+    theirs_is = 2 * np.count_nonzero(other[apart] < 0) > np.count_nonzero(apart)
+    files = ("EDITED", "RIG") if theirs_is else ("RIG", "EDITED")
+    return (
+        f"{files[0]} is mirrored by a negative scale from '{both.rig.title(int(ours[apart].min()))}' on, and "
+        f"{files[1]} is not, so motion of the one is another in the other. Apply that scale in the DCC, and "
+        f"export {files[0]} again"
+    )
 
 
 def _of_one_skeleton(both: Counterparts, moved: Collection[int]) -> Proportions:

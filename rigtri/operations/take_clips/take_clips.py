@@ -385,7 +385,7 @@ class _Taking:
                 "new": self.taken.home is None and bool(self.changed),
                 "clip": name,
                 "from": list(self.taken.parts),
-                "changed": sorted({self.rig.names[t.node] for t in self.changed}),
+                "changed": sorted({self.rig.title(t.node) for t in self.changed}),
                 "tracks": len(self.changed),
                 "keys": sum(len(track.times) for track in self.changed),
                 "keys_before": sum(len(old.times) for old in replaced if old is not None),
