@@ -63,12 +63,13 @@ def folded(
     """Joints (v, k) and weights (v, k) after a fold; what no joint that goes had a part in keeps its bits.
 
     rows, at: as in `JointMerge`. What a point has of a joint and of those that it inherits is added up in
-    the place of the first of them along the bone, which a redistribution has put there. Of columns at the
-    end, those that held something and do no longer go, and those behind them, but for the first ``width``.
+    the place of the first of them along the bone, which a redistribution has put there. A joint that the skin
+    does not have stays one that it has not. Of columns at the end, those that held something and do no longer
+    go, and those behind them, but for the first ``width``.
     """
     inside = np.clip(joints, 0, len(rows) - 1)
-    live = weights != 0
-    out_joints, out_weights = np.where(live | (rows[inside] == joints), rows[inside], 0), weights.copy()
+    live, heirs = weights != 0, np.where(inside == joints, rows[inside], joints)
+    out_joints, out_weights = np.where(live | (rows[inside] == joints), heirs, 0), weights.copy()
     for later in range(1, joints.shape[1]):
         for first in range(later):
             both = (out_weights[:, first] != 0) & (out_weights[:, later] != 0)

@@ -192,3 +192,10 @@ def test_points_without_influences_have_none_afterwards() -> None:
     none = np.zeros((2, 0), dtype=np.int64), np.zeros((2, 0))
     assert [each.shape for each in limited(*none, WeightLimit(4))] == [(2, 0), (2, 0)]
     assert [each.shape for each in folded(np.arange(3), np.zeros(3), *none)] == [(2, 0), (2, 0)]
+
+
+def test_a_joint_that_the_skin_does_not_have_stays_one_that_it_has_not() -> None:
+    joints, weights = np.array([[0, 255, 2, 9]]), np.array([[0.25, 0.5, 0.25, 0.0]])
+    found, kept = folded(np.array([0, 1, 0]), np.array([1.0, 0.0, 0.5]), joints, weights)
+    assert found.tolist() == [[0, 255, 0, 0]]
+    assert kept.tolist() == [[0.0, 0.5, 0.5, 0.0]]
