@@ -132,7 +132,9 @@ def _heir(rig: Rig, node: int, gone: frozenset[int], skin: Skin) -> int:
     """The row of the bone that a twist joint stands along, which its weight was split from; -1 for none."""
     twist = rig.records(TwistRecord).get(node)
     bone = None if twist is None else rig.known(twist.joint)
-    places = np.flatnonzero(skin.joints == (-1 if bone is None or bone in gone else bone))
+    # One that does not follow the bone of its record has its weight of another.
+    lost = bone is None or bone in gone or not rig.is_below(node, bone)
+    places = np.flatnonzero(skin.joints == (-1 if lost else bone))
     return int(places[0]) if len(places) else -1
 
 

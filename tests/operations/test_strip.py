@@ -232,3 +232,14 @@ def test_a_twist_joint_with_weight_that_was_turned_at_rest_is_named(step: str, t
     rig = rigtri.strip(rig) if step == "strip" else rigtri.add_twist(rig, limbs="auto")
     with pytest.raises(DeviationError, match=r"bones: 'upper_arm_L_twist_1' \(along 'upper_arm_L'\)"):
         rigtri.write(rig, tmp_path / "out.glb")
+
+
+def test_a_twist_joint_whose_record_names_a_bone_elsewhere_is_named(tmp_path: Path) -> None:
+    """Before, the points went with that bone, and the comparison refused it."""
+    split = rigtri.add_twist(rigtri.read(SAMPLES / "biped.glb"), limbs="auto", split_weights=True)
+    rigtri.write(split, tmp_path / "split.glb")
+    split = rigtri.read(tmp_path / "split.glb")
+    twist = split.find("forearm_L_twist_1")
+    metadata = {**split.metadata, twist: {**split.metadata[twist], "joint": "shin_R"}}
+    with pytest.raises(GeometryError, match="move with 'forearm_L_twist_1', which is to go"):
+        rigtri.strip(replace(split, metadata=metadata))
