@@ -60,11 +60,10 @@ from rigtri.recognition.shape_doubts import (
     upside_down,
 )
 from rigtri.recognition.split_bones import clavicle_part, further_part, no_hand, split_bone
+from rigtri.recognition.unlike_twins import joint_more, unlike_twin
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
 _UNSURE = 0.6
-# Bones of twins are alike up to this part of their length.
-_TWINS = 0.15
 # Bones of one limb are at least so long a part of each other.
 _BALANCE = 0.4
 # Of a body without legs and without a second arm, so many bones beside the arm's own, or fingers, are named.
@@ -98,9 +97,9 @@ def unsure(draft: Draft, each: Found, why: str) -> Found:
 def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """The first doubt of a limb: of those of every limb, then of names or of shapes, whichever tell it."""
     if len(each.joints) != 3:
-        doubts = (_no_trunk, lost_third, miscounted, *_alone(_no_bend))
+        doubts = (_no_trunk, lost_third, miscounted, joint_more, *_alone(_no_bend))
     else:
-        doubts = (*_OF_ANY, *(_OF_NAMES if _is_named(draft, each) else _OF_SHAPES))
+        doubts = (*_OF_ANY, *(_OF_NAMES if _is_named(draft, each) else _OF_SHAPES), *_OF_TWINS)
     return next(filter(None, (doubt(draft, each, found) for doubt in doubts)), "")
 
 
@@ -182,20 +181,6 @@ def _unnamed_between(draft: Draft, each: Found) -> str:
     return ""
 
 
-def _unlike_twin(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """The limb of the other side has other bones, and shape does not tell that this one is right."""
-    twin = _twin(each, found)
-    if AGREED in each.evidence or twin is None:
-        return ""
-    tree = draft.tree
-    for a, b in ((0, 1), (1, 2)):
-        mine, other = ((tree.at[k.joints[b]] - tree.at[k.joints[a]]).length for k in (each, twin))
-        steps = [len(tree.way(k.joints[a], k.joints[b])) for k in (each, twin)]
-        if abs(mine - other) > _TWINS * max(mine, other) or steps[0] != steps[1]:
-            return f"the {twin.side} {twin.kind} has other bones"
-    return ""
-
-
 def _counted(draft: Draft, each: Found) -> str:
     """A limb of joints that names only count, more than three, where shape does not tell which bend.
 
@@ -210,12 +195,6 @@ def _counted(draft: Draft, each: Found) -> str:
     words = {parse_name(names[joint]).plain for joint in each.joints}
     more = [k for k in below if words == {parse_name(names[k]).plain} and numbers_in(names[k])]
     return f"its joints are counted on to {_title(draft, more[0])}, and any three may bend" if more else ""
-
-
-def _twin(each: Found, found: Sequence[Found]) -> Found | None:
-    """The limb of the other side that bends, too."""
-    sides, bent = {"left", "right"}, (k for k in found if k.kind == each.kind and len(k.joints) == 3)
-    return next((k for k in bent if {k.side, each.side} == sides), None)
 
 
 def _is_named(draft: Draft, each: Found) -> bool:
@@ -355,10 +334,10 @@ _OF_ANY = (
     _no_trunk,
     _no_body,
 )
+_OF_TWINS = (unlike_twin, joint_more)
 _OF_NAMES = (
     *_alone(_unnamed_between),
     called_end,
-    _unlike_twin,
     *_alone(_counted, one_of_several, split_bone),
     named_twice,
     arm_below_a_lying_trunk,

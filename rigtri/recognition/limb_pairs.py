@@ -171,7 +171,8 @@ def _middlemost(tree: Tree, pair: Pair, at: int) -> Pair:
     if [path[at] for path in pair.paths] == ends:
         return pair
     one, other = ((*path[:at], end, *tree.paths[end][1:]) for path, end in zip(pair.paths, ends, strict=True))
-    return replace(pair, paths=(one, other))
+    same = min(len(one), len(other))  # the finger of one hand may have a joint more
+    return replace(pair, paths=(one[:same], other[:same]))
 
 
 def _middle_of(tree: Tree, node: int) -> int:
