@@ -457,6 +457,27 @@ def test_mirrored_spaces_warn_of_keys_that_count_from_elsewhere(
 
 
 @pytest.mark.parametrize(
+    ("keyed", "told"),
+    [
+        ("forearm_R_pole", "forearm_R_pole has keys in reach and follows"),
+        ("upper_arm_R", "upper_arm_R has keys in reach and follows"),  # by FK until now
+        ("thigh_R", ""),
+    ],
+)
+def test_a_mirrored_space_of_a_pole_vector_overrules_keys_also_where_its_parent_is(
+    keyed: str, told: str, samples: Path
+) -> None:
+    """Before, the next bake gave other motion without a word: the limb followed IK, and its pole no keys."""
+    rig = add_controls(read(samples / "biped.glb").rig, whole_character=True)
+    rig = constrain(rig, options=ConstrainOptions(child="forearm_L_pole", space=("root", "world")))
+    keys = Track(rig.find(keyed), "translation", "STEP", np.zeros(1), np.full((1, 3), 0.1))
+    report = Report()
+    mirror(replace(rig, clips=(Clip("reach", (keys,)),)), options=MirrorOptions(), report=report)
+    said = [each.text for each in report.warnings if each.code == "mirror-moves"]
+    assert [text.split(" a constraint")[0] for text in said] == ([told] if told else [])
+
+
+@pytest.mark.parametrize(
     ("keyed", "clip"),
     [
         ("chest_ctl", "reach"),

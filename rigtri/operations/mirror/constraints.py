@@ -52,8 +52,7 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             same_values(stored, built.metadata[k], farthest_joint(rig)) for k, stored in rig.metadata.items()
         )
         if not same:
-            if not (keep and _follows_parent(rig, mirrored)):
-                _warn_keyed(rig, mirrored, report)
+            _warn_keyed(rig, mirrored, report, carried=keep and _follows_parent(rig, mirrored))
             _warn_switched(rig, rule, report)
             fresh.append(mirrored)
         return rig if same else built
@@ -71,9 +70,12 @@ def _follows_parent(rig: Rig, rule: Constraint) -> bool:
     return rule.kind == "parent" and counting == {parent}
 
 
-def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
-    """Warn of clips whose keys a new rule overrules, or lets count from elsewhere: bakes then differ."""
-    moved = _moved(rig, rule)
+def _warn_keyed(rig: Rig, rule: Constraint, report: Report, *, carried: bool) -> None:
+    """Warn of clips whose keys a new rule overrules, or lets count from elsewhere: bakes then differ.
+
+    carried: the child is where its parent carries it, as before.
+    """
+    moved = _overruled(rig, rule) if carried else _moved(rig, rule)
     keyed = {clip.name: moved & clip.nodes for clip in rig.clips}
     if nodes := set[int]().union(*keyed.values()):
         names = and_more([rig.title(node) for node in sorted(nodes)], 6)
@@ -122,6 +124,22 @@ def _joints_below(rig: Rig, moved: set[int]) -> set[int]:
 
 def _moved(rig: Rig, rule: Constraint) -> set[int]:
     """The nodes whose keys count otherwise with a rule: what it moves, and what is below that."""
+    moved = _held(rig, rule)
+    if rule.kind != "polevector":  # which bends a limb, and leaves its end where it is
+        moved |= _carried(rig, moved)
+    return moved
+
+
+def _overruled(rig: Rig, rule: Constraint) -> set[int]:
+    """The same for a rule that leaves its child where its parent carries it: what is below goes with it.
+
+    A control keeps its keys below an offset that follows; any other child has none of its own from now on.
+    """
+    return set() if rule.child in rig.records(OffsetRecord) else _held(rig, rule)
+
+
+def _held(rig: Rig, rule: Constraint) -> set[int]:
+    """What a rule moves itself: its child, with the control below an offset, and what that moves."""
     limbs = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
     limbs |= {node: record.chain for node, record in rig.records(ControlRecord).items() if record.chain}
     moved = {rule.child}
@@ -135,8 +153,6 @@ def _moved(rig: Rig, rule: Constraint) -> set[int]:
         moved.update(map(rig.find, limbs[rule.child]))
     elif control is not None and (joint := rig.known(control.joint)) is not None:
         moved.add(joint)  # so it is with an FK control and its joint
-    if rule.kind != "polevector":  # which bends a limb, and leaves its end where it is
-        moved |= _carried(rig, moved)
     return moved
 
 
