@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import controls_at_work, skeleton_size
-from rigtri.evaluation.pose_cache import sample_parts
+from rigtri.evaluation.active_controls import controls_at_work, posed_in, skeleton_size
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import Timeline, timelines
+from rigtri.evaluation.timelines import Timeline, put_tracks, timelines
 from rigtri.evaluation.zero_pose import SAME_POSITION, ControlsAtZero, moved_controls
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.limits import TOLERANCE
@@ -26,10 +26,13 @@ from rigtri.maths.quaternions import angle_between, from_axes, rotates
 from rigtri.maths.ranking import SAME_SHARE, first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.animation import PATHS, Track
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 from rigtri.text import and_more
 
+# The channels of a control that moves nothing, as PATHS.
+_ZERO = (np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), np.ones(3))
 # Radians: what stands a tenth of the size from a node that turns by less moves by less than the tolerance.
 _TURNED = 10.0 * TOLERANCE
 
@@ -62,6 +65,23 @@ def refuse_other_rest(rig: Rig, after: Rig, moved: Sequence[int]) -> None:
     if free := set(moved) - set(was.fk):
         _refuse_other_zero(rig, after, was, free)
         _refuse_other_root(rig, after, was, free)
+
+
+def with_poses_held(rig: Rig, after: Rig) -> Rig:
+    """After, with keys of the pose of controls that only where they rest keeps at work in clips of ``rig``.
+
+    Where their joints get keys of the old rest pose, these would else take over in the next bake.
+    """
+    still = PoseCache(rig)
+    for one, other in zip(timelines(rig), timelines(after), strict=True):
+        keys = [
+            Track(control, path, "STEP", key_times(other.clip)[:1], part)
+            for control in sorted(posed_in(rig, one) - posed_in(after, other))
+            for path, part, zero in zip(PATHS, still.part(control), _ZERO, strict=True)
+            if (part != zero).any()
+        ]
+        after = put_tracks(after, other, keys)
+    return after
 
 
 def warn_old_rest(rig: Rig, moved: Sequence[int], report: Report) -> None:

@@ -90,8 +90,9 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     taken = replace(taken, clips=clips)
     if rig.nodes_of("control"):
         # With the solver of controls, which a character without them does not import.
-        from rigtri.operations.controls_check import refuse_other_rest, warn_old_rest
+        from rigtri.operations.controls_check import refuse_other_rest, warn_old_rest, with_poses_held
 
+        taken = with_poses_held(rig, taken)
         refuse_other_rest(rig, taken, moved)
         warn_old_rest(taken, moved, report)
     warn_shown(rig, taken, moved, report, "no animation moves their skeleton, which could keep the old pose")

@@ -25,6 +25,7 @@ from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Path as AnimatedPath
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.operations.controls_check import refuse_other_rest
@@ -573,6 +574,36 @@ def test_controls_that_stay_in_the_old_rest_pose_are_named_with_what_mends_it(ke
     back = Report()
     set_rest(out, options=SetRestOptions(pose="bind"), report=back)
     assert not back.warned("controls-old-rest")
+
+
+@pytest.mark.parametrize(
+    ("control", "channels"),
+    [
+        ("forearm_L_ctl", {"rotation": [0.0, 0.0, 0.6, 0.8]}),
+        ("hand_L_ik_ctl", {"translation": [-0.1, 0.1, 0.05]}),
+    ],
+)
+def test_a_control_that_is_posed_at_rest_stays_so_in_clips_without_keys_of_its_joints(
+    control: str, channels: dict[AnimatedPath, list[float]]
+) -> None:
+    """Before, the keys of the old rest pose took over in the next bake: 0.1 of the size, without a word."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
+    node = rig.find(control)
+    posed = {path: getattr(rig, path).copy() for path in channels}
+    for path, value in channels.items():
+        posed[path][node] = value
+    rig = replace(rig, **posed)
+    wave = next(k for k, clip in enumerate(rig.clips) if clip.name == "wave")
+    times = key_times(rig.clips[wave])
+
+    def joints(of: Rig) -> np.ndarray:
+        return worlds(of, locals_at(of, of.clips[wave], times))[:, of.is_joint, 3, :3]
+
+    was = joints(rigtri.bake(rig, to="joints"))
+    assert np.abs(was - joints(rig)).max() > 0.05
+    taken = rigtri.set_rest(rig, pose="apose")
+    assert {track.path for track in taken.clips[wave].tracks if track.node == node} == set(channels)
+    assert np.abs(joints(rigtri.bake(taken, to="joints")) - was).max() < 1e-6
 
 
 def _off_at_zero(rig: Rig) -> float:
