@@ -135,7 +135,7 @@ def _whose(draft: Draft) -> str:
 def _head(draft: Draft, limbs: Sequence[Found], *, has_arms: bool) -> None:
     """limbs: beyond which neck and head are: arms, the front legs of a quadruped, or else legs."""
     bones = draft.known_bones
-    neck, head = _neck(draft), bones.get("head", -1)
+    neck, head = (_without_volume(draft, node) for node in (_neck(draft), bones.get("head", -1)))
     sure, why = (0.99 if draft.certain else 0.92), _whose(draft)
     if not (draft.certain or any(each.is_sure for each in limbs) or has_hips_or_spine(draft)):
         sure = _ALONE
@@ -184,6 +184,20 @@ def _neck(draft: Draft) -> int:
         return neck
     spine = parse_name(tree.rig.names[neck]).plain
     return next((k for k in tree.below[chest] if parse_name(tree.rig.names[k]).plain == spine), -1)
+
+
+def _without_volume(draft: Draft, node: int) -> int:
+    """The joint beside or above a leaf that has its words after one letter: the leaf is a volume of that.
+
+    Source: Second Life, whose collision volumes ``HEAD`` and ``NECK`` hang at ``mHead`` and ``mNeck``.
+    """
+    tree, names = draft.tree, draft.tree.rig.names
+    if node < 0 or draft.certain or tree.below[node] or tree.above[node] < 0:
+        return node
+    own, over = parse_name(names[node]).kept, tree.above[node]
+    words = {k: parse_name(names[k]).kept for k in (over, *tree.below[over])}
+    bones = [k for k, kept in words.items() if own and kept[1:] == own and len(kept[0]) == 1]
+    return bones[0] if len(bones) == 1 else node
 
 
 def _below_head(draft: Draft, head: int) -> int:

@@ -135,3 +135,14 @@ def test_what_stands_above_legs_alone_is_no_sure_head() -> None:
     head = next(chain for chain in character.chains if chain.kind == "head")
     assert not head.is_sure
     assert head.evidence == ("is beyond the legs",)
+
+
+@pytest.mark.parametrize("over", ["mHead", "mNeck"])
+def test_a_collision_volume_of_second_life_is_not_the_head(over: str) -> None:
+    """Before, ``HEAD`` was the head and ``mHead`` a part of the neck, or ``mNeck`` the head."""
+    names = {"hips": "mPelvis", "spine": "mTorso", "chest": "mChest", "neck": "mNeck", "head": "mHead"}
+    body = [(names.get(own, own), names.get(above, above), at) for own, above, at in BODY if own != "jaw"]
+    volumes: list[Joint] = [("HEAD", over, (0, 1.67, 0.04)), ("NECK", "mNeck", (0, 1.54, 0))]
+    for count in (1, 2):
+        joints = [*body, *volumes[:count]]
+        assert found(rig_with(joints), joints) == {"neck": ["mNeck"], "head": ["mHead"]}
