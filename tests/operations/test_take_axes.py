@@ -294,6 +294,26 @@ def test_a_mirrored_node_moves_as_in_a_file_that_mirrors_all_its_axes(angle: flo
     assert (home.clips == rig.clips) == (angle == 0.0)
 
 
+@pytest.mark.parametrize("preset", ["talk", "blender", "maya"])
+def test_a_side_that_is_mirrored_by_one_axis_moves_as_in_a_file_with_oblique_axes(preset: str) -> None:
+    """Before, this was refused, and keys were asked for that there were."""
+    rig = rig_of()
+    scale = rig.scale.copy()
+    scale[rig.find("clavicle_R")] = [-1.0, 1.0, 1.0]
+    rig = replace(rig, scale=scale)
+    skins = [replace(skin, inverse_bind=inverse(rig.world[skin.joints])) for skin in rig.skins]
+    rig = replace(rig, skins=tuple(skins))
+    turned = orient_joints(rig, preset=preset)
+    for one, other in ((rig, turned), (turned, rig)):
+        times = sampling.key_times(other.clip("walk"))
+        home = take_clips(one, from_=other)
+        there, here = (
+            sampling.worlds(each, sampling.locals_at(each, each.clip("walk"), times))[:, rig.is_joint, 3, :3]
+            for each in (other, home)
+        )
+        assert np.abs(here - there).max() <= 1e-6
+
+
 def test_controls_of_plain_nodes_are_bones_of_their_own_in_another_world() -> None:
     """Blender's world has z up: nodes stand in it as the top one does, and bones each in their own axes."""
     points = np.array([[0, 0, 0], [0, 2, 0], [1, 2, 0], [0, 0, 0]], dtype=float)

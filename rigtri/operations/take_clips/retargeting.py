@@ -98,7 +98,7 @@ class Transfer:
         if not self.is_carried(node) and _mappable(left, right, own):
             place = self._in_parent(node)
             placed = right if place is None else multiply(right, place)
-            signs = self._signs(node, left)
+            left, signs = self._folded(node, left)
             tracks = (
                 _signed(_mapped(track, node, left, placed if track.path == "translation" else right), signs)
                 for track in own.values()
@@ -116,8 +116,25 @@ class Transfer:
             return None
         if track.path == "translation" and (place := self._in_parent(node)) is not None:
             right = multiply(right, place)
-        track = _signed(track, self._signs(node, left))
+        left, signs = self._folded(node, left)
+        track = _signed(track, signs)
         return _mapped(track, self.both.of[node], inverse(left), inverse(right))
+
+    def _folded(self, node: int, left: Floats) -> tuple[Floats, Floats]:
+        """The turn of a node's axes and `_signs`; with the signs of scale of both files in it where axes
+        stand obliquely, so that no signs of theirs are signs along ours."""
+        axes = _axes(left)
+        if (np.abs(axes - np.rint(axes)) <= 1e-9).all() or "scale" in self.driven.get(self.both.of[node], {}):
+            return left, self._signs(node, left)
+        ours, theirs = (
+            np.sign(rest_parts(rig, k)["scale"][0])
+            for rig, k in ((self.both.rig, node), (self.both.other, self.both.of[node]))
+        )
+        if ours.prod() != theirs.prod():
+            return left, self._signs(node, left)
+        folded = left.copy()
+        folded[:3, :3] *= ours[:, np.newaxis] * theirs
+        return folded, np.ones(3)
 
     def _signs(self, node: int, left: Floats) -> Floats:
         """Which axes of a node both files mirror otherwise, (3,): 1, or −1 for two of them, a half turn.
