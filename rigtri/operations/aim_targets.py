@@ -195,6 +195,25 @@ def trunk_children(tree: Skeleton, characters: Iterable[Character]) -> dict[int,
     return after
 
 
+def leading_children(tree: Skeleton, characters: Iterable[Character]) -> dict[int, int]:
+    """For each joint that leads from the trunk to one sure limb alone, the next one on the way there.
+
+    A clavicle, a shoulder blade or a half of the pelvis, whatever else hangs at it: correctives, armour.
+    """
+    after: dict[int, int] = {}
+    for character in characters:
+        starts = [chain.bend[0] for chain in character.sure_chains if chain.bend]
+        taken = {character.hips, *(joint for chain in character.chains for joint in chain.joints)}
+        trunk = _trunk(tree, character)
+        for start in starts:
+            others = [joint for joint in (*starts, *trunk) if joint not in (-1, start)]
+            child, over = start, tree.above.get(start, -1)
+            while over >= 0 and over not in taken and not any(tree.rig.is_below(k, over) for k in others):
+                after[over] = child
+                child, over = over, tree.above[over]
+    return after
+
+
 def _trunk(tree: Skeleton, character: Character) -> list[int]:
     """From hips to head; without a hierarchy no clavicle that seemed to be on the way."""
     trunk = [character.hips]

@@ -182,6 +182,33 @@ def test_a_heel_is_no_toe_and_a_weapon_no_finger(moving: bool) -> None:
         np.testing.assert_allclose(aim(out, node["hand"]), aim(out, node["forearm"]), atol=1e-6)
 
 
+HORSE_TRUNK = [joint for joint in HORSE if not joint[0].endswith((".L", ".R"))]
+BLADED = [
+    *HORSE_TRUNK,
+    *both([("blade.L", "chest", (0.1, 1.5, 0.5))]),
+    *(
+        (name, f"blade.{name[-1]}" if name.startswith("upper_arm") else above, at)
+        for name, above, at in HORSE[len(HORSE_TRUNK) :]
+    ),
+]
+
+
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize(
+    ("body", "lead", "named"), [(MAN, "clavicle", True), (MAN, "clavicle", False), (BLADED, "blade", True)]
+)
+def test_what_leads_to_a_limb_aims_at_it_whatever_else_hangs_there(
+    body: Sequence[Joint], lead: str, named: bool, count: int
+) -> None:
+    """Before, a clavicle with armour or correctives of its own went on as the spine: 70° off the arm."""
+    x, y, z = next(place for name, _, place in body if name == f"{lead}.L")
+    worn = [(x + 0.06, y + 0.06, z), (x + 0.05, y - 0.12, z + 0.1), (x + 0.02, y + 0.03, z - 0.05)][:count]
+    more = both((f"armour_{k}.L", f"{lead}.L", at) for k, at in enumerate(worn))
+    plain, dressed = (orient_joints(rig_with(each, named=named)) for each in (body, [*body, *more]))
+    for row in (k for k, (name, _, _) in enumerate(body) if name.startswith(lead)):
+        np.testing.assert_allclose(dressed.world[row, :3, :3], plain.world[row, :3, :3], atol=1e-6)
+
+
 EAR, JAW = ("ear.L", "head", (0.1, 2.35, 1.15)), ("jaw", "head", (0.0, 2.1, 1.3))
 END, CREST = ("head_end", "head", (0.0, 2.1, 1.65)), ("crest_end", "head", (0.0, 2.6, 1.4))
 JAW_END, EAR_END = ("jaw_end", "head", (0.0, 1.95, 1.5)), ("ear_end.L", "head", (0.15, 2.5, 1.1))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from places import SAMPLES
 from posed_bodies import Pose, PosedBody, posed_body, poses
-from recognition_bodies.skeletons import ARM, FINGERS, HORSE, LEG, TRUNK, both, line, rig_with
+from recognition_bodies.skeletons import ARM, FINGERS, HORSE, LEG, TRUNK, both, line, rig_with, without
 
 from rigtri import add_controls, add_polevector, make_limb, orient_joints, read
 from rigtri.errors import GeometryError, UsageError
@@ -552,10 +552,11 @@ def test_a_character_that_is_not_sure_is_reported_and_no_body_is_presumed() -> N
     assert ("unsure-character" in [notice.code for notice in report.warnings]) == bool(unsure)
 
 
+@pytest.mark.parametrize("toes", [True, False])
 @pytest.mark.parametrize("preset", HINGES)
-def test_front_feet_of_a_horse_fold_back_as_hind_ones_do(preset: str) -> None:
+def test_front_feet_of_a_horse_fold_back_as_hind_ones_do(preset: str, toes: bool) -> None:
     """Before, their positive rotation was that of the elbows, which bend the other way."""
-    rig = rig_with(HORSE)
+    rig = rig_with(HORSE if toes else without(HORSE, "toe", "finger"))
     hinges = hinge_axes(orient_joints(rig, preset=preset), HINGES[preset])
     of = {name: float(hinges[rig.find(f"{name}.L"), 0]) for name in ("forearm", "hand", "shin", "foot")}
     assert {name: round(sense) for name, sense in of.items()} == {

@@ -23,6 +23,7 @@ from rigtri.operations.aim_targets import (
     aim_targets,
     chain_children,
     flat_joints,
+    leading_children,
     limb_children,
     trunk_children,
 )
@@ -32,7 +33,7 @@ from rigtri.operations.joint_selection import select
 from rigtri.operations.option_kinds import Selection
 from rigtri.operations.options.orient_joints import BRANCHES, OrientJointsOptions
 from rigtri.recognition import body_hinges
-from rigtri.recognition.layout import Chain, Character
+from rigtri.recognition.layout import Character
 from rigtri.recognition.limbs import Limb, along, named_limbs, with_recognised
 from rigtri.recognition.recognise import recognise
 
@@ -137,14 +138,14 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     bodies = None if literal else body_hinges.bodies(rig, characters, ref.world, options.facing)
     known = limb_children(tree, limbs)
     if not options.branch:  # a rule that the user names goes before what is known of a body
-        known = trunk_children(tree, characters) | chain_children(tree, ref, characters) | beside | known
+        known = _children_of_bodies(tree, ref, characters) | beside | known
     rules = Rules(
         options.branch_rule,
         tuple(_branch_child(rig, name) for name in options.branch_to),
         options.end,
         aim_at,
         known,
-        frozenset(_fingers_of_one_joint(tree, (chain for _, chain in chains), joints)),
+        frozenset(_apart(tree, characters, bodies or (), joints)),
         {} if options.branch else heads,
         body_hinges.lone_feet(characters, bodies or (), ref.world[:, 3, :3]),
         frozenset(_lone_hands(characters)),
@@ -155,6 +156,14 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     _check_aims(tree, ref, aim_at, styles)
     aims, own = aim_targets(tree, ref, joints, rules), frozenset(_with_own_planes(rig, options))
     return Targets(tree, ref, joints, skipped, styles, limbs, aims, bodies, own)
+
+
+def _children_of_bodies(
+    tree: Skeleton, ref: ReferencePose, characters: Sequence[Character]
+) -> dict[int, int]:
+    """For the joints of trunks, hands, feet and heads, and those that lead to limbs, what they aim at."""
+    leading = leading_children(tree, characters)
+    return leading | trunk_children(tree, characters) | chain_children(tree, ref, characters)
 
 
 def _tops(character: Character) -> Iterator[int]:
@@ -199,12 +208,26 @@ def _branch_child(rig: Rig, name: str) -> int:
     return rig.find(name)
 
 
-def _fingers_of_one_joint(tree: Skeleton, chains: Iterable[Chain], joints: Collection[int]) -> Iterator[int]:
-    """Fingers of one joint without the axes of their hand: thumbs, and where the hand keeps its own."""
-    for finger in (chain for chain in chains if chain.kind == "finger"):
-        own = [node for node in finger.joints if node in tree.above]  # a bone may be no joint of a skin
-        if len(own) == 1 and ("thumb" in finger.name or tree.above[own[0]] not in joints):
-            yield own[0]
+def _apart(
+    tree: Skeleton,
+    characters: Iterable[Character],
+    bodies: Iterable[body_hinges.Body],
+    joints: Collection[int],
+) -> Iterator[int]:
+    """The ends that have other axes than their parents.
+
+    Fingers of one joint: thumbs, and where the hand keeps its own. Front feet without toes on four legs,
+    which fold back, unlike the lower leg above them.
+    """
+    known = {joint for body in bodies for joint in body.hinges}
+    for character in characters:
+        for finger in (chain for chain in character.sure_chains if chain.kind == "finger"):
+            own = [node for node in finger.joints if node in tree.above]  # a bone may be no joint of a skin
+            if len(own) == 1 and ("thumb" in finger.name or tree.above[own[0]] not in joints):
+                yield own[0]
+        ankles = {limb.bend[2] for limb in character.limbs if limb.is_front and len(limb.bend) == 3}
+        feet = (k.joints for k in character.chains if k.kind == "foot" and len(k.joints) == 1)
+        yield from (joint for (joint,) in feet if joint in ankles & known)
 
 
 def _lone_hands(characters: Iterable[Character]) -> Iterator[int]:
