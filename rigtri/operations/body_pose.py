@@ -30,6 +30,8 @@ from rigtri.recognition.layout import CONFIDENT, FINGER_BONES, FINGERS, THUMB, C
 ASKEW = 0.02
 # Arms that are farther (a cosine) from the lateral axis are in no T-pose.
 STRETCHED = cosine_below(20)
+# A body does not face its own side, its head or its feet: a direction that is nearer to one (a cosine).
+_ALONG = cosine_below(30)
 # How far arms of an A-pose are below the horizontal: 45°.
 _DOWN = {"tpose": 0.0, "apose": float(np.sqrt(0.5)), "godot": 0.0}
 FACE = ("jaw", "leftEye", "rightEye")
@@ -61,13 +63,30 @@ class Directions(NamedTuple):
 def directions(
     rig: Rig, world: Floats, character: Character, facing: tuple[float, float, float] | None
 ) -> Directions | None:
-    """The directions of a body in a pose, world (n, 4, 4); None where nothing says where it faces."""
+    """The directions of a body in a pose, world (n, 4, 4); None where nothing says where it faces.
+
+    GeometryError where it is said to face one of its sides, up or down.
+    """
     up = np.array(character.up if any(character.up) else rig.rules.up)
     left = _left(world, sure_bones(character), character, up)
-    ahead = np.array(facing if facing is not None else character.facing)
+    ahead = np.array(facing if facing is not None else character.facing, dtype=np.float64)
     if not any(left) or not any(ahead):
         return None
-    return Directions(left, up, normalise(perpendicular(ahead, left)) if facing is None else ahead)
+    if facing is None:
+        return Directions(left, up, normalise(perpendicular(ahead, left)))
+    ahead = normalise(ahead)
+    _refuse_along(ahead, {"left": left, "right": -left, "up": up, "down": -up})
+    return Directions(left, up, ahead)
+
+
+def _refuse_along(ahead: Floats, sides: Mapping[str, Floats]) -> None:
+    for side, way in sides.items():
+        if dot(ahead, way) > _ALONG:
+            from rigtri.recognition.layout_output import direction_text
+
+            faces, there = (direction_text(tuple(k.tolist())) for k in (ahead, way))
+            text = f"This body cannot face {faces}: {there} is its {side}"
+            raise GeometryError(f"{text}. Give another direction with --facing")
 
 
 def stands_in_tpose(rig: Rig, character: Character, facing: tuple[float, float, float] | None) -> bool:

@@ -610,3 +610,34 @@ def _off_at_zero(rig: Rig) -> float:
     """How far joints are from how they rest while all controls are zero, in metres."""
     apart = ControlsAtZero(rig).world[rig.is_joint] - rig.normalised_world[rig.is_joint]
     return float(np.abs(apart[:, 3, :3]).max())
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("faces", ["+x", "-x", "+y", "0.2,0,-0.1"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("set-rest", "--pose", "tpose"),
+        ("orient-joints", "--preset", "unreal-editor", "--standard-pose", "apose"),
+        ("conform", "--to", "unreal"),
+    ],
+    ids=lambda words: words[0],
+)
+def test_a_body_is_not_said_to_face_its_side_or_its_head(
+    words: tuple[str, ...], faces: str, tmp_path: Path
+) -> None:
+    """Before, clavicles got frames of a zero vector: numbers that are none, or a traceback."""
+    out = tmp_path / "out.usda"
+    asked_before = words[0] == "orient-joints" and faces == "+y"  # along the body it is a usage error there
+    code, text = (2, "runs along the character") if asked_before else (5, "This body cannot face")
+    assert text in cli(*words, SAMPLES / "biped.usda", "-o", out, "--facing", faces, code=code).stderr
+    assert not out.exists()
+
+
+@pytest.mark.ci
+def test_the_length_of_a_facing_direction_does_not_count(tmp_path: Path) -> None:
+    one, other = tmp_path / "one.usda", tmp_path / "other.usda"
+    for out, faces in ((one, "0.3,0,1"), (other, "1.2,0,4")):
+        words = ("--pose", "tpose", "--straight-fingers", "--facing", faces)
+        cli("set-rest", SAMPLES / "biped.usda", "-o", out, *words, code=0)
+    assert np.allclose(rigtri.read(one).world, rigtri.read(other).world, atol=1e-6)
