@@ -26,6 +26,8 @@ _GLUED = re.compile(
     r"|radius|elbow|wrist|hand|fingers?|thumb|index|mid|middle|ring|little|pinky|palm|hip|hipjoint|buttock|thigh|femur|knee"
     r"|shin|calf|tibia|ankle|foot|heel|toes?)(?![a-z]))"
 )
+# Rear and no side, in names that end with that: ``r_toe.L`` of Rigify's cat and horse, beside ``f_toe.L``.
+_REAR = re.compile(r"(?<![^\W\d_])r(?=[\W_].*[\W_][lLrR](?:[\W_]*\d+)*$)")
 _LEFT = frozenset({"l", "left", "lft", "lf", "左"})
 _RIGHT = frozenset({"r", "right", "rgt", "rt", "右"})
 SIDES = _LEFT | _RIGHT
@@ -59,10 +61,10 @@ def _without_accent(letter: str) -> str:
 def side(name: str) -> Side:
     """Which side a name says: ``left``, ``right`` or "" for neither or both.
 
-    Beside a whole word a letter is none: ``left_r_leg`` is the rear leg on the left.
+    Beside a whole word a letter is none: ``left_r_leg`` is the rear leg on the left, as ``r_leg.L`` is.
 
-    >>> side("left_r_leg"), side("lthigh"), side("rear"), side("Lhand_r")
-    ('left', 'left', '', '')
+    >>> side("left_r_leg"), side("r_leg.L"), side("lthigh"), side("rear"), side("Lhand_r")
+    ('left', 'left', 'left', '', '')
     """
     return side_of_words(words(spread(name)))
 
@@ -102,9 +104,11 @@ def number(name: str) -> int | None:
 def twin(name: str) -> str:
     """The name with its sides swapped; the name itself where it says no side.
 
-    >>> twin("hand.L"), twin("LeftArm"), twin("lShldr"), twin("lshldr"), twin("左ひじ")
-    ('hand.R', 'RightArm', 'rShldr', 'rshldr', '右ひじ')
+    >>> twin("hand.L"), twin("LeftArm"), twin("lShldr"), twin("lshldr"), twin("左ひじ"), twin("r_toe.L")
+    ('hand.R', 'RightArm', 'rShldr', 'rshldr', '右ひじ', 'r_toe.R')
     """
+    if rear := _REAR.search(name):
+        return twin(name[: rear.start()]) + rear.group() + twin(name[rear.end() :])
     return _WORD.sub(_other_side, _GLUED.sub(_other_side, name)).translate({0x5DE6: "右", 0x53F3: "左"})
 
 
@@ -119,8 +123,11 @@ def _other_side(found: re.Match[str]) -> str:
 def spread(name: str) -> str:
     """The name with a space behind sides that are glued to the word: CJK ones, and letters before some words.
 
-    >>> spread("左ひじ"), spread("lindex1")
-    ('左 ひじ', 'l index1')
+    A letter that is no side is written out.
+
+    >>> spread("左ひじ"), spread("lindex1"), spread("r_toe.L")
+    ('左 ひじ', 'l index1', 'rear_toe.L')
     """
+    name = _REAR.sub("rear", name)
     apart = name if name.isascii() else re.sub(r"([左右])", r"\1 ", name)
     return _GLUED.sub(r"\g<0> ", apart)

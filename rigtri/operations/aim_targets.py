@@ -229,7 +229,8 @@ def _trunk(tree: Skeleton, character: Character) -> list[int]:
 def flat_joints(tree: Skeleton, characters: Iterable[Character]) -> tuple[dict[int, int], dict[int, int]]:
     """Of limbs without a hierarchy the joint before each, and what hips and clavicles aim at.
 
-    Hips stand beside the spine there, and not above it, and clavicles beside their arms.
+    Hips stand beside the spine there, and not above it. Clavicles stand beside their arms in more bodies: in
+    the deform bones of Rigify, whose arms follow them by a constraint.
     """
     before: dict[int, int] = {}
     beside: dict[int, int] = {}
@@ -237,9 +238,10 @@ def flat_joints(tree: Skeleton, characters: Iterable[Character]) -> tuple[dict[i
         flat = _is_flat(tree, character)
         bones = {part.bone: part.joint for part in character.parts}
         pairs = [*pairwise(_trunk(tree, character))][:1] if flat else []
-        for chain in (k for k in character.sure_chains if flat and k.kind == "arm" and k.bend):
-            pairs.append((bones.get(f"{chain.side}Shoulder", -1), chain.bend[0]))
         beside |= {a: b for a, b in pairs if _follows(tree, a, b)}
+        arms = [k for k in character.sure_chains if k.kind == "arm" and k.bend]
+        shoulders = [(bones.get(f"{arm.side}Shoulder", -1), arm.bend[0]) for arm in arms]
+        beside |= {a: b for a, b in shoulders if _is_beside(tree, a, b)}
         chains = [chain.joints for chain in character.sure_chains]
         for joints in (_trunk(tree, character), *chains) if flat else chains:
             before |= {b: a for a, b in pairwise(joints) if _is_beside(tree, a, b)}

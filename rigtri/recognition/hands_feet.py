@@ -13,7 +13,7 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES
-from rigtri.recognition.limb_ends import moves_as_finger, next_toe, thumb_of
+from rigtri.recognition.limb_ends import PAW, moves_as_finger, next_toe, thumb_of
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import BESIDE, roles_in_name
 
@@ -66,9 +66,10 @@ def _foot(draft: Draft, leg: Found) -> None:
         ahead = {k: (tree.at[k] - tree.at[ankle]).dot(facing) for k in below}
         apart = {k: (tree.at[k] - tree.at[ankle]).length for k in below}
         heels = not draft.four and all(ahead[k] < -_HEEL * apart[k] for k in below)
-        if not below or heels:
+        # Where several toes begin at a ball, that goes on between them, and in none.
+        if not below or heels or (not draft.four and len(joints) > 1 and len(below) >= PAW):
             break
-        past = (tree.at[joints[-1]] - tree.at[ankle]).dot(facing) if draft.four else float("inf")
+        past = (tree.at[joints[-1]] - tree.at[ankle]).dot(facing)
         joints.append(next_toe(tree, ahead, _AS_FAR * shin.length, past))
     toes = draft.known_bones.get(f"{leg.side}Toes", -1)
     joints = [*tree.way(ankle, toes)] if toes >= 0 and tree.is_below(toes, ankle) else joints

@@ -24,7 +24,7 @@ _NEAR, _APART = 0.7, cosine_below(20)
 _SPREAD = cosine_below(30)
 # So many toes make a paw, of those that reach ahead by this part of the furthest one, at least.
 # One is as near to the middle as another if that is nearer by less than this part of what the outermost are.
-_PAW, _REACHING, _AS_NEAR = 3, 0.6, 0.3
+PAW, _REACHING, _AS_NEAR = 3, 0.6, 0.3
 # The lower bone is as long as this, of the upper one, at least and at most.
 _SHORTEST, _LONGEST = 0.5, 1.7
 # It goes on, as a cosine: a limb at rest is not folded.
@@ -40,7 +40,7 @@ def next_toe(tree: Tree, ahead: Mapping[int, float], slack: float, past: float) 
     """
     furthest = max(ahead.values())
     toes = [k for k, far in ahead.items() if 0.0 < _REACHING * (furthest - past) <= far - past]
-    if len(toes) < _PAW:
+    if len(toes) < PAW:
         return next(k for k, far in ahead.items() if far >= furthest - slack)
     apart = [max((tree.at[k] - tree.at[other]).length for other in toes) for k in toes]
     near = min(apart) + _AS_NEAR * (max(apart) - min(apart))

@@ -163,9 +163,25 @@ def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:
         if each.side and (not place or draft.certain):
             for bone, node in zip(BENDS[each.kind], each.joints, strict=False):
                 draft.call(each.side + bone, node)
-        if each.side and each.kind == "arm" and each.before:
-            shoulder = draft.known_bones.get(f"{each.side}Shoulder", -1)  # MMD has more joints before the arm
-            draft.call(f"{each.side}Shoulder", shoulder if shoulder in each.before else each.before[-1])
+        if each.side and each.kind == "arm" and (shoulder := _shoulder(draft, each)) >= 0:
+            draft.call(f"{each.side}Shoulder", shoulder)
+
+
+def _shoulder(draft: Draft, arm: Found) -> int:
+    """The clavicle of an arm: of the joints that lead to it alone the one that is called so, else the last.
+
+    Else the one that is called so elsewhere, above it with other children, or beside it; -1 for none.
+    """
+    tree, start = draft.tree, arm.joints[0]
+    called = draft.known_bones.get(f"{arm.side}Shoulder", -1)
+    if arm.before:
+        return called if called in arm.before else arm.before[-1]  # MMD has more joints before the arm
+    if called in tree.below:
+        return called if not tree.is_below(called, start) else -1
+    words = {k: draft.words.get(k, NO_WORDS) for k in tree.below[tree.above[start]] if k != start}
+    beside = [k for k, own in words.items() if own.kind == "arm" and own.levels.keys() == {"before"}]
+    beside = [k for k in beside if draft.side_in_names([k]) == arm.side]
+    return beside[0] if len(beside) == 1 else -1
 
 
 def _places_of_legs(draft: Draft, found: Sequence[Found]) -> dict[int, str]:

@@ -15,7 +15,7 @@ from rigtri import orient_joints
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import normalise
+from rigtri.maths.vectors import normalise, unit_of
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
@@ -207,6 +207,30 @@ def test_what_leads_to_a_limb_aims_at_it_whatever_else_hangs_there(
     plain, dressed = (orient_joints(rig_with(each, named=named)) for each in (body, [*body, *more]))
     for row in (k for k, (name, _, _) in enumerate(body) if name.startswith(lead)):
         np.testing.assert_allclose(dressed.world[row, :3, :3], plain.world[row, :3, :3], atol=1e-6)
+
+
+@pytest.mark.parametrize("word", ["clavicle", "clav", "shoulder"])
+@pytest.mark.parametrize("above", ["chest", "hips"])
+def test_a_clavicle_beside_its_arm_aims_at_it(word: str, above: str) -> None:
+    """The deform bones of Rigify, exported alone, have them so. Before, they kept their axes in silence."""
+    body = [
+        (name.replace("clavicle", word), above if name.startswith("upper_arm") else over, at)
+        for name, over, at in MAN
+    ]
+    plain, beside = (orient_joints(rig_with(each)) for each in (MAN, body))
+    assert {part.bone for part in recognise(beside).characters[0].parts} >= {"leftShoulder", "rightShoulder"}
+    rows = [k for k, (name, _, _) in enumerate(MAN) if name.startswith("clavicle")]
+    np.testing.assert_allclose(beside.world[rows, :3, :3], plain.world[rows, :3, :3], atol=1e-6)
+
+
+def test_a_ball_with_five_toes_aims_at_the_midmost() -> None:
+    """Where names do not say which joint the ball is. Before, at the big toe: 45° inwards."""
+    ball = next(at for name, _, at in MAN if name == "toe.L")
+    row = [(ball[0] + 0.02 * (k - 2), ball[1], ball[2] + 0.07 - 0.008 * k) for k in range(5)]
+    body = [*MAN, *both((f"digit_{k}.L", "toe.L", at) for k, at in enumerate(row))]
+    rig, names = orient_joints(rig_with(body, named=False)), [name for name, _, _ in body]
+    at, toe = (rig.world[names.index(name)] for name in ("toe.L", "digit_2.L"))
+    np.testing.assert_allclose(at[0, :3], unit_of(toe[3, :3] - at[3, :3]), atol=1e-6)
 
 
 EAR, JAW = ("ear.L", "head", (0.1, 2.35, 1.15)), ("jaw", "head", (0.0, 2.1, 1.3))

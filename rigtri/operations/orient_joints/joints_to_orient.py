@@ -128,7 +128,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         selection,
         aimed=aim_at,
         all_named=literal or options.root is not None,
-        hips=frozenset(top for k in characters for top in _tops(k)),
+        hips=frozenset(top for k in characters for top in _tops(k)).union(beside),
         heads=heads,
         whole=twists.union(bodily, beside),
         meant=meant,
