@@ -17,7 +17,7 @@ from rigtri.errors import GeometryError
 from rigtri.frames.reoriented_constraints import constraints_from_metadata
 from rigtri.maths.arrays import Booleans
 from rigtri.model.bindings import NodeConstraint
-from rigtri.model.metadata import ConstraintRecord, PoseReaderRecord, TwistRecord
+from rigtri.model.metadata import ConstraintRecord, LimbRecord, PoseReaderRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.add_posereader.corrective_joints import driven_paths, without_driven
@@ -42,7 +42,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     ours in what is not from rigtri, and where controls have motion that the joints do not have.
     """
     kept = _kept(rig, report) | _of_others(rig)
-    gone = _gone(rig, kept)
+    gone = _gone(rig, kept | _bound_limbs(rig, report))
     _refuse_named(rig, gone)
     if not options.discard_motion:
         refuse_unbaked(rig, gone)
@@ -76,6 +76,33 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
         pending=replace(rig.pending, weight_redistributions=(), joint_merges=(), restored=restored),
     )
     return without_nodes(bare, gone, folds)
+
+
+def _bound_limbs(rig: Rig, report: Report) -> frozenset[int]:
+    """The limbs of make-limb that points move with, whole, and what of ours is above them; with a warning.
+
+    Whoever has given them weight has made them joints of the character.
+    """
+    limbs = rig.records(LimbRecord)
+    skins = [k for k, skin in enumerate(rig.skins) if not limbs.keys().isdisjoint(skin.joints.tolist())]
+    weighted = [node for k in skins for node in rig.skins[k].joints[_weighted(rig, k)].tolist()]
+    found, rest = set[int](), [node for node in weighted if node in limbs]
+    bound = sorted({*rest})
+    while rest:
+        node = rest.pop()
+        if node not in found:
+            found.add(node)
+            rest += rig.own.intersection(rig.path_to_root(node))
+            same = limbs[node].limb if node in limbs else None
+            rest += [k for k in rig.below(node) if k in limbs and limbs[k].limb == same]
+    if bound:
+        names = and_more([rig.title(node) for node in bound], 6)
+        stay = and_more([rig.title(node) for node in sorted(found - {*bound})], 6)
+        along = f", with {stay}" if stay else ""
+        text = f"Points of a mesh move with {names} of make-limb, so these stay as joints of the file{along}"
+        give = "give their weight to another joint first to remove them, too"
+        report.warn("limb-kept", f"{text}; {give}", names=[rig.title(node) for node in sorted(found)])
+    return frozenset(found)
 
 
 def _folds(rig: Rig, gone: frozenset[int]) -> tuple[JointMerge, ...]:

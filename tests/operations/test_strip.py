@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,8 @@ import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_parts
 from places import SAMPLES, USD, files_of_all_kinds, leave_out_refused
-from pxr import Usd, UsdGeom
+from program import cli
+from pxr import Usd, UsdGeom, UsdSkel, Vt
 from second_opinions import khronos_errors
 from vrm_files import vrm_1
 
@@ -243,3 +245,50 @@ def test_a_twist_joint_whose_record_names_a_bone_elsewhere_is_named(tmp_path: Pa
     metadata = {**split.metadata, twist: {**split.metadata[twist], "joint": "shin_R"}}
     with pytest.raises(GeometryError, match="move with 'forearm_L_twist_1', which is to go"):
         rigtri.strip(replace(split, metadata=metadata))
+
+
+@pytest.mark.parametrize("suffix", [".gltf", ".usda"])
+def test_a_limb_that_points_move_with_stays_without_its_controls_and_is_named(
+    suffix: str, tmp_path: Path
+) -> None:
+    """Before, this was refused, so that the controls could not be taken out."""
+    made, built, bare, again = (tmp_path / f"{word}{suffix}" for word in ("made", "built", "bare", "again"))
+    points = ("0,1,-.1", "0,.9,-.4", "0,.7,-.6")
+    cli(
+        *("make-limb", SAMPLES / f"biped{suffix}", "-o", made, "--points", *points, "--parent", "hips"),
+        *("--name", "tail"),
+        code=0,
+    )
+    (_weighted_tail_gltf if suffix == ".gltf" else _weighted_tail_usd)(made)
+    cli("add-controls", made, "-o", built, "--joints", "tail*", "--joints", "chest", code=0)
+    shown = cli("strip", built, "-o", bare, code=0).stderr
+    assert "Points of a mesh move with tail_2 of make-limb" in shown
+    assert "with tail_1, tail_3" in shown
+    found = verify(made, bare)
+    assert found.deviation == 0.0
+    rig = read(bare).rig
+    assert not rig.metadata
+    assert rig.has("tail_3")
+    assert not any("ctl" in name or "pole" in name for name in rig.names)
+    cli("strip", bare, "-o", again, code=0)
+    assert again.read_bytes() == bare.read_bytes()
+
+
+def _weighted_tail_gltf(path: Path) -> None:
+    """Give what points have of the hips to a joint of the tail, by its place in the skin."""
+    gltf = json.loads(path.read_text())
+    joints, names = gltf["skins"][0]["joints"], [node.get("name") for node in gltf["nodes"]]
+    hips, tail = (joints.index(names.index(name)) for name in ("hips", "tail_2"))
+    joints[hips], joints[tail] = joints[tail], joints[hips]
+    path.write_text(json.dumps(gltf))
+
+
+def _weighted_tail_usd(path: Path) -> None:
+    stage = Usd.Stage.Open(str(path))
+    (skeleton,) = (prim for prim in stage.Traverse() if prim.IsA(UsdSkel.Skeleton))
+    names = [token.split("/")[-1] for token in skeleton.GetAttribute("joints").Get()]
+    for prim in stage.Traverse():
+        if (indices := prim.GetAttribute("primvars:skel:jointIndices")).HasValue():
+            hips, tail = names.index("hips"), names.index("tail_2")
+            indices.Set(Vt.IntArray([tail if k == hips else k for k in indices.Get()]))
+    stage.Save()
