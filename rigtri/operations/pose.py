@@ -139,6 +139,11 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     weights = _morphed(rig, timeline, time)
     report.added.append({"type": "pose", "at": options.at, "nodes": len(moved), "morphs": len(weights)})
     report.reposed |= bool(moved or weights)
+    if timeline is not None and moved:  # the pose of controls at rest is one that they give as it is
+        # With the solver of controls, which a character without them does not import.
+        from rigtri.operations.controls_check import warn_old_rest
+
+        warn_old_rest(taken, moved, report)
     warn_shown(rig, taken, moved, report, "with rigtri set-rest they play as before")
     if not weights:
         return taken

@@ -158,6 +158,21 @@ def test_a_pose_that_another_clip_shows_is_reported_with_its_joints() -> None:
     assert not report.warned("pose-shown")
 
 
+@pytest.mark.parametrize("at", ["walk@0.5", "rest"])
+def test_controls_that_stay_in_the_old_rest_pose_are_named(at: str) -> None:
+    """Before, a later key of zero moved the mesh back without a word; a pose at rest is one of controls."""
+    up = with_keyed_controls()
+    take_pose(
+        moved(up, control(up, "hand_L", "ik"), np.array([0.02, 0.05, -0.03])),
+        at=at,
+        report=(report := Report()),
+    )
+    told = [notice for notice in report.warnings if notice.code == "controls-old-rest"]
+    assert bool(told) == (at != "rest")
+    for notice in told:
+        assert {"thigh_L_ctl", "foot_R_ik_ctl"} & {*notice.names}
+
+
 def test_a_printed_pose_is_strict_and_quiet_as_other_commands_are() -> None:
     line = ("pose", SAMPLES / "biped.glb", "--at", "walk@99")
     refused = cli(*line, "--strict", code=5)
