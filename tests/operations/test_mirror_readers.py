@@ -7,14 +7,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from places import SAMPLES
 from rigs import rig_of
 
+from rigtri.formats import read
 from rigtri.frames.mirroring import Across
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.metadata import OutputRecord, PoseReaderRecord, TargetRecord
+from rigtri.operations.add_posereader.posereader import add_posereader
 from rigtri.operations.mirror import pose_readers
 from rigtri.operations.mirror.counterparts import direction
-from rigtri.operations.mirror.mirror import MirrorOptions
+from rigtri.operations.mirror.mirror import MirrorOptions, mirror
 from rigtri.operations.mirror.pose_readers import _changed, _goals, _morph, _outputs
 from rigtri.report import Report
 
@@ -112,3 +115,27 @@ def test_what_drives_twins_is_listed_and_what_has_none_is_reported(monkeypatch: 
     found = _outputs(rig, 2, record, report)
     assert found == ((("up", face, "smile_R"),), (("down", rig.address(3), "curl"),))
     assert [notice.text.count("it has no twin") for notice in report.warnings] == [1, 1]
+
+
+@pytest.mark.parametrize("reader", ["rbf", "dot"])
+def test_a_target_that_is_the_rest_pose_is_that_of_the_twin_and_no_warning(reader: Any) -> None:
+    """Before, the twin warned that the target has weight at rest, which its maker had asked for."""
+    rig, report = read(SAMPLES / "biped.glb").rig, Report()
+    targets = ("rest", "bent=walk@0.4")
+    rig = add_posereader(rig, driver="forearm_L", reader=reader, target=targets, report=report)
+    rig = mirror(rig, report=report)
+    assert not any("'target1'" in notice.text for notice in report.warnings)
+    twin = next(each for each in rig.records(PoseReaderRecord).values() if each.driver == "forearm_R")
+    if twin.rest is not None:
+        assert twin.targets[0].rotation == pytest.approx(twin.rest)
+
+
+def test_a_reader_of_the_head_that_drives_one_side_alone_is_named() -> None:
+    """Before, it was left out without a word."""
+    rig, report = read(SAMPLES / "biped.glb").rig, Report()
+    about: dict[str, Any] = {"driver": "head", "target": ("out=1,0,0",)}
+    rig = add_posereader(rig, **about, joint=(("out", "hand_L", "tx=0.02"),), name="one")
+    rig = add_posereader(rig, **about, joint=(("out", "hand_R", "tx=0.02"),), name="other")
+    mirror(rig, report=report)
+    (told,) = (notice.text for notice in report.warnings if notice.code == "not-mirrored")
+    assert told.startswith("pose reader 'one' is not mirrored: 'head' is on neither side")

@@ -11,8 +11,10 @@ import numpy as np
 
 from rigtri.frames.mirroring import world_rotation
 from rigtri.maths.matrices import handedness
-from rigtri.maths.quaternions import conjugate, multiply, rotate
+from rigtri.maths.quaternions import angle_between, conjugate, multiply, rotate
+from rigtri.maths.vectors import angle
 from rigtri.model.joint_names import Side, twin
+from rigtri.model.joint_names import side as side_of_name
 from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.metadata import OutputRecord, PoseReaderRecord, TargetRecord
 from rigtri.model.rig import Rig
@@ -20,6 +22,7 @@ from rigtri.operations.add_posereader.corrective_joints import changes_of
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader, options_of
 from rigtri.operations.mirror.counterparts import (
     OTHER,
+    SAME_NUMBER,
     SUFFIX,
     direction,
     farthest_joint,
@@ -40,6 +43,7 @@ from rigtri.text import is_number
 def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Read the twins' poses as this side's are read, and drive what is the twin of what these drive."""
     names = reader_names(rig, options.from_side)
+    _warn_on_neither_side(rig, options, report)
 
     def build(rig: Rig, node: int, report: Report) -> Rig:
         record = rig.records(PoseReaderRecord)[node]
@@ -53,6 +57,22 @@ def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         return built
 
     return mirror_each(rig, of_side(rig, options, PoseReaderRecord), "pose reader", build, report)
+
+
+def _warn_on_neither_side(rig: Rig, options: MirrorOptions, report: Report) -> None:
+    """Warn of readers of joints on neither side, such as the head, that drive what is on one side alone."""
+    for node, record in rig.records(PoseReaderRecord).items():
+        if _side(rig, record):
+            continue
+        driven = (rig.known(one.joint or one.control or one.mesh) for one in record.outputs)
+        sides = {side(rig, k) for k in driven if k is not None}
+        sides |= {side_of_name(one.morph) for one in record.outputs}
+        if sides - {""} == {options.from_side}:
+            why = (
+                f"'{record.driver}' is on neither side. Add one for what it drives on the other side "
+                "with rigtri add-posereader"
+            )
+            warn_not_mirrored(rig, node, report, "pose reader", why)
 
 
 def _twin_options(
@@ -95,8 +115,12 @@ def _goals(
             # What turns the driver from rest to the pose, in the world, mirrored as turns are.
             pose = multiply(here, np.array(target.rotation))
             turn = options.across.rotation(multiply(pose, conjugate(resting)))
+            if angle_between(pose, resting) <= SAME_NUMBER:
+                return Goal(target.name, pose="rest")
             x, y, z, w = multiply(conjugate(there), multiply(turn, twins)).tolist()
             return Goal(target.name, rotation=(x, y, z, w))
+        if angle(rotate(here, np.array(target.direction)), rotate(resting, record.axis)) <= SAME_NUMBER:
+            return Goal(target.name, pose="rest")
         # A goal is a direction of the world, and a record has the opposite for a mirrored driver.
         seen = options.across.directions(rotate(here, np.array(target.direction)))
         seen = seen * handedness(rig.world[drivers[0]])
