@@ -79,7 +79,7 @@ class DocumentView:
         return self.document.scene_facts(closely=closely)
 
 
-def verify(before: Source, after: Source) -> Comparison:
+def verify(before: Source, after: Source, *, sized_by: Sequence[Mesh] | None = None) -> Comparison:
     """Compare any two files by their vertices; nodes are known by keys, paths or names.
 
     Skinned (linear or dual quaternion), morphed and rigid vertices, frames of
@@ -90,7 +90,7 @@ def verify(before: Source, after: Source) -> Comparison:
     mine, theirs = played_together(before.rig, after.rig, by_key=False)
     found = match(mine, theirs, by_key=False)
     meshes, others = _measurable(before, before.meshes), _measurable(after, after.meshes)
-    sizes = sizes_of(mine, meshes)
+    sizes = sizes_of(mine, meshes if sized_by is None else sized_by)
     everything = np.ones(len(mine), dtype=bool)
     bodies, lost = _mesh_probes(mine, theirs, found, meshes, others)
     probes: list[Probe] = [

@@ -14,7 +14,6 @@ from dataclasses import field, replace
 import numpy as np
 
 from rigtri.evaluation.timelines import PLAYED, played_at_once, timelines
-from rigtri.frames.rig_size import size_of
 from rigtri.maths.matrices import multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
@@ -198,15 +197,14 @@ def declared_differences(
         from rigtri.verification.compare.without_twist import twist_movement
 
         begin_stage("measure twist")
-        return replace(result, moved=twist_movement(written) / result.diagonal)
+        return replace(result, moved=twist_movement(written))
     if expected.rig.pending.strips:
         return result
     if expected.morph_changes:
         from rigtri.verification.compare.morph_changes import morph_movement
 
         begin_stage("measure morph targets")
-        movement = morph_movement(*views, expected.morph_changes)
-        result = replace(result, driven={name: far / result.diagonal for name, far in movement.items()})
+        result = replace(result, driven=morph_movement(*views, expected.morph_changes))
     if expected.reposed and result.passes(tolerance):
         begin_stage("measure motion")
         result = replace(result, motion=_motion(expected, *views))
@@ -337,11 +335,10 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
     others = {key: () for key in _other_weights(was.rig, made.rig) if key not in expected.morph_changes}
     if not others:
         return found
-    size = size_of(was.rig, was.outlines())
     from rigtri.verification.compare.morph_changes import morph_movement
 
     movement = morph_movement(was, made, others)
-    return replace(found, morphs={name: far / size for name, far in movement.items() if far > 0})
+    return replace(found, morphs={name: share for name, share in movement.items() if share > 0})
 
 
 def _bound_in(rig: Rig, sizes: Mapping[int, Floats]) -> Rig:

@@ -13,6 +13,7 @@ import numpy as np
 
 from rigtri.evaluation import sampling, skinning
 from rigtri.evaluation.timelines import Timeline, keys_and_between, timelines
+from rigtri.frames.rig_size import placing_node, sizes_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
@@ -81,20 +82,22 @@ def _resampled(
 
 
 def morph_movement(before: Source, after: Source, changes: MorphChanges) -> dict[str, float]:
-    """How far ``changes`` move vertices of each mesh in any pose, in file units, by mesh."""
+    """How far ``changes`` move vertices of each mesh in any pose, as a share of its character, by mesh."""
     rig, others = after.rig, {mesh.name: mesh for mesh in after.meshes()}
+    sizes = sizes_of(rig, list(after.meshes()))
     old = {before.rig.clips[k].key: t for t in timelines(before.rig) for k in t.members}
     found: dict[str, float] = {}
     for mesh in before.meshes():
         if before.rig.keys[mesh.node] not in changes or mesh.name not in others or not len(mesh.morphs):
             continue
-        found[mesh.name] = max(
+        far = max(
             (
                 _farthest(old.get(rig.clips[now.members[0]].key), rig, now, mesh, others[mesh.name])
                 for now in timelines(rig)
             ),
             default=0.0,
         )
+        found[mesh.name] = far / float(sizes[placing_node(rig, others[mesh.name])])
     return found
 
 

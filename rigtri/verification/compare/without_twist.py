@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation import sampling, skinning
+from rigtri.frames.rig_size import placing_node, sizes_of
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.vectors import distance
 from rigtri.model.dataclass import dataclass
@@ -57,7 +58,8 @@ def compare_without_twist(before: Source, after: Source) -> Comparison:
     if not changed:
         return result
     mine, theirs = zip(*changed, strict=True)
-    vertices = verify(_SomeVertices(before, before.rig, mine), _SomeVertices(after, after.rig, theirs))
+    some = _SomeVertices(before, before.rig, mine), _SomeVertices(after, after.rig, theirs)
+    vertices = verify(*some, sized_by=[mesh for mesh, _ in pairs])
     return _worse(result, vertices)
 
 
@@ -75,10 +77,10 @@ def _pairs(before: Source, after: Source) -> list[tuple[Mesh, Mesh]]:
 
 
 def twist_movement(document: Source) -> float:
-    """How far vertices move at most, in file units, because twist joints rotate in clips."""
-    rig, still = document.rig, without_twist(document).rig
-    twist = _twist_joints(rig)
-    meshes = [few for mesh in document.meshes() if (few := _weighted(rig, mesh, twist)) is not None]
+    """How far vertices move at most because twist joints rotate in clips, as a share of their character."""
+    rig, still, every = document.rig, without_twist(document).rig, document.meshes()
+    twist, sizes = _twist_joints(rig), sizes_of(rig, every)
+    meshes = [few for mesh in every if (few := _weighted(rig, mesh, twist)) is not None]
     largest = 0.0
     clips = [
         (clip, frozen)
@@ -95,7 +97,8 @@ def twist_movement(document: Source) -> float:
             for mesh in meshes:
                 morph = sampling.morph_weights(mesh, clip, some)
                 one, other = (skinning.deformed(mesh, rig, world, morph) for world in worlds)
-                largest = max(largest, float(distance(one, other).max(initial=0.0)))
+                far = float(distance(one, other).max(initial=0.0))
+                largest = max(largest, far / float(sizes[placing_node(rig, mesh)]))
     return largest
 
 
@@ -128,11 +131,15 @@ def _worse(bounds: Comparison, vertices: Comparison) -> Comparison:
         different=tuple(dict.fromkeys((*bounds.different, *vertices.different))),
         poses=max(bounds.poses, vertices.poses),
     )
-    if not vertices.absolute > bounds.absolute:
+    if not vertices.deviation > bounds.deviation:
         return both
-    share = vertices.absolute / bounds.diagonal
     return replace(
-        both, deviation=share, absolute=vertices.absolute, worst=vertices.worst, raw_deviation=share
+        both,
+        deviation=vertices.deviation,
+        diagonal=vertices.diagonal,
+        absolute=vertices.absolute,
+        worst=vertices.worst,
+        raw_deviation=vertices.deviation,
     )
 
 
