@@ -223,8 +223,24 @@ class _Builder:
                 idle.update(driven_joints(self.rig))
                 found = [joint for joint in found if joint not in idle]
         held = {*(node for limb in self.limbs for node in limb.triple), *(foot.toe for foot in self.feet)}
+        found = self._below_no_control(found, held)
         missing = held.difference(found)
         return sorted({*found, *missing}) if missing else found
+
+    def _below_no_control(self, joints: list[int], held: set[int]) -> list[int]:
+        """The joints without those that controls are below, and so cannot follow any, as the top prim of a
+        layer (--root); said in a warning.
+
+        held: those of limbs with IK. GeometryError where there is such a one, or no other joint is named.
+        """
+        if above := sorted(self.above_controls.intersection({*joints, *held})):
+            names = and_more([f"'{self.rig.title(joint)}'" for joint in above])
+            text = f"Controls are below {names}, which cannot follow them"
+            if not held.isdisjoint(above) or not set(joints).difference(above):
+                raise GeometryError(f"{text}: name joints below, or put what is to move below another prim")
+            remedy = "to move these, too, put them below another prim first"
+            self.report.warn("no-control", f"{text}, so none is made there: {remedy}")
+        return [joint for joint in joints if joint not in above]
 
     def _root_carries(self, joints: list[int]) -> bool:
         """Whether a root control would carry all limbs: IK moves a limb from the node above it, so only

@@ -557,3 +557,22 @@ def test_pole_vectors_go_along_with_another_rest_pose_of_their_limb() -> None:
     again = rigtri.add_controls(replace(rig, rotation=turned), whole_character=True)
     assert abs(again.translation[arm] - rig.translation[arm]).max() > 0.1
     assert again.translation[leg].tolist() == rig.translation[leg].tolist()
+
+
+def test_a_prim_that_controls_are_below_gets_none_and_is_named(tmp_path: Path) -> None:
+    """Before, bake ended with a cycle that nobody had made."""
+    source, out, baked = (tmp_path / f"{name}.usda" for name in ("crane", "out", "baked"))
+    place = "double3 xformOp:translate = (0, 1, 0.1)\n"
+    moving = "double3 xformOp:rotateXYZ.timeSamples = { 0: (0, 0, 0), 9: (20, 5, 0) }\n"
+    order = 'uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateXYZ"]\n'
+    text = ""
+    for name in ("hook", "jib", "boom", "crane"):
+        text = f'def Xform "{name}"\n{{\n{place}{moving}{order}{text}}}\n'
+    source.write_text(f"#usda 1.0\n{text}")
+    root = ("--root", "/crane")
+    shown = cli("add-controls", source, "-o", out, *root, "--joints", "*", code=0).stderr
+    assert "Controls are below 'crane', which cannot follow them, so none is made there" in shown
+    cli("bake", out, "-o", baked, "--to", "controls", *root, code=0)
+    cli("bake", baked, "-o", out, "--to", "joints", *root, "--overwrite", code=0)
+    line = ("add-controls", source, "-o", out, *root, "--overwrite", "--joints", "crane")
+    assert "Controls are below 'crane'" in cli(*line, code=5).stderr
