@@ -113,7 +113,7 @@ class NodeNames(Hierarchy, ABC):
         _check_text(name)
         found = self._called(name)
         if not found:
-            self._check_instances(name)
+            self.check_instances(name)
             raise NameNotFoundError(kind, name, self._hints)
         if len(found) > 1:
             raise AmbiguousNameError(kind, name, [self.labels[node] for node in found])
@@ -127,7 +127,7 @@ class NodeNames(Hierarchy, ABC):
         found = joints if len(joints) == 1 else found or self._by_address(name)
         return [node for node in found if node not in self.rules.others] or found
 
-    def _check_instances(self, name: str) -> None:
+    def check_instances(self, name: str) -> None:
         """InstanceNameError for a name in an instance, where it names a node of the one that is read."""
         there = name
         for node, first in self.rules.instances.items():  # the outer ones come first

@@ -18,6 +18,7 @@ from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.model.characters import characters
 from rigtri.model.metadata import ConstraintRecord, ConstraintWeightRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.recognition.recognise import recognise
 from rigtri.text import and_more
 
@@ -42,7 +43,7 @@ def named(rig: Rig, name: str) -> Nodes:
     """The nodes of the character at or below a node.
 
     NameNotFoundError where there is none; UsageError for an instance that is read at another, and for what
-    another character carries.
+    another character carries; InstanceNameError for what is below such an instance.
     """
     groups = [frozenset(nodes) for nodes in characters(rig)]
     if rig.has(name):
@@ -58,6 +59,7 @@ def named(rig: Rig, name: str) -> Nodes:
                 f"share it: --character {shared[0]}; to edit '{name}' alone, make it no instance first "
                 "(instanceable = false)"
             )
+    rig.check_instances(name)
     raise NameNotFoundError("character", name, titles(rig))
 
 
@@ -100,8 +102,7 @@ def _title(rig: Rig, group: Nodes, groups: Collection[Nodes]) -> str:
 
 def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
     """The rig with an edit of one character; nodes: those of the character."""
-    others = {k: skin for k, skin in enumerate(rig.skins) if not nodes.issuperset(skin.joints.tolist())}
-    hidden = _of_others(rig, nodes)
+    others, hidden = _other_skins(rig, nodes), _of_others(rig, nodes)
     seen = {node: stored for node, stored in rig.metadata.items() if node not in hidden}
     skins = tuple(
         replace(skin, joints=skin.joints[:0], inverse_bind=skin.inverse_bind[:0], weigh=None, drawn=False)
@@ -113,8 +114,7 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
     while rig.rules.group_parent >= 0 and rig.parents[top] >= 0:
         top = int(rig.parents[top])
     parent = top if rig.rules.group_parent >= 0 else -1
-    theirs = frozenset(joint for skin in others.values() for joint in skin.joints.tolist()) - nodes
-    rules = replace(rig.rules, group_parent=parent, others=theirs | hidden.keys())
+    rules = replace(rig.rules, group_parent=parent, others=_not_meant(rig, nodes))
     content = rig.content.without_skins(others)
     small = replace(rig, skins=skins, metadata=seen, rules=rules, content=content)
     made = edit(small)
@@ -138,6 +138,22 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
         content=content,
     )
     return grown.after(rig)
+
+
+def find_within(rig: Rig, nodes: Nodes, name: str, kind: str) -> int:
+    """The node that a name means while a character is edited alone, as `Rig.find`; nodes: the character's."""
+    return replace(rig, rules=replace(rig.rules, others=_not_meant(rig, nodes))).find(name, kind)
+
+
+def _not_meant(rig: Rig, nodes: Nodes) -> Nodes:
+    """The joints of other characters than that of ``nodes``, and what rigtri has built for them."""
+    skins = _other_skins(rig, nodes).values()
+    theirs = frozenset(joint for skin in skins for joint in skin.joints.tolist()) - nodes
+    return theirs | _of_others(rig, nodes).keys()
+
+
+def _other_skins(rig: Rig, nodes: Nodes) -> dict[int, Skin]:
+    return {k: skin for k, skin in enumerate(rig.skins) if not nodes.issuperset(skin.joints.tolist())}
 
 
 def of_character(rig: Rig, name: str) -> Rig:

@@ -366,6 +366,18 @@ def test_names_of_controls_mean_those_of_the_character_that_is_edited() -> None:
     assert seen == [2, 5]
 
 
+def test_the_child_of_a_constraint_is_that_of_the_character_that_is_edited() -> None:
+    """Before, its name was ambiguous, though --character says that names mean its own."""
+    rig = rig_of(["a", "joint", "ctl", "b", "joint", "ctl"], [-1, 0, 0, -1, 3, 3], np.zeros((6, 3)))
+    skins = tuple(Skin(name, np.array([node]), np.eye(4)[np.newaxis]) for name, node in (("a", 1), ("b", 4)))
+    about = {k: {"v": 1, "type": "control", "kind": "fk", "joint": f"#{k - 1}"} for k in (2, 5)}
+    whole = replace(rig, skins=skins, metadata=about)
+    for top, child in (("a", 2), ("b", 5)):
+        made = constrain(whole, type="orient", child="ctl", driver=(top,), character=top)
+        (rule,) = constraints_of(made).values()
+        assert rule.child == child
+
+
 def test_metadata_of_other_characters_are_those_about_their_joints_alone_and_groups_of_such() -> None:
     """a with its joint, b with its; a control of each, in a group each, and one that names joints of both."""
     names = ["a", "a joint", "b", "b joint", "a group", "a ctl", "b group", "b ctl", "both"]

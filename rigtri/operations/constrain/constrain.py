@@ -43,6 +43,7 @@ from rigtri.operations.options.constrain import ConstrainOptions as ConstrainOpt
 from rigtri.operations.options.constrain import check_weight
 from rigtri.operations.rigtri_nodes import add, group, renamed, root_controls, with_record
 from rigtri.recognition.limbs import given
+from rigtri.recognition.one_character import find_within
 from rigtri.report import Report
 
 _DEGREE = np.pi / 180.0
@@ -55,7 +56,7 @@ NOT_VRM = "constraint-not-vrm"
 def _refuse_alone(rig: Rig, nodes: frozenset[int], name: str, options: ConstrainOptions) -> None:
     """GeometryError where the offset, or a switch without a jump, was measured from stale keys of others."""
     moments = [None, *(timelines(rig) if options.match else ())]
-    refuse_followed(rig, nodes, name, moments, child=rig.find(options.child or "", "node"))
+    refuse_followed(rig, nodes, name, moments, child=find_within(rig, nodes, options.child or "", "node"))
 
 
 @operation(ConstrainOptions, made_alone=_refuse_alone)

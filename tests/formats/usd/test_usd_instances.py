@@ -541,6 +541,8 @@ def test_instances_inside_others_are_read_in_the_one_that_is_read(tmp_path: Path
     cli("orient-joints", source, "-o", out, code=0)
     assert prototypes(source) == prototypes(out) == 2
     assert deviation(source, out) < 1e-6
+    line = ("orient-joints", source, "-o", out, "--overwrite", "--character", "/World/Still/Inner")
+    assert "is in an instance that shares its prototype with '/World/Moved'" in cli(*line, code=4).output
 
 
 def test_meshes_shared_by_instances_are_edited_once_where_all_of_them_get_the_same(tmp_path: Path) -> None:
