@@ -20,6 +20,7 @@ from rigtri.model.animation import PATHS
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.text import and_more
 
 # Channels of controls that differ from zero by less are zero: float32 readers see no difference.
 NOTHING = 1e-6
@@ -91,7 +92,7 @@ def of_one_motion(rig: Rig, chosen: Sequence[Timeline], *, made: bool) -> Sequen
     called = [rig.clips[next(k for k in each.members if k not in shared)].name for each in several]
     what = "their controls have" if one else f"'{rig.title(props[0])}', which follows one, has"
     raise UsageError(
-        f"Instances of one character play {', '.join(called)}, and {what} one motion: "
+        f"Instances of one character play {and_more(called, 4)}, and {what} one motion: "
         f"choose whose with --clip, e.g. --clip {called[0]}"
     )
 

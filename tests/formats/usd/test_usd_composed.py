@@ -70,7 +70,7 @@ def test_strip_leaves_the_rig_of_an_asset_and_names_its_layer(tmp_path: Path) ->
     shot.write_text(INSTANCED.replace("hero", "rig").replace("true", "false") + 'def Xform "Sword"\n{\n}\n')
     cli("constrain", hero, "-o", rig, "--child", "Skin", "--driver", "a", code=0)
     printed = cli("strip", shot, "-o", bare, code=3).output
-    assert "is written in rig.usda, so it cannot be taken out here: strip that layer" in printed
+    assert "is written in rig.usda, so it cannot be taken out here: run the same on rig.usda" in printed
     cli("constrain", shot, "-o", more, "--child", "Sword", "--driver", "a", code=0)
     printed = cli("strip", more, "-o", bare, code=0).output
     assert "The rig of rig.usda stays" in printed

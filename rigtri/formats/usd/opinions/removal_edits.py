@@ -65,7 +65,7 @@ def _erase(source: Source, path: str) -> Edit:
             (first, *_) = source.stage.GetPrimAtPath(path).GetPrimStack()
             name = first.layer.GetDisplayName()
             raise FileError(
-                f"<{path}> is written in {name}, so it cannot be taken out here: strip that layer"
+                f"<{path}> is written in {name}, so it cannot be taken out here: run the same on {name}"
             )
         layers.remove(spec)
 
