@@ -158,6 +158,10 @@ def test_scales_that_half_floats_round_too_much_are_named_the_most_telling_first
     assert "They come from the scale keys of" in said
     assert f"'{control.title(3)}': take these keys out, or allow more with --tolerance" in said
     assert "freeze" not in said
+    # The metadata are of another file, so a DCC has written this one: before, freeze was the advice.
+    exported = replace(scaled(1), metadata=control.metadata)
+    said = why_near(rig, exported, result(1e-4), 1e-5)
+    assert "Transfer the keys with rigtri take-clips instead, export glTF in place of USD, or allow" in said
 
 
 def test_twist_joints_of_a_file_without_a_skin_are_to_blame_for_nothing() -> None:

@@ -47,7 +47,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
         return (
             f" A SkelAnimation holds scales as 16-bit numbers, which cannot say the new ones of {names} "
-            f"closely enough. {_other_scales(before, rough)}or {allow}"
+            f"closely enough. {_other_scales(before, after, rough)}or {allow}"
         )
     if not_unit:
         return why_far(before, result) or not_unit
@@ -167,9 +167,14 @@ def why_far(rig: Rig, result: Comparison) -> str:
     )
 
 
-def _other_scales(before: Rig, joints: list[int]) -> str:
-    """What to do about scales of joints that half floats cannot hold: about keys of controls, else freeze."""
+def _other_scales(before: Rig, after: Rig, joints: list[int]) -> str:
+    """What to do about scales of joints that half floats cannot hold: about keys of controls, else freeze.
+
+    Controls that the source does not know of are of another file (bake --rig): a DCC has made joints of them.
+    """
     records = before.records(ControlRecord)
+    if not records and after.records(ControlRecord):
+        return "Transfer the keys with rigtri take-clips instead, export glTF in place of USD, "
     scaled = {track.node for clip in before.clips for track in clip.tracks if track.path == "scale"}
     controls = [
         node for node in sorted(scaled & records.keys()) if before.known(records[node].joint) in joints
