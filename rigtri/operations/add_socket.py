@@ -59,6 +59,11 @@ def add_socket(rig: Rig, *, options: AddSocketOptions, report: Report) -> Rig:
             skins.append(skin)
         made = replace(made, skins=tuple(skins))
     report.joints.append(joint_record(made, node, "added"))
+    # Springs of VRM 0 have all that is below a joint, those of VRM 1 the joints that they list.
+    if joint in rig.rules.swinging and any(one.kind == "tail" for one in rig.node_constraints):
+        text = f"A spring of VRM 0 swings '{rig.title(joint)}' with all below it, so viewers swing '{name}'"
+        ends = "" if rig.children[joint] else f", and '{rig.title(joint)}' towards it"
+        report.warn("spring-grows", f"{text}, too{ends}: put it on a joint above, or convert to VRM 1.0")
     return made
 
 

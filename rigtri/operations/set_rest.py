@@ -101,7 +101,8 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
 
 def _without_springs(rig: Rig, parts: dict[int, Parts], report: Report) -> dict[int, Parts]:
     """The parts without joints that springs swing about how they rest, which stay so; said in a warning."""
-    swung = sorted(rig.rules.swinging & parts.keys())
+    # Where no joint may rest otherwise (VRM 0), that is an error for those of springs, too.
+    swung = [] if rig.rules.orient_locked else sorted(rig.rules.swinging & parts.keys())
     if swung:
         names = and_more([rig.title(node) for node in swung], 6)
         text = f"Springs swing {names} about how they rest, so they keep their rest pose"

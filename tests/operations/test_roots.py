@@ -22,6 +22,7 @@ from places import SAMPLES, first
 from program import cli
 from rigs import chain
 from usd_files import deviation
+from vrm_files import vrm_0
 
 import rigtri
 from rigtri.errors import GeometryError, UsageError
@@ -837,3 +838,12 @@ def test_ik_bones_get_no_keys_in_what_nothing_plays(samples: Path, tmp_path: Pat
     source.write_text(source.read_text().replace("{\n    double3", f"{{\n{idle}    double3"))
     cli("conform", source, "-o", out, "--to", "unreal", "--character", "B", code=0)
     assert "root/ik_foot_root/ik_foot_l" in out.read_text()
+
+
+def test_a_socket_that_a_spring_of_vrm_0_swings_is_named(tmp_path: Path) -> None:
+    """Before, a socket on the end of a chain gave it another direction; springs of VRM 1 list joints."""
+    path = vrm_0().glb(tmp_path / "in.vrm")
+    for on, told in (("#3", ["spring-grows"]), ("#1", [])):
+        report = Report()
+        rigtri.add_socket(rigtri.read(path), name="clip", on=on, report=report)
+        assert [each.code for each in report.warnings] == told

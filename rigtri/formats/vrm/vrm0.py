@@ -54,7 +54,9 @@ def _swinging_0(swinging: Value, above: Sequence[int], found: Bindings) -> None:
         for bone in group.each("bones")
         if bone.raw != -1
     }
-    found.bones.update(_below(tops, above))
+    swung = _below(tops, above)
+    found.bones.update(swung)
+    found.swinging.update(swung)
     for node in sorted(found.bones.difference(above)):
         # Viewers hang the end of a chain along its translation, which its parent sees.
         if above[node] >= 0:
