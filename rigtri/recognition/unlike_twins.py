@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from rigtri.model.joint_names import Side
 from rigtri.recognition.arms_legs import AGREED
@@ -42,7 +43,8 @@ def joint_more(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     if twin is None or len(twin.joints) != len(each.joints) or _have_as_many(draft.tree, each, twin):
         return ""
     for one, other in ((each, twin), (twin, each)):
-        for node, k in _beside_its_place(draft.tree, one.joints, other.joints):
+        beside = _beside_its_place(draft.tree, one.joints, other.joints)
+        for node, k in (*beside, *_of_one_further(draft.tree, one.joints, other.joints)):
             if _says(draft, each.joints[k], k) <= _says(draft, twin.joints[k], k):
                 title = draft.tree.rig.title
                 return f"'{title(node)}' stands where '{title(other.joints[k])}' does"
@@ -71,11 +73,39 @@ def _beside_its_place(tree: Tree, joints: Sequence[int], twins: Sequence[int]) -
     for k, seen_from in [(k, k + 1) for k in range(last)] + [(k + 1, k) for k in range(last)]:
         node, start = joints[k], at[joints[seen_from]]
         meant = (at[twins[k]] - at[twins[seen_from]]).length
-        off = abs((at[node] - start).length - meant)
-        left = (_NEARER if off > _TWINS * meant else _EXACT if off > _OFF * meant else 0.0) * off
+        left = _left_of(abs((at[node] - start).length - meant), meant)
         beside = [*tree.below[node], *([tree.above[node]] if tree.above[node] >= 0 else [])]
         found += [(n in joints, n, k) for n in beside if abs((at[n] - start).length - meant) < left]
     return [(node, k) for _, node, k in sorted(found, key=lambda one: one[0])]
+
+
+def _of_one_further(tree: Tree, joints: Sequence[int], twins: Sequence[int]) -> list[tuple[int, int]]:
+    """The joint where a limb would begin whose bones are those of the other side, one joint further, and 0.
+
+    A limb of two joints has one bone: that of its neighbour tells more than how far off each joint is.
+    """
+    above = tree.common(joints[0], twins[0])
+    further = [(*joints[1:], node) for node in tree.below[joints[-1]]]
+    further += [(tree.above[joints[0]], *joints[:-1])] if tree.above[joints[0]] not in (above, -1) else []
+    meant = _bones(tree, above, twins)
+
+    def most_off(each: Sequence[int]) -> float:
+        bones = zip(_bones(tree, above, each), meant, strict=True)
+        return max(abs(bone - other) / max(other, 1e-30) for bone, other in bones)
+
+    left = _left_of(most_off(joints), 1.0)
+    return [(each[0], 0) for each in further if most_off(each) < left]
+
+
+def _bones(tree: Tree, above: int, joints: Sequence[int]) -> list[float]:
+    """The lengths from a joint above the start of a limb, if any, to that, and on to each next joint."""
+    chain = joints if above < 0 else (above, *joints)
+    return [(tree.at[b] - tree.at[a]).length for a, b in pairwise(chain)]
+
+
+def _left_of(off: float, meant: float) -> float:
+    """How far off another joint may be that is in the place of one, as far off itself, with a bone so long."""
+    return (_NEARER if off > _TWINS * meant else _EXACT if off > _OFF * meant else 0.0) * off
 
 
 def _are_of_pair(each: Found, twin: Found) -> bool:

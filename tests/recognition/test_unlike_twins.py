@@ -123,3 +123,18 @@ def test_a_twist_joint_of_both_sides_that_is_misspelt_on_one_is_no_elbow(side: s
     names |= {f"twist.{side[0]}": "odd"}
     changed = [(names.get(own, own), names.get(above, above), at) for own, above, at in joints]
     assert not list(_surely_wrong("plain", changed, odd=misspelt.format(side)))
+
+
+@pytest.mark.parametrize("part", [0.5, 0.7, 0.75, 0.8])
+@pytest.mark.parametrize("far", [1.0, 1.1, 1.2])
+def test_a_joint_above_a_leg_of_two_joints_begins_no_sure_leg(far: float, part: float) -> None:
+    """Before, it did where what it left of its bone was about as long as the leg."""
+    beetle = [
+        *line("hub body eyes", "", (0, 0, 0), (0, 0.45, 0), (0, 0.51, 0.48)),
+        *both(line("front_leg.L front_leg2.L", "hub", (far, 0.45, 0.63), (far, 0.05, 0.63))),
+        *both(line("hind_leg.L hind_leg2.L", "hub", (far + 0.15, 0.45, -0.65), (far + 0.15, 0.05, -0.65))),
+    ]
+    for below in ("front_leg.R", "front_leg.L", "hind_leg.R"):
+        joints = _with_joint(beetle, below, part)
+        for chain in recognise(rig_with(joints)).chains:
+            assert "odd" not in [joints[k][0] for k in chain.joints] or not chain.is_sure, (below, chain)
