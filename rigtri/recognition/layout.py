@@ -124,8 +124,12 @@ class Character:
 
     @property
     def gives_axes(self) -> bool:
-        """Whether joints take axes from it: it, or a limb, is sure, or it is a hand by its shape."""
+        """Whether joints take axes from it: it, or a limb, is sure, or it is a hand by its shape.
+
+        Or no limb bends, and the head is sure: a bust of which only stumps are not.
+        """
         sure = self.confidence >= CONFIDENT or any(chain.is_sure for chain in self.limbs)
+        sure = sure or (not any(self.limbs) and any(k.kind == "head" and k.is_sure for k in self.chains))
         return sure or self.form == "hand"
 
     @property

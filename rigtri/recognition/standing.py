@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import chain
 
 from rigtri.maths.scalar_vector import Vector
+from rigtri.model.joint_names import side, twin
 from rigtri.recognition.body_shape import Body, lies
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import up_of_stretched
@@ -27,6 +28,8 @@ FIRST_APART = 0.1
 _LATERAL = 0.7
 # A trunk goes up, as the file has it, by this (a cosine), and along another axis by the second (30°).
 _RISES, _ALONG = 0.7, 0.866
+# Twins beside a trunk are apart along one line, by this part of what they are in all.
+_ONE_LINE = 0.9
 # Front legs hang from a trunk by this (a cosine), and as far to the ground of the file.
 _HANG = 0.5
 
@@ -83,6 +86,26 @@ def lone_left(draft: Draft, named: Sequence[Found]) -> Vector:
             way = tree.at[each.joints[0]] - tree.at[over]
             total = total + (way if each.side == "left" else -way)
     return total
+
+
+def stand_by_twins(draft: Draft) -> None:
+    """Left and ahead of a body without limbs, a bust, as the names of twins beside its trunk have them.
+
+    Nothing where the trunk does not rise as the file has it, as a fish's, or where these names disagree.
+    """
+    tree, up = draft.tree, Vector(*draft.tree.rig.rules.up)
+    low, high = _ends_of_trunk(draft)
+    if low < 0 or high < 0 or (tree.at[high] - tree.at[low]).unit.dot(up) < _RISES:
+        return
+    total, most = Vector(), 0.0
+    for below in tree.below.values():
+        by_name = {tree.rig.names[k]: k for k in below}
+        for name, k in by_name.items():
+            if side(name) == "left" and (other := by_name.get(twin(name))) is not None:
+                apart = tree.at[k] - tree.at[other]
+                total, most = total + apart, most + apart.length
+    if total.length > _ONE_LINE * most and abs(total.unit.dot(up)) < 1.0 - _ALONG:
+        draft.stand(up, total.cross(up))
 
 
 def row_of_legs(shape: Shape, pairs: Sequence[Found]) -> tuple[Limbs, ...]:

@@ -13,6 +13,7 @@ from rigtri.recognition.layout import MAP, NAMES
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import roles_in_name
+from rigtri.recognition.standing import stand_by_twins
 
 _SPINE = ("spine", "chest", "upperChest")
 # A tail has so many joints, and is so long a part of the legs.
@@ -32,6 +33,9 @@ def lay_trunk(draft: Draft, found: Sequence[Found]) -> None:
     """Find what stands between and beyond the limbs."""
     if not found:
         _named_trunk(draft)
+        if any(chain.kind == "spine" for chain in draft.chains) and not draft.certain:
+            stand_by_twins(draft)
+            _head(draft, (), has_arms=False)
         _tail(draft, ())
         return
     legs, arms = pairs_of_limbs(draft, found)

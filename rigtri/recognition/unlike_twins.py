@@ -104,7 +104,7 @@ def _bones(tree: Tree, above: int, joints: Sequence[int]) -> list[float]:
 
 
 def _left_of(off: float, meant: float) -> float:
-    """How far off another joint may be that is in the place of one, as far off itself, with a bone so long."""
+    """How far off a joint may be that stands in the place of one which is `off` of a bone so long."""
     return (_NEARER if off > _TWINS * meant else _EXACT if off > _OFF * meant else 0.0) * off
 
 
