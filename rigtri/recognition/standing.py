@@ -71,7 +71,23 @@ def stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
         )
     ):
         up = body.up
+    if body is not None and any(turned := _up_by_head(body, up, across.unit)):
+        up = turned
     draft.stand(up, across.cross(up))
+
+
+def _up_by_head(body: Body, up: Vector, across: Vector) -> Vector:
+    """The up direction, unit, of an animal with the front legs under the hind ones: where the sides agree.
+
+    Nothing for any other, or where its legs go up there, as where names have left and right the wrong way.
+    """
+    if body.form != "quadruped" or body.legs is None or body.arms is None:
+        return Vector()
+    on = body.arms.starts - body.legs.starts
+    ahead = (on - across * on.dot(across)).unit
+    turned = on_axis(ahead.cross(across), _ALONG)
+    down = body.arms.ends - body.arms.starts + body.legs.ends - body.legs.starts
+    return turned if ahead.dot(up) < -_RISES and down.dot(turned) < 0.0 else Vector()
 
 
 def lone_left(draft: Draft, named: Sequence[Found]) -> Vector:

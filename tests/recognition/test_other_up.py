@@ -439,3 +439,36 @@ def test_front_legs_called_arms_hang_from_a_trunk_that_lies() -> None:
     """Of which the hind ones are not known: what rises from the hips to the head is no upright trunk."""
     (front,) = recognise(rig_with(without(HORSE, "thigh", "shin", "foot", "toe"))).characters
     assert front.up == (0, 1, 0)
+
+
+@pytest.mark.parametrize("back", [0.3, 0.45])
+@pytest.mark.parametrize("tail", [True, False])
+def test_a_seal_with_its_hind_legs_back_does_not_stand_on_its_head(tail: bool, back: float) -> None:
+    """Before, in a file with another up it did, in silence, and its left was that of who looks up."""
+    seal: list[Joint] = [
+        *line(
+            "hips spine chest neck head",
+            "",
+            *((0, 0.25, -0.6), (0, 0.3, -0.2), (0, 0.35, 0.2), (0, 0.5, 0.45), (0, 0.6, 0.65)),
+        ),
+        *both(
+            [
+                *line(
+                    "front_upper_leg.L front_lower_leg.L front_foot.L",
+                    "chest",
+                    *((0.15, 0.3, 0.2), (0.3, 0.15, 0.15), (0.5, 0.03, 0.1)),
+                ),
+                *line(
+                    "hind_upper_leg.L hind_lower_leg.L hind_foot.L",
+                    "hips",
+                    *((0.1, 0.2, -0.8), (0.14, 0.15, -0.8 - 0.5 * back), (0.2, 0.05, -0.8 - back)),
+                ),
+            ]
+        ),
+        *(line("tail1 tail2", "hips", (0, 0.2, -0.9), (0, 0.15, -1.1)) if tail else []),
+    ]
+    (there,) = recognise(rig_with(seal)).characters
+    (found,) = recognise(lying(seal)).characters
+    assert (there.up, there.facing) == ((0, 1, 0), (0, 0, 1))
+    assert (found.up, found.facing) == ((0, 0, 1), (0, -1, 0))
+    assert not found.is_mirrored
