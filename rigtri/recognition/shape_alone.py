@@ -14,6 +14,7 @@ from rigtri.recognition.found_limb import Found
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_triples import SAME_PLACE, TIE
 from rigtri.recognition.limb_words import NO_WORDS
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.shape_analysis import shape_of
 from rigtri.recognition.shape_doubts import has_hock
 from rigtri.text import a
@@ -109,12 +110,19 @@ def _clearly(draft: Draft, bare: Draft, each: Found, found: Sequence[Found]) -> 
             across = set(limbs.pair.paths[1 - own])
             if set(each.joints) <= set(path) and any(across.issuperset(joints) for joints in twins):
                 other = limbs.joints(own)
+                if _is_held(draft, other[0]) and path.index(other[0]) > path.index(each.joints[2]):
+                    return ""
                 passed = any(
                     not draft.words.get(k, NO_WORDS).levels for k in other if k not in draft.segments
                 )
                 clear = len(other) == 3 and other != each.joints and limbs.lead > TIE
                 return f"it bends at {_titles(draft, other)}" if clear and passed else ""
     return ""
+
+
+def _is_held(draft: Draft, node: int) -> bool:
+    """Whether names call a joint a weapon or prop, which has as many joints as a limb with a leaf bone."""
+    return "attachment" in roles_in_name(draft.tree.rig.names[node])
 
 
 def _titles(draft: Draft, joints: Sequence[int]) -> str:
