@@ -44,6 +44,7 @@ class FormatRules:
     instances: nodes that show what another shows, which is read there alone: by each of them, that one.
     played: what moves each of several instances of a character: the key of a clip, None for none, by the
     instance's node and the skeleton's path below that.
+    skeletons: nodes whose joints have names of their own, which joints of others may have, too.
     elsewhere: nodes of rigtri, or with its metadata, that no edit of this file can take out, and which other
     file has them. overlaid: those of them, nodes of rigtri all, of which this file says more.
     rigid: nodes that show a mesh which a child of theirs could show instead, so that they may be joints.
@@ -73,6 +74,7 @@ class FormatRules:
     unlisted: Mapping[int, str] = field(default_factory=dict)
     instances: Mapping[int, int] = field(default_factory=dict)
     played: Mapping[int, Mapping[str, Hashable]] = field(default_factory=dict)
+    skeletons: frozenset[int] = frozenset()
     elsewhere: Mapping[int, str] = field(default_factory=dict)
     overlaid: frozenset[int] = frozenset()
     rigid: frozenset[int] = frozenset()
@@ -91,6 +93,7 @@ class FormatRules:
             data_nodes=frozenset(new[k] for k in self.data_nodes),
             swinging=frozenset(new[k] for k in self.swinging),
             named=frozenset(new[k] for k in self.named),
+            skeletons=frozenset(new[k] for k in self.skeletons),
             elsewhere={new[k]: name for k, name in self.elsewhere.items()},
             overlaid=frozenset(new[k] for k in self.overlaid),
             rigid=frozenset(new[k] for k in self.rigid),

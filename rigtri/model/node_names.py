@@ -69,6 +69,27 @@ class NodeNames(Hierarchy, ABC):
         """A chain, or a limb, in a message: the titles of its nodes, from the root on."""
         return " - ".join(map(self.title, nodes))
 
+    def beside(self, node: int) -> list[int]:
+        """The nodes that a child of a node (−1: a root) may not share its name with.
+
+        All nodes, but for joints of a Skeleton prim (USD) those of other skeletons.
+        """
+        mine = self.skeleton_of[node] if node >= 0 else -1
+        return [k for k, other in enumerate(self.skeleton_of) if mine < 0 or other in (mine, -1)]
+
+    def names_beside(self, node: int) -> set[str]:
+        """The names that a child of a node (−1: a root) may not have, see `beside`."""
+        return {self.names[k] for k in self.beside(node)}
+
+    @cached_property
+    def skeleton_of(self) -> list[int]:
+        """For each node the one of `FormatRules.skeletons` that it is or is below; −1 for none."""
+        found: list[int] = []
+        for node, parent in enumerate(self.parents.tolist()):
+            above = found[parent] if parent >= 0 else -1
+            found.append(node if node in self.rules.skeletons else above)
+        return found
+
     @cached_property
     def _by_name(self) -> Mapping[str, list[int]]:
         return named(self.names)

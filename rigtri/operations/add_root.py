@@ -87,7 +87,7 @@ def _rooted(rig: Rig, top: int, options: AddRootOptions, report: Report) -> tupl
             f"'{rig.title(top)}' is below '{parent}', which the clips here do not list: add the root to the "
             "character, and look whether it has one"
         )
-    named = [node for node, name in enumerate(rig.names) if name == options.name]
+    named = [node for node in rig.beside(int(rig.parents[top])) if rig.names[node] == options.name]
     if any(rig.is_joint[node] or not rig.rules.sized_binding for node in named):
         text = f"Another node is called '{options.name}'"
         raise UsageError(f"{text}: rename it first, with rigtri rename-joints")

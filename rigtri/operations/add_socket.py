@@ -37,7 +37,7 @@ def add_socket(rig: Rig, *, options: AddSocketOptions, report: Report) -> Rig:
     joint, name = rig.find(options.on), given_name(rig, options.name, report)
     known = [node for node in rig.children[joint] if rig.names[node] == name]
     if not known:
-        refuse_taken(rig, name)
+        refuse_taken(rig, name, parent=joint)
     place, rotation = np.array(options.at), _rotation(rig, joint, options)
     if known:
         placed = stood(rig, known[0], place, rotation)

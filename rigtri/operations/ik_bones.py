@@ -125,7 +125,7 @@ def _kept(rig: Rig, profile: str, bones: Container[str]) -> set[str]:
 def _placed(rig: Rig, name: str, parent: int, leader: int, place: Floats, report: Report) -> tuple[Rig, int]:
     """The rig with a joint of a name in a place seen from its parent, (7,); and which it is."""
     known = [node for node in rig.children[parent] if rig.names[node] == name]
-    if not known and name in rig.names:
+    if not known and name in rig.names_beside(parent):
         raise UsageError(
             f"Another node has the name {name}, and is not a child of '{rig.title(parent)}': rename it"
         )

@@ -39,7 +39,7 @@ from rigtri.operations.moved_chain import move_chain
 from rigtri.operations.operation import operation
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
 from rigtri.operations.orient_joints.up_direction import crossing
-from rigtri.operations.rigtri_nodes import free_name, given_name, group, with_record
+from rigtri.operations.rigtri_nodes import given_name, group, with_record
 from rigtri.operations.skin_joints import add_joint, new_skin
 from rigtri.recognition.limb_bends import NO_PLANE
 from rigtri.recognition.limbs import Limb
@@ -284,13 +284,13 @@ def _end_point(rig: Rig, end_aim: str | Point, pose: str) -> Floats:
 
 
 def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) -> tuple[Rig, list[int]]:
-    names = _names(rig, options, len(shape.points))
     if options.parent is None:
         rig, parent = group(rig)
     elif rig.is_joint[parent := rig.find(options.parent, "parent")] and not options.skin:
         raise UsageError(
             f"--no-skin: children of '{rig.title(parent)}' join its skins; leave out --parent or --no-skin"
         )
+    names = _names(rig, parent, options, len(shape.points))
     own = options.skin and not rig.is_joint[parent]
     axes = _handed(rig, parent, shape.axes, options, report)
     joints: list[int] = []
@@ -301,10 +301,9 @@ def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) ->
     return (new_skin(rig, _title(options), joints) if own else rig), joints
 
 
-def _names(rig: Rig, options: MakeLimbOptions, count: int) -> list[str]:
-    names = joint_names(rig, options, count)
-    taken = [name for name in names if names.count(name) > 1 or free_name(rig, name, None) != name]
-    if taken:
+def _names(rig: Rig, parent: int, options: MakeLimbOptions, count: int) -> list[str]:
+    names, used = joint_names(rig, options, count), rig.names_beside(parent)
+    if taken := [name for name in names if names.count(name) > 1 or name in used]:
         raise UsageError(f"another node is called '{taken[0]}'; give the joints --names of their own")
     return names
 

@@ -70,13 +70,15 @@ def renamed(rig: Rig, names: Mapping[int, str]) -> Rig:
 def set_aside(rig: Rig, to: str) -> dict[str, str]:
     """New names, by address, of joints that are no bones and have names that bones will have."""
     bones = dict(_of_scheme(rig, RenameJointsOptions(to=to)))
-    taken = {*bones.values(), *rig.names}
+    taken: dict[int, set[str]] = {}
     found = {}
     for node in np.flatnonzero(rig.is_joint).tolist():
         name = rig.names[node]
         if node not in bones and name in bones.values():
-            found[rig.address(node)] = _free(name, taken)
-            taken.add(found[rig.address(node)])
+            skeleton = rig.skeleton_of[node]
+            used = taken.setdefault(skeleton, {*bones.values(), *rig.names_beside(skeleton)})
+            found[rig.address(node)] = _free(name, used)
+            used.add(found[rig.address(node)])
     return found
 
 
@@ -205,20 +207,20 @@ def _bones(rig: Rig) -> list[Part]:
 def _refuse_clashes(rig: Rig, names: Mapping[int, str], back: Collection[int]) -> None:
     """UsageError for a name that two joints would have. back: those that get one back that several had."""
     joints = {*np.flatnonzero(rig.is_joint).tolist(), *names}
-    taken: dict[str, int] = {}
+    taken: dict[tuple[int, str], int] = {}
     for node in sorted(joints):
         name = names.get(node, rig.names[node])
-        if name and name in taken and (node in names or taken[name] in names):
-            pair = f"'{rig.title(taken[name])}' and '{rig.title(node)}'"
-            if rig.names[node] == rig.names[taken[name]] or node in back or taken[name] in back:
+        first = taken.setdefault((rig.skeleton_of[node], name), node)
+        if name and first != node and (node in names or first in names):
+            pair = f"'{rig.title(first)}' and '{rig.title(node)}'"
+            if rig.names[node] == rig.names[first] or node in back or first in back:
                 continue  # they shared one before
-            other = min((node, taken[name]), key=names.__contains__)
+            other = min((node, first), key=names.__contains__)
             raise UsageError(
                 f"{pair} would both be called '{name}'. Name one of them with --name, e.g. --name "
                 f"'{rig.address(other)}={_free(name, {*rig.names, *names.values()})}', or leave "
                 "one out with --exclude; of two characters rename one at a time with --below NAME"
             )
-        taken.setdefault(name, node)
 
 
 def _warn_shared(rig: Rig, names: Mapping[int, str], report: Report) -> None:
@@ -242,6 +244,7 @@ def _refuse_taken(rig: Rig, names: Mapping[int, str], given: Iterable[int]) -> N
     """
     for node in given:
         name = names.get(node, "")
-        others = [k for k, known in enumerate(rig.names) if name and known == name and k not in names]
+        beside = rig.beside(int(rig.parents[node])) if name else ()
+        others = [k for k in beside if rig.names[k] == name and k not in names]
         if any(rig.is_joint[k] or not rig.rules.sized_binding for k in others):
             raise UsageError(f"--name {rig.title(node)}={name}: another node is called so")

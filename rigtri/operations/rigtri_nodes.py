@@ -56,7 +56,7 @@ def root_controls(rig: Rig, node: int) -> list[int]:
 def add(rig: Rig, name: str, parent: int, record: Record) -> tuple[Rig, int]:
     """A new node under ``parent`` (−1: a root) with a free name like ``name`` and a record; and its index."""
     node = len(rig)
-    free = free_name(rig, name, None)
+    free = free_of(rig.names_beside(parent), rig.rules.valid_name(name))
     rig = rig.with_nodes([free], [parent], np.zeros((1, 3)), IDENTITY[np.newaxis])
     return with_record(rig, node, record), node
 
@@ -91,14 +91,9 @@ def find_named(rig: Rig, of: type[Record], name: str, **about: int) -> int | Non
 def renamed(rig: Rig, node: int, name: str) -> Rig:
     """The rig with another name for a node of ours, made free of others'."""
     names = list(rig.names)
-    names[node] = free_name(rig, name, node)
+    taken = {names[other] for other in rig.beside(int(rig.parents[node])) if other != node}
+    names[node] = free_of(taken, rig.rules.valid_name(name))
     return replace(rig, names=tuple(names))
-
-
-def free_name(rig: Rig, base: str, own: int | None) -> str:
-    """A name that the file's format allows and no other node has."""
-    taken = {known for node, known in enumerate(rig.names) if node != own}
-    return free_of(taken, rig.rules.valid_name(base))
 
 
 def free_of(taken: Collection[str], name: str) -> str:
@@ -211,7 +206,8 @@ class NewNodes:
     """
 
     def __init__(self, rig: Rig) -> None:
-        self.rig, self.first, self.taken = rig, len(rig), set(rig.names)
+        self.rig, self.first = rig, len(rig)
+        self.taken: dict[int, set[str]] = {}
         self.names: list[str] = []
         self.parents: list[int] = []
         self.parts: list[tuple[Floats, Floats]] = []
@@ -223,8 +219,9 @@ class NewNodes:
     def add(self, name: str, parent: int, record: Record, place: Floats | None, noise: float = 0.0) -> int:
         """A new node, and its index. place: its local matrix, (4, 4); None: its parent's own."""
         node = self.first + len(self.names)
-        self.names.append(free_of(self.taken, self.rig.rules.valid_name(name)))
-        self.taken.add(self.names[-1])
+        taken = self._taken(parent)
+        self.names.append(free_of(taken, self.rig.rules.valid_name(name)))
+        taken.add(self.names[-1])
         self.parents.append(parent)
         self.parts.append((np.zeros(3), IDENTITY))
         self.records[node] = record
@@ -234,6 +231,15 @@ class NewNodes:
             above = multiply(compose(*self.parts[-1], np.ones(3)), above)
         self.zero[node] = above
         return node
+
+    def _taken(self, parent: int) -> set[str]:
+        """The names that children of a node may not have: one set for all of a skeleton."""
+        while parent >= self.first:
+            parent = self.parents[parent - self.first]
+        skeleton = self.rig.skeleton_of[parent] if parent >= 0 else -1
+        if skeleton not in self.taken:
+            self.taken[skeleton] = self.rig.names_beside(parent)
+        return self.taken[skeleton]
 
     def unposed(self, node: int) -> Floats:
         """The world matrix, (4, 4), that a node (−1: none) has while all controls are zero."""
@@ -265,9 +271,9 @@ class NewNodes:
         return replace(rig, metadata={**rig.metadata, **stored}, pending=pending)
 
 
-def refuse_taken(rig: Rig, name: str, own: int | None = None) -> None:
-    """UsageError for a name that a user has given and another node has."""
-    if free_name(rig, name, own) != rig.rules.valid_name(name):
+def refuse_taken(rig: Rig, name: str, own: int | None = None, *, parent: int = -1) -> None:
+    """UsageError for a name that a user has given to a child of a node, and another node has."""
+    if rig.rules.valid_name(name) in {rig.names[node] for node in rig.beside(parent) if node != own}:
         raise UsageError(f"--name {name}: another node is called so")
 
 

@@ -56,19 +56,22 @@ def add_twist(rig: Rig, *, options: AddTwistOptions, report: Report) -> Rig:
 
 def _check_names(rig: Rig, bones: list[Bone], options: AddTwistOptions) -> None:
     """UsageError where a user's rule gives two new twist joints one name, or that of another node."""
-    names, taken = set[str](), set(rig.names)
+    names: dict[int, set[str]] = {}
+    taken: dict[int, set[str]] = {}
     there = {(record.joint, record.to, record.number) for record in rig.records(TwistRecord).values()}
     for of in bones:
-        ends = _ends(rig, of)
+        ends, skeleton = _ends(rig, of), rig.skeleton_of[of.joint]
+        if skeleton not in taken:
+            names[skeleton], taken[skeleton] = set(), rig.names_beside(of.joint)
         for number in range(1, options.count + 1):
             if (*ends, number) not in there:
                 name = _name(rig, of, number, options)
                 valid = rig.rules.valid_name(name)
-                if valid in taken:
+                if valid in taken[skeleton]:
                     raise UsageError(f"--name {name}: another node is called so")
-                if valid in names:
+                if valid in names[skeleton]:
                     raise UsageError(f"--name {options.name}: several twist joints would be called '{name}'")
-                names.add(valid)
+                names[skeleton].add(valid)
 
 
 def _name(rig: Rig, of: Bone, number: int, options: AddTwistOptions) -> str:

@@ -29,7 +29,7 @@ from rigtri.operations.mirror.counterparts import (
 from rigtri.operations.moved_chain import move_chain
 from rigtri.operations.option_kinds import vector
 from rigtri.operations.options.mirror import MirrorOptions
-from rigtri.operations.rigtri_nodes import free_name, group, with_record
+from rigtri.operations.rigtri_nodes import group, with_record
 from rigtri.operations.skin_joints import add_joint, new_skin
 from rigtri.recognition.sides import twin_of
 from rigtri.report import Report
@@ -100,7 +100,8 @@ def _parent(rig: Rig, joint: int) -> int | None:
 
 def _built(rig: Rig, chain: list[int], title: str, places: Floats, axes: Floats) -> tuple[Rig, list[int]]:
     names, parent = [twin(rig.names[k]) for k in chain], _parent(rig, chain[0])
-    if taken := [name for name in names if free_name(rig, name, None) != name]:
+    used = rig.names_beside(-1 if parent is None else parent)
+    if taken := [name for name in names if name in used]:
         raise NotMirroredError(f"another node is called '{taken[0]}'")
     if parent is None or (parent >= 0 and determinant(rig.world[parent]) < 0):
         raise NotMirroredError("its parent has no such twin")

@@ -150,3 +150,33 @@ def test_an_animation_that_nothing_plays_loses_the_columns_of_joints_of_its_own_
         for path in ("/Root/Idle", "/Far/Idle")
     }
     assert listed == {"/Root/Idle": 2, "/Far/Idle": 3}
+
+
+_TAIL = ("--name=tail{1}", "--names", "one", "two", "three", "--points", "0,1,0", "0,2,1", "0,3,1")
+
+
+@pytest.mark.parametrize(
+    ("words", "joint"),
+    [
+        (["add-twist", "--joint={0}:a", "--to={0}:a/b", "--count", "1"], "a/a_twist_1"),
+        (["add-twist", "--joint={0}:a", "--to={0}:a/b", "--count", "1", "--name=roll"], "a/roll"),
+        (["add-socket", "--on", "{0}:a/b", "--name", "grip"], "a/b/grip"),
+        (["add-root", "--above", "{0}:a"], "root/a/b"),
+        (["rename-joints", "--name", "{0}:a/b=knee"], "a/knee"),
+        (["make-limb", "--parent", "{0}:a/b", *_TAIL], "a/b/one/two"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else value[0],
+)
+def test_joints_of_each_skeleton_have_names_of_their_own(
+    words: list[str], joint: str, tmp_path: Path
+) -> None:
+    """Before, the second skeleton got `a_twist_1_2`, or an error: a clip of one did not fit the other."""
+    twins = scene(skeleton(), skeleton("Twin"), animation(), MESH, HAT)
+    out = save(tmp_path, twins, "0.usda")
+    for number, name in enumerate(("Skel", "Twin"), 1):
+        source, out = out, tmp_path / f"{number}.usda"
+        cli(words[0], source, "-o", out, *(word.format(f"/Root/{name}", name) for word in words[1:]), code=0)
+    stage = Usd.Stage.Open(str(out))
+    joints = [stage.GetPrimAtPath(f"/Root/{name}").GetAttribute("joints").Get() for name in ("Skel", "Twin")]
+    assert joint in joints[0]
+    assert joints[0] == joints[1]

@@ -219,6 +219,7 @@ class Nodes:
                     for path, first in self.instances.twins().items()
                     if str(path) in self.node_of
                 },
+                skeletons=frozenset(self.node_of[path] for path in self.joint_nodes if path in self.node_of),
                 valid_name=identifier,
             ),
         )
