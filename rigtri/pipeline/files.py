@@ -20,7 +20,7 @@ from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import with_keywords
 from rigtri.pipeline.edit import EditRequest, Outcome, edit_file
-from rigtri.pipeline.verify_variants import with_variants
+from rigtri.pipeline.verify_variants import looks_apart, with_variants
 from rigtri.report import Report
 from rigtri.verification import Terms
 from rigtri.verification.compare import compare
@@ -152,7 +152,7 @@ def verify(
     """
     with _source(before, options) as one, _source(after, options) as other:
         found = _of_two_formats(one, other)
-        return with_variants(compare.verify(one, other), one, other) if found is None else found
+        return with_variants(looks_apart(one, other), one, other) if found is None else found
 
 
 def _of_two_formats(one: Source, other: Source) -> Comparison | None:

@@ -25,6 +25,21 @@ class Choosing(Source, Protocol):
     def selecting(self, chosen: Mapping[Any, str]) -> Choosing | None: ...
 
 
+@runtime_checkable
+class Sharing(Source, Protocol):
+    """A document of a format with instances."""
+
+    def sharing(self, other: Any) -> Sharing: ...
+
+
+def looks_apart(before: Source, after: Source) -> Comparison:
+    """How far two documents look apart, in the selected variants, with the same instances read of both."""
+    if isinstance(before, Sharing) and isinstance(after, Sharing):
+        after = after.sharing(before)
+        before = before.sharing(after)
+    return compare.verify(before, after)
+
+
 def with_variants(found: Comparison, before: Source, after: Source) -> Comparison:
     """What was found with the selected variants, and what there is in others, up to `MOST` of them.
 
@@ -55,7 +70,7 @@ def with_variants(found: Comparison, before: Source, after: Source) -> Compariso
         if mine is None or theirs is None:
             unseen.append(f"{where}, because AFTER does not have that set")
             continue
-        found = found.with_also(compare.verify(mine, theirs), where)
+        found = found.with_also(looks_apart(mine, theirs), where)
     return replace(found, unseen=tuple(unseen)) if unseen else found
 
 

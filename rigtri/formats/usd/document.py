@@ -199,6 +199,17 @@ class UsdDocument:
         read = read_source(source.path, options, stage, one_state=True)
         return UsdDocument(read, options, stage.GetRootLayer())
 
+    def sharing(self, other: UsdDocument) -> UsdDocument:
+        """The file with an instance read in place of others where that is so in another file, too.
+
+        Prototypes are split by their last bits, or by what edits wrote, and joined by a variant.
+        """
+        source, twins = self._source, other.source.instances.twins()
+        if source.instances.twins() == twins:
+            return self
+        read = read_source(source.path, self._options, source.stage, one_state=source.one_state, twins=twins)
+        return UsdDocument(read, self._options, source.layer)
+
     def image(self, asset: Any) -> bytes:
         """The bytes of the texture that an asset path names. FileError where they are not to be had."""
         allowed = self._options.allow_external_paths

@@ -580,24 +580,29 @@ def test_copies_of_one_motion_get_the_same_keys_to_the_bit(tmp_path: Path) -> No
     assert len(after) == len(before)
 
 
-def test_instances_that_differ_by_a_look_inherit_one_class_until_one_of_them_is_edited(
-    tmp_path: Path,
-) -> None:
-    """Three looks are three prototypes, whose skeletons get the same axes to the bit."""
+def crowd_of_looks(folder: Path) -> Path:
+    """Six agents with three looks, which variants decide."""
     colours = "\n".join(
         f'"{look}" {{\nover "Skin"\n{{\ncolor3f[] primvars:displayColor = [({k}, 0, 0)]\n}}\n}}'
         for k, look in enumerate("abc")
     )
     look = '(\nvariants = {\nstring look = "a"\n}\nprepend variantSets = "look"\n)\n{\n'
     look += f'variantSet "look" = {{\n{colours}\n}}'
-    save(tmp_path, ACTOR.replace('"Root"\n{', f'"Root" {look}', 1), "parts/hero.usda")
+    save(folder, ACTOR.replace('"Root"\n{', f'"Root" {look}', 1), "parts/hero.usda")
     agents = [
         instance(f"A{k}", x=4.0 * k).replace(
             "instanceable", f'variants = {{\nstring look = "{look}"\n}}\ninstanceable'
         )
         for k, look in enumerate("aabbcc")
     ]
-    source = save(tmp_path, shot(*agents), "crowd.usda")
+    return save(folder, shot(*agents), "crowd.usda")
+
+
+def test_instances_that_differ_by_a_look_inherit_one_class_until_one_of_them_is_edited(
+    tmp_path: Path,
+) -> None:
+    """Three looks are three prototypes, whose skeletons get the same axes to the bit."""
+    source = crowd_of_looks(tmp_path)
     one, other, back = tmp_path / "one.usda", tmp_path / "other.usda", tmp_path / "back.usda"
     cli("orient-joints", source, "-o", one, code=0)
     assert deviation(source, one) < 1e-6
@@ -620,3 +625,21 @@ def test_instances_that_differ_by_a_look_inherit_one_class_until_one_of_them_is_
     ]
     cli("orient-joints", other, "-o", back, "--character", "A2", code=0)
     assert deviation(source, back) < 1e-6
+
+
+def test_instances_that_a_variant_joins_in_one_of_two_files_alone_are_compared(tmp_path: Path) -> None:
+    """Before, `verify` took them for other characters: another agent stood for the same ones."""
+    source, one, other = crowd_of_looks(tmp_path), tmp_path / "one.usda", tmp_path / "other.usda"
+    cli("orient-joints", source, "-o", one, code=0)
+    cli("orient-joints", one, "-o", other, "--character", "A2", "--preset", "vrm", code=0)
+    for pair in ((source, other), (other, source)):
+        assert "added" not in cli("verify", *pair, code=0).stdout
+    layer = layers.fresh(other)
+    skin = Sdf.CreatePrimInLayer(layer, "/rigtri_A2/Skin")
+    points = Sdf.AttributeSpec(skin, "points", Sdf.ValueTypeNames.Point3fArray)
+    stage = Usd.Stage.Open(str(source))
+    shown = stage.GetPrimAtPath("/World/A2/Skin").GetAttribute("points").Get()
+    points.default = [point * 1.01 for point in shown]
+    layer.Export(str(tmp_path / "bad.usda"))
+    for pair in ((source, tmp_path / "bad.usda"), (tmp_path / "bad.usda", source)):
+        cli("verify", *pair, code=6)

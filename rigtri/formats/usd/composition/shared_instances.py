@@ -29,9 +29,10 @@ def is_own_class(spec: Any) -> bool:
 class SharedInstances:
     """The instances of a stage. skeletons: Skeleton prims of all, by the path of the one that is read."""
 
-    def __init__(self, stage: Any) -> None:
-        self._stage = stage
-        self._first = self._read_instances()  # by prototype, the path of the instance that is read
+    def __init__(self, stage: Any, others: Mapping[Any, Any] | None = None) -> None:
+        """others: `twins` of another stage, where one that stands for an instance may do so here, too."""
+        self._stage, self._others = stage, others
+        self._first = self._read_instances()  # by group, the path of the instance that is read
         self._below: dict[Any, list[tuple[Any, Any]]] = {}  # the skeletons of an instance that is read
         self._twins: dict[Any, Any] = {}
         self.skeletons: dict[str, list[Any]] = {}
@@ -104,20 +105,25 @@ class SharedInstances:
                 if at not in holds:
                     below = Usd.PrimRange(prototype, Usd.TraverseInstanceProxies())
                     holds[at] = any(one.GetTypeName() in _SKEL for one in below)
-                first = self._first[at]
+                first = self._first[self._group(prim)]
                 if holds[at] and first != prim.GetPath():
                     self._twins[prim.GetPath()] = first
                     walk.PruneChildren()
             yield prim
 
+    def _group(self, prim: Any) -> tuple[Any, Any]:
+        """What instances share of which one is read: prototype, and with `others` what is read there."""
+        path = prim.GetPath()
+        return prim.GetPrototype().GetPath(), self._others and self._others.get(path, path)
+
     def _read_instances(self) -> dict[Any, Any]:
-        """By prototype the path of the instance that is read: the first below a SkelRoot, or of all."""
+        """By group the path of the instance that is read: the first below a SkelRoot, or of all."""
         found: dict[Any, tuple[Any, bool]] = {}
         walk = iter(Usd.PrimRange(self._stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()))
         for prim in walk if self._stage.GetPrototypes() else ():
             if not prim.IsInstance():
                 continue
-            at = prim.GetPrototype().GetPath()
+            at = self._group(prim)
             skinned = bool(UsdSkel.Root.Find(prim))
             if at in found and found[at][1] >= skinned:
                 walk.PruneChildren()

@@ -52,15 +52,22 @@ from rigtri.text import and_more
 
 
 def read_source(
-    path: Path, options: ReadOptions, stage: Any, warnings: Sequence[Notice] = (), *, one_state: bool = False
+    path: Path,
+    options: ReadOptions,
+    stage: Any,
+    warnings: Sequence[Notice] = (),
+    *,
+    one_state: bool = False,
+    twins: Mapping[Any, Any] | None = None,
 ) -> Source:
     """Read the rig of a file. FileError where UsdSkel's rules are broken or there is no skeleton.
 
     warnings: what was noticed when the stage was opened. one_state: variants that are not selected are read
-    by themselves.
+    by themselves. twins: instances of another stage, see `SharedInstances`.
     """
     with quiet(f"{path}: USD cannot read it"):
-        return _Reader(path, stage, options, list(warnings), one_state=one_state).read()
+        shared = SharedInstances(stage, twins)
+        return _Reader(path, stage, options, list(warnings), shared, one_state=one_state).read()
 
 
 # What is said of animations that no skeleton plays.
@@ -82,11 +89,18 @@ class _Reader:
     """One pass over a stage."""
 
     def __init__(
-        self, path: Path, stage: Any, options: ReadOptions, warnings: list[Notice], *, one_state: bool
+        self,
+        path: Path,
+        stage: Any,
+        options: ReadOptions,
+        warnings: list[Notice],
+        instances: SharedInstances,
+        *,
+        one_state: bool,
     ) -> None:
         self.path, self.stage, self.options, self.warnings = path, stage, options, warnings
         self.one_state = one_state
-        self.instances = SharedInstances(stage)
+        self.instances = instances
         self.nodes = Nodes(stage, self.instances, self.warnings)
         self.skeletons: dict[str, Skeleton] = {}
         self.animations: dict[str, Animation] = {}
@@ -125,6 +139,7 @@ class _Reader:
             self.warnings,
             self.bindings,
             self.instances,
+            self.one_state,
         )
 
     def _played(self) -> dict[int, dict[str, Any]]:

@@ -25,7 +25,10 @@ from rigtri.report import Notice
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """What a writer compares with and takes values from. skeletons, animations: by path."""
+    """What a writer compares with and takes values from.
+
+    skeletons, animations: by path. one_state: see `reader.read_source`.
+    """
 
     path: Path
     stage: Any
@@ -35,6 +38,7 @@ class Source:
     warnings: list[Notice]
     bindings: mesh_reader.Bindings
     instances: SharedInstances
+    one_state: bool
 
     @property
     def layer(self) -> Any:
