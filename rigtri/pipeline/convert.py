@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -143,7 +143,7 @@ def verify_converted(before: Source, after: Source) -> Comparison | None:
     """How far two files of different formats look apart, the one made of the other by `convert`.
 
     None where they have hardly a node in common, by the names and the order that a conversion gives. Most
-    nodes that rigtri adds are not converted, and say nothing about it.
+    nodes that rigtri adds are not converted, and say nothing about it. Inbetweens are ``unseen``.
     """
     from rigtri.export.conversion.to_gltf import ToGltf
     from rigtri.export.conversion.to_usd import ToUsd
@@ -161,8 +161,17 @@ def verify_converted(before: Source, after: Source) -> Comparison | None:
         known = pair.node >= 0
         others = np.delete(known, list(pair.before.own))
         if any(2 * np.count_nonzero(each) > len(each) for each in (known, others)):
-            return compare_converted(pair, at_all_keys=True)
+            found = compare_converted(pair, at_all_keys=True)
+            return replace(found, unseen=(*_inbetweens(before), *_inbetweens(after)))
     return None
+
+
+def _inbetweens(document: Source) -> Iterator[str]:
+    """The meshes whose blend shapes have inbetweens, which glTF does not have and nothing measures."""
+    for mesh in document.meshes():
+        surface = mesh.surface_now
+        if surface is not None and any(name.startswith("inbetweens:") for name in surface.values):
+            yield f"the inbetweens of blend shapes of mesh {mesh.name}, which glTF cannot have"
 
 
 def _checked(path: Path, request: EditRequest) -> Path:

@@ -12,6 +12,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdSkel
 
 import rigtri
 from rigtri.errors import FileError
+from rigtri.formats import ReadOptions
 
 
 def _stage(path: Path) -> None:
@@ -134,6 +135,11 @@ def test_what_is_not_read_is_reported_and_samples_stand_in_for_defaults(tmp_path
         "mesh's size, which is not in the deviation",
         "prims of type PhysicsScene (</physics>)",
     }
+    # Before, nothing said so.
+    for pair in (("in.usda", "out.glb"), ("out.glb", "in.usda")):
+        assert rigtri.verify(*(tmp_path / name for name in pair), options=ReadOptions(empty=True)).unseen == (
+            "the inbetweens of blend shapes of mesh /set/blink, which glTF cannot have",
+        )
     gltf = glb_json(tmp_path / "out.glb")
     assert [node["name"] for node in gltf["nodes"] if "mesh" in node] == ["blink"]
     assert next(n for n in gltf["nodes"] if n["name"] == "blink")["extensions"]
