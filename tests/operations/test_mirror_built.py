@@ -18,6 +18,7 @@ from second_opinions import validator
 
 from rigtri.evaluation.constraint_solver import evaluate_constraint
 from rigtri.evaluation.pose_readers import PoseReader, weights
+from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.export.text_description import describe
 from rigtri.formats import read
 from rigtri.frames import Mirror
@@ -34,6 +35,7 @@ from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
 from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
+from rigtri.operations.bake.bake import bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.operations.mirror.mirror import MirrorOptions, mirror
@@ -447,7 +449,7 @@ def test_mirrored_spaces_warn_of_keys_that_count_from_elsewhere(
 ) -> None:
     rig = add_controls(read(samples / "biped.glb").rig, whole_character=True)
     rig = constrain(rig, options=ConstrainOptions(child="hand_L_ik_ctl", space=(first, "world")))
-    nodes = [rig.find(name) for name in ("hand_R_ik_ctl", "hand_L_ik_ctl", "head_ctl")]
+    nodes = [rig.find(name) for name in ("hand_R_ik_ctl", "hand_L_ik_ctl", "chest_ctl")]
     keys = [Track(node, "translation", "STEP", np.zeros(1), np.full((1, 3), 0.1)) for node in nodes]
     report = Report()
     rig = replace(rig, clips=(Clip("reach", tuple(keys)),))
@@ -507,19 +509,48 @@ def test_a_mirrored_constraint_warns_of_drivers_that_move_what_has_no_keys(
 
 @pytest.mark.parametrize("keyed", ["clavicle_R", "hand_R_ctl", "hand_R", "hand_R_ik_ctl", "shin_R"])
 @pytest.mark.parametrize("child", ["clavicle_L", "clavicle_L_ctl"])
-def test_a_mirrored_constraint_warns_of_keys_of_what_its_child_moves(
-    child: str, keyed: str, samples: Path
+@pytest.mark.parametrize("leads", [False, True])
+def test_a_mirrored_constraint_warns_of_keys_where_its_child_moves_otherwise(
+    leads: bool, child: str, keyed: str, samples: Path
 ) -> None:
-    """Before, keys of the joint of an FK control did not count: it moved otherwise without a word."""
+    """Measured: before, keys below the child were named also where the driver stands still in the clip."""
     rig = add_controls(read(samples / "biped.glb").rig, whole_character=True)
     rig = constrain(rig, options=ConstrainOptions(type="orient", child=child, driver=(("head", 1.0),)))
-    key = Track(rig.find(keyed), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0.0, 0.6, 0.8]]))
+    turned = [keyed, "head_ctl"] if leads else [keyed]
+    keys = [
+        Track(rig.find(name), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0.0, 0.6, 0.8]]))
+        for name in turned
+    ]
     report = Report()
-    rig = replace(rig, clips=(Clip("reach", (key,)),))
-    mirror(rig, options=MirrorOptions(from_side="left"), report=report)
+    rig = replace(rig, clips=(Clip("reach", tuple(keys)),))
+    out = mirror(rig, options=MirrorOptions(from_side="left"), report=report)
     said = [each.text for each in report.warnings if each.code == "mirror-moves"]
-    assert len(said) == (keyed != "shin_R")
-    assert all(text.startswith(f"{keyed} has keys in reach and follows a constraint") for text in said)
+    was, now = (bake(each) for each in (rig, out))
+    joints = np.flatnonzero(rig.is_joint)
+    far = np.abs(_places(was)[joints] - _places(now)[joints]).max()
+    assert (far > 1e-3) == (leads or keyed == "clavicle_R")
+    assert len(said) == (far > 1e-3)
+    if keyed != "shin_R":
+        assert all(text.startswith(f"{keyed} has keys in reach and follows a constraint") for text in said)
+
+
+def _places(rig: Rig) -> Floats:
+    """Where nodes are as the first clip starts, (n, 3)."""
+    return worlds(rig, locals_at(rig, rig.clips[0], [0.0]))[0, :, 3, :3]
+
+
+def test_a_mirrored_constraint_that_overrules_keys_of_a_pole_vector_is_named(samples: Path) -> None:
+    """Before, nothing said so where the driver is what the pole vector is a child of."""
+    rig = add_controls(read(samples / "biped.glb").rig, whole_character=True)
+    rig = constrain(rig, child="forearm_L_pole", driver=("hips_root_ctl",))
+    keys = [
+        Track(rig.find(name), "translation", "STEP", np.zeros(1), np.full((1, 3), 0.1))
+        for name in ("hand_R_ik_ctl", "forearm_R_pole")
+    ]
+    report = Report()
+    mirror(replace(rig, clips=(Clip("reach", tuple(keys)),)), report=report)
+    (said,) = (each.text for each in report.warnings if each.code == "mirror-moves")
+    assert "forearm_R_pole have keys in reach and follow a constraint from now on" in said
 
 
 @pytest.mark.parametrize("style", [{"soft": 0.3}, {"stretch": True}])

@@ -52,67 +52,48 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             same_values(stored, built.metadata[k], farthest_joint(rig)) for k, stored in rig.metadata.items()
         )
         if not same:
-            _warn_keyed(rig, mirrored, report, carried=keep and _follows_parent(rig, mirrored))
             _warn_switched(rig, rule, report)
             fresh.append(mirrored)
         return rig if same else built
 
     rig = mirror_each(rig, of_side(rig, options, ConstraintRecord), "constraint", build, report)
     if fresh and rig.clips and not rig.rules.unread:
-        _warn_led(start, rig, fresh, report)
+        _warn_moved(start, rig, fresh, report)
     return rig
 
 
-def _follows_parent(rig: Rig, rule: Constraint) -> bool:
-    """Whether a child is carried at rest as its parent carries it: a space in which it was already."""
-    parent = int(rig.parents[rule.child])
-    counting = {driver for driver, weight in zip(rule.drivers, rule.weights, strict=True) if weight}
-    return rule.kind == "parent" and counting == {parent}
+def _warn_moved(before: Rig, rig: Rig, rules: Sequence[Constraint], report: Report) -> None:
+    """Warn of clips that new rules change: they overrule keys, or drivers take along what has none there.
 
-
-def _warn_keyed(rig: Rig, rule: Constraint, report: Report, *, carried: bool) -> None:
-    """Warn of clips whose keys a new rule overrules, or lets count from elsewhere: bakes then differ.
-
-    carried: the child is where its parent carries it, as before.
-    """
-    moved = _overruled(rig, rule) if carried else _moved(rig, rule)
-    keyed = {clip.name: moved & clip.nodes for clip in rig.clips}
-    if nodes := set[int]().union(*keyed.values()):
-        names = and_more([rig.title(node) for node in sorted(nodes)], 6)
-        clips = and_more([clip for clip, nodes in keyed.items() if nodes], 6)
-        verbs = ("has", "follows") if len(nodes) == 1 else ("have", "follow")
-        text = f"{names} {verbs[0]} keys in {clips} and {verbs[1]} a constraint from now on"
-        report.warn("mirror-moves", f"{text}: the next bake gives other motion there")
-
-
-def _warn_led(before: Rig, rig: Rig, rules: Sequence[Constraint], report: Report) -> None:
-    """Warn of clips in which drivers of new rules take along what has no keys of its own there.
-
-    Measured, for drivers may move with what follows them, or not at all. What has keys, `_warn_keyed` names.
+    Measured, for keys may move nothing while a rule does, or what it does itself.
     """
     moved = [_moved(before, rule) for rule in rules]
     reach = [each | _joints_below(before, each) for each in moved]
+    # What controls are drawn as moves with their keys, and is no motion of the character.
     shown = before.is_joint | (before.attachment >= 0)
-    nodes = [node for node in sorted(set[int]().union(*reach)) if shown[node]]
-    said = {
-        line.name: set[int]().union(
-            *(all_of_it for each, all_of_it in zip(moved, reach, strict=True) if each & line.clip.nodes)
+    shown[[*before.drawings]] &= before.is_joint[[*before.drawings]]
+    apart = apart_in_clips(before, rig, [node for node in sorted(set[int]().union(*reach)) if shown[node]])
+    keyed, led = dict[int, list[str]](), list[Constraint]()
+    for rule, mine, each in zip(rules, moved, reach, strict=True):
+        changed = [k.clip for k in timelines(before) if any(k.name in apart.get(n, ()) for n in each)]
+        for clip in changed:
+            for node in mine & clip.nodes:
+                keyed.setdefault(node, []).append(clip.name)
+        if any(mine.isdisjoint(clip.nodes) for clip in changed):
+            led.append(rule)
+    said = []
+    if keyed:
+        names = and_more([rig.title(node) for node in sorted(keyed)], 6)
+        clips = and_more(dict.fromkeys(clip for every in keyed.values() for clip in every), 6)
+        verbs = ("has", "follows") if len(keyed) == 1 else ("have", "follow")
+        said.append(f"{names} {verbs[0]} keys in {clips} and {verbs[1]} a constraint from now on")
+    if led:
+        pairs = [f"'{rig.title(rule.child)}' follows '{rig.title(rule.drivers[0])}'" for rule in led]
+        said.append(f"{and_more(pairs, 4)} from now on, also where it has no keys")
+    for text in said:
+        report.warn(
+            "mirror-moves", f"{text}: the next bake gives other motion there, {apart_in_words(rig, apart)}"
         )
-        for line in timelines(before)
-    }
-    apart = {
-        node: others
-        for node, clips in apart_in_clips(before, rig, nodes).items()
-        if (others := {name: each for name, each in clips.items() if node not in said[name]})
-    }
-    if not apart:
-        return
-    led = [rule for rule, each in zip(rules, reach, strict=True) if not each.isdisjoint(apart)]
-    pairs = [f"'{rig.title(rule.child)}' follows '{rig.title(rule.drivers[0])}'" for rule in led]
-    text = f"{and_more(pairs, 4)} from now on, also where it has no keys"
-    report.warn(
-        "mirror-moves", f"{text}: the next bake gives other motion there, {apart_in_words(rig, apart)}"
-    )
 
 
 def _joints_below(rig: Rig, moved: set[int]) -> set[int]:
@@ -124,22 +105,6 @@ def _joints_below(rig: Rig, moved: set[int]) -> set[int]:
 
 def _moved(rig: Rig, rule: Constraint) -> set[int]:
     """The nodes whose keys count otherwise with a rule: what it moves, and what is below that."""
-    moved = _held(rig, rule)
-    if rule.kind != "polevector":  # which bends a limb, and leaves its end where it is
-        moved |= _carried(rig, moved)
-    return moved
-
-
-def _overruled(rig: Rig, rule: Constraint) -> set[int]:
-    """The same for a rule that leaves its child where its parent carries it: what is below goes with it.
-
-    A control keeps its keys below an offset that follows; any other child has none of its own from now on.
-    """
-    return set() if rule.child in rig.records(OffsetRecord) else _held(rig, rule)
-
-
-def _held(rig: Rig, rule: Constraint) -> set[int]:
-    """What a rule moves itself: its child, with the control below an offset, and what that moves."""
     limbs = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
     limbs |= {node: record.chain for node, record in rig.records(ControlRecord).items() if record.chain}
     moved = {rule.child}
@@ -153,6 +118,8 @@ def _held(rig: Rig, rule: Constraint) -> set[int]:
         moved.update(map(rig.find, limbs[rule.child]))
     elif control is not None and (joint := rig.known(control.joint)) is not None:
         moved.add(joint)  # so it is with an FK control and its joint
+    if rule.kind != "polevector":  # which bends a limb, and leaves its end where it is
+        moved |= _carried(rig, moved)
     return moved
 
 
