@@ -326,9 +326,10 @@ class _Builder:
         limb = next((limb for limb in self.limbs if kind == "ik" and limb.end == joint), None)
         if limb is not None:
             ends = zip(self._with_twin(limb.middle), both, strict=False)
-            size = of_twins([self.sizes.of_end(*end) for end in ends])
+            size = of_twins(edges := [self.sizes.of_end(*end) for end in ends], edges)
         elif kind == "fk":
-            size = of_twins([self.sizes.of(node, axes, share=share)[0] for node, axes in both.items()])
+            sizes = [self.sizes.of(node, axes, share=share)[0] for node, axes in both.items()]
+            size = of_twins(sizes, [self.sizes.width(node, axes, share) for node, axes in both.items()])
         drawing = self._drawing(kind, joint, size, normal, shift=shift)
         return self._parent(joint, kind), self.world[joint, 3, :3], drawing
 

@@ -76,6 +76,11 @@ class ControlSizes:
         bone = max(bone, SHORTEST * self.typical)
         return max(MARGIN * around, LEAST * bone) if around > 0 else RADIUS * bone, normal, shift
 
+    def width(self, joint: int, axes: Floats | None, share: float) -> float:
+        """How far the own skin of a joint reaches where its shape stands, as of `of`; 0 without any skin."""
+        bone, _, place, across, _ = self._bone(joint, axes)
+        return self.sections.width(joint, place + across * (share * bone), across)
+
     def share_beside(self, joints: Mapping[int, Floats | None]) -> float:
         """The share of its bone by which the ring of a joint, the first, stands beside that.
 
@@ -130,12 +135,14 @@ class ControlSizes:
         return self.of(joint)[0]
 
 
-def of_twins(sizes: Sequence[float]) -> float:
+def of_twins(sizes: Sequence[float], widths: Sequence[float]) -> float:
     """The size of a control, the first of the sizes, as large as its twin's, if any: one look, left to right.
 
-    Not where the twin has far more around it, as a shield.
+    Not where the twin has far more around it, as a shield: widths say how far the own skin of each reaches. A
+    ring that is wider because other skin hides it on one side alone, by a little, is so on both.
     """
-    return max(size for size in sizes if size <= _WIDER * sizes[0] or size == sizes[0])
+    pairs = zip(sizes, widths, strict=True)
+    return max(size for size, width in pairs if size <= _WIDER * sizes[0] or 0 < width <= _WIDER * widths[0])
 
 
 class SkinSections:
@@ -168,8 +175,7 @@ class SkinSections:
         above, or a weapon's ring would be as wide as the weapon is long.
         0 without any skin. File units, in the world.
         """
-        near = self._near(joint)
-        own = self._width(joint, near, place, normal)
+        own = self.width(joint, place, normal)
         if own == 0:
             return 0.0
         cuts = self._cuts(joint, place, normal)
@@ -178,6 +184,10 @@ class SkinSections:
             widest = max(most, _WIDEST * self._extent_of(joint))
             most = widest if half(ends) <= widest else outside(most, widest, cuts, normal)
         return max(own, min(half(ends), most))
+
+    def width(self, joint: int, place: Floats, normal: Floats) -> float:
+        """How far the skin near a joint reaches in the plane, as `radius` counts it; 0 without any skin."""
+        return self._width(joint, self._near(joint), place, normal)
 
     def shows(self, joint: int, place: Floats, normal: Floats) -> bool:
         """Whether a ring around a place, (3,), square to ``normal``, (3,), is a quarter inside skin at most.

@@ -186,6 +186,20 @@ def test_rings_of_twins_are_as_large_but_for_a_shield(left: float, expected: flo
     assert size_of(built, "arm.R") == pytest.approx((expected if left < 1.0 else 0.6) * wide)
 
 
+@pytest.mark.parametrize("side", ["L", "R"])
+def test_the_rings_of_twins_are_as_large_where_more_skin_hides_one(side: str) -> None:
+    """A skirt is all around one leg, and ahead of the other. Before, that had a ring half as wide."""
+    offsets = np.array([(0, 10, 0), (4, -4, 0), (0, -2, 0), (-4, -4, 0), (0, -2, 0)], dtype=np.float64)
+    rig = rig_of(["hips", "leg.L", "foot.L", "leg.R", "foot.R"], [-1, 0, 1, 0, 3], offsets)
+    rig = replace(rig, skins=(Skin("skin", np.arange(5), inverse(rig.world)),))
+    x = 4.0 if side == "L" else -4.0
+    legs = [(joint, upright(0.3), (at, 3.0, 0.0)) for joint, at in ((1, 4.0), (3, -4.0))]
+    skirts = [(0, upright(1.2), (x, 6.0, 0.0)), (0, upright(1.2), (-x, 6.0, 1.4))]
+    built = rigtri.add_controls(with_boxes(rig, *legs, *skirts), joints=["leg.L", "leg.R"])
+    assert size_of(built, f"leg.{side}") > 1.2 * MARGIN
+    assert size_of(built, "leg.L") == pytest.approx(size_of(built, "leg.R"))
+
+
 def test_a_triangle_with_one_corner_of_a_joint_is_not_its_skin() -> None:
     """One across the trunk made the ring of one arm, of two alike, as wide as that."""
     rig = chain((0, 0, 0), (1, 0, 0), (3, 0, 0))
