@@ -20,6 +20,7 @@ from rigtri.evaluation.timelines import as_float32
 from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import dot, slerp, unit
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 
@@ -34,7 +35,7 @@ MOST_KEYS = 100_000
 _MANY, _ROUNDS, _MORE, _AS_FAR = 1024, 3, 5.0, 0.2
 
 # How far splines may be off between two straight keys: rotations in radians, translations as a share of the
-# size of what they move, scales and weights as numbers. Chains of joints add them up, so it is a part of what
+# size of what they move, scales of their largest, weights as numbers. Chains of joints add them up, so it is a part of what
 # an edit may be off.
 WITHIN = 1.5e-6
 
@@ -119,7 +120,7 @@ def adaptive_key_times(
 def straight_times(track: Track, size: float) -> Floats:
     """Times of keys, (k,), with which straight lines, of rotations arcs, follow a spline within `WITHIN`.
 
-    size: of what a translation moves, in file units.
+    size: of what a translation moves, in the space that it is in (`sizes_above`).
     """
 
     def error(found: Floats, left: Floats, right: Floats, share: Floats, _: Floats) -> Floats:
@@ -130,15 +131,26 @@ def straight_times(track: Track, size: float) -> Floats:
         return np.asarray(np.abs(found - left - (right - left) * share[:, np.newaxis]).max(axis=1))
 
     far = size if track.path == "translation" else 1.0
+    if track.path == "scale":
+        far = float(np.abs(_shown(track, track.times)).max(initial=0.0)) or 1.0
     return adaptive_key_times(partial(_shown, track), error, track.times, within=WITHIN * far)
 
 
+def sizes_above(rig: Rig, size: float) -> Floats:
+    """How long ``size``, a length in the world, is in the space that each node's translation is in, (n,)."""
+    # With one row more for no parent, which -1 is.
+    grown = np.append(length(rig.normalised_world[:, :3, :3]).max(axis=1, initial=0.0), 1.0)[rig.parents]
+    return size / np.where(np.isfinite(grown) & (grown > 0.0), grown, 1.0)
+
+
 def without_splines(rig: Rig, size: float) -> Rig:
-    """The rig with straight keys where clips have splines; see `straight_times`."""
+    """The rig with straight keys where clips have splines; see `straight_times`. size: in the world."""
     if not any(track.interpolation == "CUBICSPLINE" for clip in rig.clips for track in clip.tracks):
         return rig
+    sizes = sizes_above(rig, size)
     clips = (
-        replace(clip, tracks=tuple(_straight(track, size) for track in clip.tracks)) for clip in rig.clips
+        replace(clip, tracks=tuple(_straight(track, sizes[track.node]) for track in clip.tracks))
+        for clip in rig.clips
     )
     return replace(rig, clips=tuple(clips))
 

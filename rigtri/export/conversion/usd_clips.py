@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, UsdSkel, Vt
 
+from rigtri.evaluation.adaptive_sampling import sizes_above
 from rigtri.evaluation.sampling import key_times, sample
 from rigtri.export.conversion import usd_values as values
 from rigtri.export.conversion.usd_samples import sample_times, time_codes
@@ -109,12 +110,12 @@ def many_samples(prim: Any, rig: Rig, clip: Clip) -> str:
     keys = len(key_times(clip))
     if count <= max(_MANY, _PER_KEY * keys):
         return ""
-    size = size_of(rig, rig.meshes)
+    sizes = sizes_above(rig, size_of(rig, rig.meshes))
     fast = [
         rig.title(track.node)
         for track in clip.tracks
         if track.interpolation == "CUBICSPLINE"
-        and len(sample_times([track], size)) > _PER_KEY * len(track.times)
+        and len(sample_times([track], sizes)) > _PER_KEY * len(track.times)
     ]
     return (
         f"Clip '{clip.name}' has {count:,} samples in USD, where glTF has {keys:,} keys: splines of "
@@ -149,7 +150,8 @@ def _column(track: Track, number: int) -> Track:
 def _columns(tracks: Sequence[Track | None], rest: Floats, rig: Rig) -> tuple[Floats, Floats]:
     """Times (k,) that all need together, and what they have then, (k, j, c); no times where none moves."""
     moving = [track for track in tracks if track is not None]
-    times = sample_times(moving, size_of(rig, rig.meshes)) if moving else np.zeros(0)
+    sizes = sizes_above(rig, size_of(rig, rig.meshes)) if moving else np.zeros(0)
+    times = sample_times(moving, sizes) if moving else np.zeros(0)
     rows = np.broadcast_to(rest, (max(len(times), 1), *rest.shape)).copy()
     for k, track in enumerate(tracks):
         if track is not None:

@@ -60,12 +60,15 @@ def time_codes(seconds: Floats, rate: float) -> Floats:
     return np.where(snapped, whole, np.where(follows, whole - step, codes))
 
 
-def sample_times(tracks: Sequence[Track], size: float) -> Floats:
-    """At which seconds tracks that share their samples need some. size: of what they move, in file units."""
+def sample_times(tracks: Sequence[Track], sizes: Floats) -> Floats:
+    """At which seconds tracks that share their samples need some.
+
+    sizes: of what nodes move, (n,), in the space that the translation of each is in.
+    """
     times = [np.zeros(0)]
     for track in tracks:
         spline = track.interpolation == "CUBICSPLINE"
-        times.append(straight_times(track, size) if spline else track.times)
+        times.append(straight_times(track, sizes[track.node]) if spline else track.times)
         if track.interpolation == "STEP":
             times.append(track.times[1:] - step_before(track.times[1:]))
     return sorted_unique(np.concatenate(times))

@@ -311,6 +311,35 @@ def test_splines_that_need_many_samples_are_told(tmp_path: Path) -> None:
     assert "samples in USD, where glTF has 5 keys: splines of joint 1 move too fast" in notice.text
 
 
+@pytest.mark.parametrize("grown", [0.01, 1.0, 100.0])
+def test_splines_below_a_scaled_armature_are_followed_within_what_is_visible(
+    tmp_path: Path, grown: float
+) -> None:
+    """Their translations are in the armature's unit, and the size of the model is in the world's."""
+    b = small(2)
+    for node in b.gltf["nodes"][:2]:
+        node["translation"] = [0, 1 / grown, 0]
+    b.gltf["nodes"].append({"name": "armature", "scale": [grown] * 3, "children": [0]})
+    b.gltf["scenes"][0]["nodes"] = [3, 2]
+    bind = np.tile(np.diag([1 / grown] * 3 + [1.0]), (2, 1, 1))
+    bind[:, 3, 1] = -np.arange(1, 3) / grown
+    b.gltf["skins"][0]["inverseBindMatrices"] = b.accessor(bind.reshape(-1, 16))
+    rows = [[[8, 0, 0], [k % 2, 1 + k, 0], [8, 0, 0]] for k in range(3)]
+    output = b.accessor(np.array(rows).reshape(-1, 3) / grown)
+    animation = b.gltf["animations"][0]
+    animation["samplers"] = [
+        {"input": b.accessor(range(3)), "output": output, "interpolation": "CUBICSPLINE"}
+    ]
+    animation["channels"][0]["target"]["path"] = "translation"
+    outcome = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usda")
+    assert outcome.verification
+    assert outcome.verification.deviation < 2 * WITHIN
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    (prim,) = [one for one in stage.Traverse() if one.IsA(UsdSkel.Animation)]
+    # In the unit of the armature as many as in any other.
+    assert 300 < prim.GetAttribute("translations").GetNumTimeSamples() < 3000
+
+
 def test_scales_that_half_floats_do_not_hold_are_measured(samples: Path, tmp_path: Path) -> None:
     outcome = rigtri.convert(samples / "biped.glb", tmp_path / "out.usdz")
     assert any("half floats" in notice.text for notice in outcome.report.warnings)

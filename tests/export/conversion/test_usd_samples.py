@@ -25,6 +25,8 @@ from rigtri.model.animation import Clip, Track
 from rigtri.verification.compare.across_formats import at_keys_of
 
 STEP = float(Usd.TimeCode.SafeStep())
+# The size of what the only node moves.
+ONE = np.ones(1)
 
 
 def track(*times: float, way: Any = "LINEAR", path: Any = "scale", values: Any = None) -> Track:
@@ -91,13 +93,13 @@ def test_a_step_of_two_keys_in_float32_is_on_its_frame() -> None:
 
 
 def test_lines_need_samples_at_their_keys_and_steps_one_more_before_each() -> None:
-    assert sample_times([track(0.0, 1.0), track(0.5, 1.0)], 1.0).tolist() == [0.0, 0.5, 1.0]
-    found = sample_times([track(0.0, 1.0, 2.0, way="STEP")], 1.0)
+    assert sample_times([track(0.0, 1.0), track(0.5, 1.0)], ONE).tolist() == [0.0, 0.5, 1.0]
+    found = sample_times([track(0.0, 1.0, 2.0, way="STEP")], ONE)
     assert found[[0, 2, 4]].tolist() == [0.0, 1.0, 2.0]
     assert_allclose(found[[2, 4]] - found[[1, 3]], STEP / 120.0, rtol=1e-3)
     spline = track(0.5, way="CUBICSPLINE", values=np.zeros((1, 3, 3)))
-    assert sample_times([spline], 1.0).tolist() == [0.5]
-    assert len(sample_times([], 1.0)) == 0
+    assert sample_times([spline], ONE).tolist() == [0.5]
+    assert len(sample_times([], ONE)) == 0
     assert_allclose(step_before(np.array([-1e6, 0.0, 1e6])), [1e-6, STEP / 120.0, 1e-6])
 
 
@@ -115,7 +117,7 @@ def curved(path: Any) -> Track:
 @pytest.mark.parametrize(("path", "size"), [("translation", 50.0), ("scale", 50.0), ("rotation", 50.0)])
 def test_splines_get_as_many_samples_as_keep_the_motion(path: Any, size: float) -> None:
     one = curved(path)
-    times = sample_times([one], size)
+    times = sample_times([one], np.array([size]))
     assert times[[0, -1]].tolist() == [0.0, 2.0]
     between = np.linspace(0.0, 2.0, 400)
     left = np.clip(np.searchsorted(times, between, side="right") - 1, 0, len(times) - 2)
@@ -128,13 +130,19 @@ def test_splines_get_as_many_samples_as_keep_the_motion(path: Any, size: float) 
     else:
         lines = values[left] + (values[left + 1] - values[left]) * share[:, np.newaxis]
         off = np.abs(lines - exact).max()
-    within = WITHIN * (size if path == "translation" else 1.0)
+    within = WITHIN * {"translation": size, "rotation": 1.0, "scale": np.abs(values).max()}[path]
     assert off < 1.5 * within
     # No more than are needed: with a third of them it is not.
     assert off > 0.02 * within
-    assert len(sample_times([one], 1.0)) >= len(times)
+    assert len(sample_times([one], ONE)) >= len(times)
     if path == "translation":
-        assert len(sample_times([one], 1.0)) > 2 * len(times)
+        assert len(sample_times([one], ONE)) > 2 * len(times)
+
+
+def test_small_scales_are_followed_as_closely_as_large_ones() -> None:
+    one = curved("scale")
+    small = one.having(one.values * 0.01)
+    assert sample_times([small], ONE).tolist() == sample_times([one], ONE).tolist()
 
 
 def test_a_frame_gets_samples_where_lines_and_arcs_do_not_follow_it_whatever_its_unit_and_scale() -> None:
