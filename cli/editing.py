@@ -23,6 +23,7 @@ from .terminal_text import plain
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from rigtri.files.staged_output import StagedOutput
     from rigtri.pipeline.edit import EditRequest, Outcome
 
 
@@ -74,7 +75,8 @@ def run(
             print_warnings(report.warnings, values["verbose"])
         raise
     document = _report_json(name, values, options, outcome) | more()
-    _write_beside(values, document)
+    if values["report_path"] is not None:
+        write_output(json.dumps(document, indent=2, ensure_ascii=False) + "\n", values["report_path"])
     besides(report)
     if values["as_json"]:
         print_json(document)
@@ -144,6 +146,11 @@ def edit_request(values: dict[str, Any]) -> EditRequest:
     """What a command is to do to a file."""
     from rigtri.pipeline.edit import EditRequest
 
+    def with_sidecar(outcome: Outcome, written: StagedOutput) -> None:
+        from rigtri.pipeline.sidecar import add_sidecar
+
+        add_sidecar(_sidecar(values), written, values.get("reading") or read_options(values))
+
     same = {name: values[name] for name in ("verify", "tolerance", "dry_run", "strict")}
     return EditRequest(
         values["source"],
@@ -151,6 +158,7 @@ def edit_request(values: dict[str, Any]) -> EditRequest:
         read_options(values),
         overwrite=values["overwrite"] or values["output"] is None,
         side_files=tuple(path for path in _side_files(values).values() if str(path) != "-"),
+        ready=with_sidecar if values["sidecar"] else None,
         **same,
     )
 
@@ -183,24 +191,6 @@ def _sidecar(values: dict[str, Any]) -> Path:
     from rigtri.export.rig_json import SUFFIX
 
     return Path(values["output"]).with_suffix(SUFFIX)
-
-
-def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
-    """The report; and what rigtri has stored in OUT as it is on disk, by the names that it has there."""
-    if values["report_path"] is not None:
-        text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
-        write_output(text, values["report_path"])
-    if not values["sidecar"] or values["dry_run"]:
-        return
-    from pathlib import Path
-
-    from rigtri.export.rig_json import description
-    from rigtri.files.staged_output import write_text
-    from rigtri.formats import read
-
-    reading = values.get("reading") or read_options(values)
-    rig = read(Path(values["output"]), reading).rig
-    write_text(_sidecar(values), json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
 
 
 def check_side_files(values: dict[str, Any]) -> None:

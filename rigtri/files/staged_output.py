@@ -78,7 +78,7 @@ class StagedOutput:
         self.placed: list[tuple[Path, Path | None]] = []
         self._folders: list[Path] = []  # those that were not there before
         self.beside: list[Path] = []  # all companions, also those that were there
-        # Which file of the source each of them is a copy of, whatever others put there.
+        # Where the bytes of each are now: a file of the source, whatever others put there, or a part.
         self.copied: dict[Path, Path] = {}
         self._followers: list[Path] = []
         self._backup = _backup_path(final, os.getpid())
@@ -122,7 +122,8 @@ class StagedOutput:
     def follow(self, place: Path, content: bytes) -> None:
         """Write what is true of the new output alone: it takes its name after the output has.
 
-        What has that name now loses it before, so that at no moment one stands beside the other's output.
+        It counts as a companion. What has that name now loses it before, so that at no moment one stands
+        beside the other's output.
         """
         place = destination(place)
         with as_file_error(place):
@@ -133,6 +134,8 @@ class StagedOutput:
             part.write_bytes(content)
             fsync(part)
             inherit(place, part)
+        self.beside.append(place)
+        self.copied[place] = part
 
     def _make_folder(self, folder: Path) -> None:
         if not folder.is_dir():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -54,6 +56,26 @@ def test_a_sidecar_replaces_nothing_unasked(samples: Path, tmp_path: Path) -> No
     assert "out.rig.json exists" in done.output
     assert (tmp_path / "out.rig.json").read_text() == "mine"
     assert not (tmp_path / "out.glb").exists()
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_where_a_sidecar_has_no_room_the_old_output_stays(
+    name: str, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out, real = tmp_path / name, Path.write_bytes
+
+    def full(path: Path, content: bytes) -> int:
+        if path.name.startswith(".biped.rig.json."):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real(path, content)
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    out.write_text("old")
+    command = ["add-controls", str(samples / name), "-o", str(out), "--overwrite", "--sidecar"]
+    done = cli(*command, "--whole-character", code=3)
+    assert "biped.rig.json cannot be written: No space left on device" in done.output
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["old"]
 
 
 def test_a_stream_has_no_file_beside_it(samples: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -11,14 +10,15 @@ from pathlib import Path
 from typing import get_args
 
 from rigtri.errors import UsageError
-from rigtri.export.rig_json import SUFFIX, description
-from rigtri.files.staged_output import StagedOutput, write_text
+from rigtri.export.rig_json import SUFFIX
+from rigtri.files.staged_output import StagedOutput
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, read
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.option_kinds import StandardPose
 from rigtri.pipeline.edit import EditRequest, Outcome
 from rigtri.pipeline.rigspec.build import build_file
 from rigtri.pipeline.rigspec.load import Spec
+from rigtri.pipeline.sidecar import add_sidecar
 from rigtri.report import Report
 
 
@@ -92,7 +92,7 @@ class SpecTask:
 
         def with_sidecar(outcome: Outcome, written: StagedOutput) -> None:
             if side is not None:
-                _write_sidecar(side, written, self.spec.reading)
+                add_sidecar(side, written, self.spec.reading)
             if request.ready is not None:
                 request.ready(outcome, written)
 
@@ -104,13 +104,6 @@ class SpecTask:
 @lru_cache(maxsize=8)
 def _unpacked(packed: bytes) -> SpecTask:
     return SpecTask(*pickle.loads(packed))
-
-
-def _write_sidecar(side: Path, written: StagedOutput, reading: ReadOptions) -> None:
-    """What rigtri has stored in an output, beside it: before it, so that no output is without."""
-    rig = read(written.part, replace(reading, allow_external_paths=True)).rig
-    write_text(side, json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
-    written.beside.append(side)
 
 
 @lru_cache
