@@ -6,6 +6,7 @@ And the tolerance of results where none is given.
 from __future__ import annotations
 
 import math
+import sys
 from numbers import Real
 
 from rigtri.errors import UsageError
@@ -26,13 +27,15 @@ def refuse_unworkable(flag: str, *numbers: float | None) -> None:
 
 def fits(number: float) -> bool:
     """Whether something is a number, finite and not too large."""
-    return isinstance(number, Real) and math.isfinite(number) and abs(number) <= LARGEST
+    # No NaN is, and an int may be too large for a float.
+    return isinstance(number, Real) and abs(number) <= LARGEST
 
 
 def unfit(number: float) -> str:
     """What is wrong with a number."""
     if not isinstance(number, Real):
         return f"{number!r} is not a number"
-    if not math.isfinite(number):
+    if not abs(number) < math.inf:
         return f"{number:g} is not a finite number"
-    return f"{number:g} is more than files can hold to work with; {LARGEST:g} is the most"
+    shown = f"{number:g}" if abs(number) < sys.float_info.max else "a number of hundreds of digits"
+    return f"{shown} is more than files can hold to work with; {LARGEST:g} is the most"

@@ -30,7 +30,7 @@ def opened(source: Path | str) -> Iterator[Path]:
 
 def path_of(source: Path | str) -> Path:
     """A file's path; TypeError, with what to do, for what is none, as a rig."""
-    if source == "":
+    if isinstance(source, str) and not source:
         raise UsageError("the name of the file is empty")
     try:
         return Path(source)

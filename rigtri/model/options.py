@@ -320,7 +320,7 @@ def _check_value(one: Option, value: Any) -> None:
 def _numbers(value: Any) -> Iterator[float]:
     """The numbers of a value, also of points and lists of them."""
     if isinstance(value, Real):
-        yield float(value)
+        yield typing.cast(float, value)  # an int of any size
     for each in value if isinstance(value, tuple) else ():
         yield from _numbers(each)
 

@@ -87,7 +87,8 @@ def operation(
             report: Report | None = None,
             **keywords: Any,
         ) -> Rig:
-            check_arguments(function, (rig, *others), {"options": options, "report": report})
+            named = keywords if kind is None else {}
+            check_arguments(function, (rig, *others), {"options": options, "report": report, **named})
             if options is not None and keywords:
                 raise TypeError(f"{function.__name__}: give options or {', '.join(keywords)}, not both")
             report = report if report is not None else Report()
@@ -341,7 +342,7 @@ def _plain(hint: Any, value: Any) -> tuple[bool, str]:
     """Whether a value has a type, and what that is in words."""
     outer, inner = typing.get_origin(hint), typing.get_args(hint)
     if outer is Literal:
-        return value in inner, f"one of {', '.join(map(repr, inner))}"
+        return isinstance(value, str) and value in inner, f"one of {', '.join(map(repr, inner))}"
     if outer is collections.abc.Mapping:
         return False, "a mapping from names, e.g. {'name': value}"
     if is_dataclass(hint):

@@ -122,7 +122,11 @@ def _found(folders: str) -> tuple[Scheme, ...]:
 
 
 def own_schemes(paths: Sequence[Path | str | Scheme]) -> tuple[Scheme, ...]:
-    """`own_scheme` of each file. Raises FileError with all that is wrong in any of them."""
+    """`own_scheme` of each file. Raises FileError with all that is wrong in any of them; TypeError."""
+    if isinstance(paths, str | Path | Scheme):
+        paths = [paths]
+    if not isinstance(paths, Sequence) or not all(isinstance(one, str | Path | Scheme) for one in paths):
+        raise TypeError(f"scheme must be a list of naming schemes or their files, not {paths!r}")
     found, wrong = [], []
     for path in paths:
         try:

@@ -56,11 +56,10 @@ def recognise(rig: Rig, *, scheme: Sequence[Path | str | Scheme] = ()) -> Layout
     scheme: naming schemes (.toml) to try before rigtri's own. Evidence in order of trust: a VRM humanoid map;
     names; shape: hierarchy, symmetry, lengths, places; weights; motion. Never raises for a strange rig.
     """
-    if scheme or rig not in _layouts:
-        layout = _recognised(rig, own_schemes(scheme))
-        if scheme:
-            return layout
-        _layouts[rig] = layout
+    if own := own_schemes(scheme):
+        return _recognised(rig, own)
+    if rig not in _layouts:
+        _layouts[rig] = _recognised(rig, ())
     return _layouts[rig]
 
 

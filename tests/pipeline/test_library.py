@@ -782,3 +782,30 @@ def test_threads_write_into_one_folder(names: list[str], tmp_path: Path) -> None
         rigtri.read(tmp_path / name)
     assert len([*tmp_path.glob("*.gltf")]) == len(set(names))
     assert [*tmp_path.glob(".*")] == []
+
+
+NUMBERS = np.arange(3.0)
+GIGANTIC = 10**400
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (lambda rig: rigtri.add_controls(rig, limbs=NUMBERS), UsageError, "limbs=array"),
+        (lambda rig: rigtri.add_controls(rig, as_=NUMBERS), UsageError, "as_=array"),
+        (lambda rig: rigtri.add_controls(rig, axes="hips"), UsageError, "axes='hips': give a mapping"),
+        (lambda rig: rigtri.add_controls(rig, size=GIGANTIC), UsageError, "size=1000"),
+        (lambda rig: rigtri.add_twist(rig, limbs="auto", count=GIGANTIC), UsageError, "count=: a number of"),
+        (lambda rig: rigtri.as_described(rig, described=None), TypeError, f"described {A_RIG} NoneType"),
+        (lambda rig: rigtri.recognise(rig, scheme=NUMBERS), TypeError, "scheme must be a list"),
+        (lambda rig: rigtri.recognise(rig, scheme="none.toml"), FileError, "none.toml is not a naming scheme"),
+        (lambda _: rigtri.auto(NUMBERS, "out.glb"), TypeError, "give the path of a file, not a ndarray"),
+        (lambda _: rigtri.auto(BIPED, "out.glb", preset=NUMBERS), TypeError, "auto: preset must be a text"),
+    ],
+)
+def test_values_that_cannot_be_compared_or_are_too_large_are_named(
+    call: Callable[[Rig], Any], error: type[Exception], words: str
+) -> None:
+    with pytest.raises(error) as raised:
+        call(rigtri.read(BIPED))
+    assert words in str(raised.value)

@@ -183,7 +183,9 @@ class AddControlsOptions(OneCharacter):
     facing: Facing | None = option(None)
     root: Root | None = option(None, where="shared")
     bend: Bends = option({}, where="python", help="Bend directions by joints, as pole vectors have them.")
-    axes: Any = option({}, where="python", help="By joints, the axes that controls mirror, (3, 3).")
+    axes: Mapping[str, Any] = option(
+        {}, where="python", help="By joints, the axes that controls mirror, (3, 3)."
+    )
 
     @cached_property
     def selection(self) -> Selection:

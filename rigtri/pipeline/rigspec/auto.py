@@ -123,6 +123,8 @@ def auto(
     """
     request = requested("auto", source, target, options=options, **given)
     report = Report() if report is None else report
+    if not isinstance(preset, str):
+        raise TypeError(f"auto: preset must be a text, not {type(preset).__name__}")
     return auto_file(request, report, preset=preset, scheme=scheme, spec_out=spec_out)
 
 
