@@ -35,8 +35,8 @@ MOST_KEYS = 100_000
 _MANY, _ROUNDS, _MORE, _AS_FAR = 1024, 3, 5.0, 0.2
 
 # How far splines may be off between two straight keys: rotations in radians, translations as a share of the
-# size of what they move, scales of their largest, weights as numbers. Chains of joints add them up, so it is a part of what
-# an edit may be off.
+# size of what they move, scales of their largest, weights as numbers. Chains of joints add them up, so it is
+# a part of what an edit may be off.
 WITHIN = 1.5e-6
 
 Sampled = Callable[[Floats], Floats]

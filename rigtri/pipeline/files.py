@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from rigtri.errors import UsageError
 from rigtri.files import temp_dirs
-from rigtri.files.input_stream import opened
+from rigtri.files.input_stream import opened, path_of
 from rigtri.formats import Document, ReadOptions
 from rigtri.formats import read as read_document
 from rigtri.limits import TOLERANCE
@@ -186,13 +186,14 @@ def diff(
         return _of_two_formats(one, other) or compare.verify(one, other)
 
     measure = looks if verify else None
+    before, after = path_of(before), path_of(after)
     return terms.diff(before, after, only=only, tolerance=tolerance, options=options, measure=measure)
 
 
 @contextmanager
 def _source(file: Path | str | Source, options: ReadOptions | None) -> Iterator[Source]:
-    if isinstance(file, Path | str):
-        with opened(file) as place:
-            yield read_document(place, options or ReadOptions())
-    else:
+    if not isinstance(file, Path | str) and hasattr(file, "rig"):
         yield file
+        return
+    with opened(path_of(cast(Path, file))) as place:
+        yield read_document(place, options or ReadOptions())

@@ -9,7 +9,7 @@ from __future__ import annotations
 from contextlib import suppress
 from pathlib import Path
 
-from rigtri.errors import FileError, RigtriError
+from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.input_stream import path_of
 from rigtri.files.text_files import check_plain
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, need_usd, read
@@ -17,7 +17,7 @@ from rigtri.formats.registry import check_content, unknown_format
 from rigtri.model.rig import Rig
 from rigtri.verification import Profile
 from rigtri.verification.checks.findings import Finding, Findings, Rule
-from rigtri.verification.checks.profile_check import PROFILE_RULES, check_profile
+from rigtri.verification.checks.profile_check import PROFILE_RULES, PROFILES, check_profile
 from rigtri.verification.checks.rule_catalogue import ORIENT, RULES, UNREADABLE
 
 __all__ = ["RULES", "Finding", "Rule", "check", "unreadable"]
@@ -39,6 +39,8 @@ def check(
     Every id is in `RULES`, but those of OpenUSD, which have a colon.
     """
     path = path_of(path)
+    if profile is not None and profile not in PROFILES:
+        raise UsageError(f"profile={profile!r}: give one of {', '.join(map(repr, PROFILES))}")
     findings = Findings({**RULES, **PROFILE_RULES})
     try:
         rig = _check(path, findings, allow_external_paths, external)
