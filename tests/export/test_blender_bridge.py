@@ -1053,6 +1053,37 @@ def test_keys_of_controls_in_usd_come_to_blender_and_home(
 
 
 @pytest.mark.slow
+def test_a_character_below_the_root_that_blender_adds_is_set_up_where_its_armature_moves(
+    rigged: dict[str, Path], tmp_path: Path
+) -> None:
+    """Blender's import leaves that root out, and with it what the controls would be carried by."""
+    plain, animate, edited, home = (
+        str(tmp_path / f"{name}.usda") for name in ("plain", "animate", "edited", "home")
+    )
+    stage = Usd.Stage.Open(str(rigged["biped.usda"]))
+    stage.GetPrimAtPath("/biped").SetCustomDataByKey("Blender:generated", True)
+    place = UsdGeom.Xformable(stage.GetPrimAtPath("/biped/figure")).AddTranslateOp()
+    place.Set((0.0, 0.0, 0.0), 1.0)
+    place.Set((0.5, 0.0, 0.0), 24.0)
+    stage.Export(plain)
+    cli("bake", plain, "-o", animate, "--to", "controls", "-q", code=0)
+    cli("export-blender", animate, "-o", tmp_path / "setup.py", code=0)
+    assert read(Path(animate)).rig.labels[0] == "/biped"
+    keys = {"hand_R_ik_ctl": {"by": [0.02, 0.05, -0.04]}}
+    job = {"script": str(tmp_path / "setup.py"), "target": edited, "clip": "walk", "keys": keys}
+    blender_trip(job, folder=tmp_path)
+    cli("take-clips", animate, "--from", edited, "-o", home, code=0)
+    stages = [Usd.Stage.Open(path) for path in (animate, home)]
+    was, now = (
+        UsdGeom.Xformable(next(prim for prim in each.Traverse() if prim.GetName() == "hand_R_ik_ctl"))
+        for each in stages
+    )
+    for time in (1.0, 12.0, 24.0):
+        moved = np.array(now.GetLocalTransformation(time)) - np.array(was.GetLocalTransformation(time))
+        assert np.abs(moved[3, :3]).max() > 0.01
+
+
+@pytest.mark.slow
 def test_a_usd_character_that_rests_otherwise_than_it_is_bound_comes_home_by_bake_rig(tmp_path: Path) -> None:
     """Joints of a clip that nobody has edited, at frames and between, by USD and by glTF."""
     source = next((path for path in asset_files() if path.name == "usdwg_CesiumMan.usdz"), None)

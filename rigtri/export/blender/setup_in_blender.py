@@ -199,7 +199,7 @@ def find() -> tuple[list[Any], list[str]]:
     """What each node of the plan is in the scene, (object, bone or ""), and what is wrong."""
     nodes: list[Any] = []
     wrong = []
-    for about in RIG["nodes"]:
+    for number, about in enumerate(RIG["nodes"]):
         found = bones_for(about) if about["joint"] else []
         kind = "bone" if about["joint"] else "object"
         found = found or [(thing, "") for thing in objects_for(about)]
@@ -207,6 +207,8 @@ def find() -> tuple[list[Any], list[str]]:
             nodes.append(found[0])
             continue
         nodes.append(None)
+        if not found and may_be_left_out(number, about):
+            continue
         if found:
             names = ", ".join(repr(bone or thing.name) for thing, bone in found[:4])
             text = (
@@ -216,6 +218,16 @@ def find() -> tuple[list[Any], list[str]]:
             text = f"no {kind} is {about['title']!r}{renamed(about)}"
         wrong.append(text)
     return nodes, wrong
+
+
+def may_be_left_out(number: int, about: dict[str, Any]) -> bool:
+    """Whether nothing but the group of the controls needs a node, the topmost of a USD file.
+
+    Blender's exporter adds one above all, and its importer leaves that out.
+    """
+    word = f"n{number}"
+    alone = word == RIG["carrier"] and repr(RIG).count(repr(word)) == 1
+    return alone and not RIG["gltf"] and not about["above"]
 
 
 def renamed(about: dict[str, Any]) -> str:
@@ -246,8 +258,9 @@ def elsewhere(nodes: list[Any]) -> str:
     """What to tell of an armature that stands neither where the file has its joints nor as they are bound."""
     bpy.context.view_layer.update()
     size = max((Vector(about["world"][12:15]).length for about in RIG["nodes"]), default=0.0) or 1.0
-    for about, (armature, name) in zip(RIG["nodes"], nodes, strict=True):
-        if name and about["stands"]:
+    for about, node in zip(RIG["nodes"], nodes, strict=True):
+        if node and node[1] and about["stands"]:
+            armature, name = node
             seen = armature.matrix_world @ armature.data.bones[name].matrix_local
             apart = [
                 (seen.translation - (from_file() @ matrix(place)).translation).length
@@ -718,7 +731,7 @@ class Setup:
         bpy.context.scene.collection.children.link(self.collection)
         property_of(self.master, DRIVE, drive, "1: rigtri's controls drive; 0: the joints' own keys")
         self.imported = nodes
-        self.nodes = list(nodes)
+        self.nodes: list[Any] = [node or (None, "") for node in nodes]
         self.scales: dict[str, Matrix] = {}
         self.rig: Any = self.add_controls() if RIG["controls"] else None
         if self.rig:
@@ -837,7 +850,7 @@ class Setup:
             rig.data.bones[bone][MARK] = 1
             rig.data.bones[bone].use_deform = False
             self.dress(rig.pose.bones[bone], about, thing)
-        if rig is not self.master and RIG["carrier"]:
+        if rig is not self.master and RIG["carrier"] and self.target(RIG["carrier"])[0]:
             self.ride(rig, RIG["carrier"], Matrix.Identity(4))
         return rig
 
