@@ -18,6 +18,7 @@ from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
+from rigtri.report import Report
 
 # The bound, as a share of the size.
 NEAR = 1e-6
@@ -141,3 +142,19 @@ def test_a_control_that_is_moved_below_ik_takes_its_joint_along_its_own_axes() -
         for rig, node in ((moved, control), (down, joint))
     )
     assert np.abs(shown - baked).max() < NEAR * size(up)
+
+
+def test_keys_of_an_offset_group_that_move_no_joint_are_told() -> None:
+    rig = with_keyed_controls()
+    clip = rig.clips[0]
+    told = []
+    for joint, place in (("head", 0.1), ("head", 1e-6), ("forearm_L", 0.1)):
+        control = next(node for node in rig.nodes_of("control") if rig.names[node] == f"{joint}_ctl")
+        offset = int(rig.parents[control])
+        values = rig.translation[offset] + np.array([[0.0, 0.0, 0.0], [0.0, place * size(rig), 0.0]])
+        track = Track(offset, "translation", "LINEAR", np.array([0.0, 1.0]), values)
+        keyed = replace(rig, clips=(replace(clip, tracks=(*clip.tracks, track)), *rig.clips[1:]))
+        report = Report()
+        bake(keyed, options=BakeOptions(to="joints"), report=report)
+        told.append([notice.joint for notice in report.warnings if notice.code == "offset-keys"])
+    assert told == [["head_ctl_offset"], [], []]  # IK holds the forearm

@@ -15,13 +15,13 @@ from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.rig_space import uneven_above
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import Timeline
+from rigtri.evaluation.timelines import Timeline, chosen_timelines
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.quaternions import angle_between, dot
 from rigtri.maths.ranking import SAME_SHARE, first_largest, largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.animation import Track, key_values
+from rigtri.model.animation import Track, key_values, off_rest
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
@@ -36,6 +36,8 @@ from rigtri.text import list_names
 _OPPOSITE = -0.5
 # A control that would turn its joint by more, in radians (0.1°), is posed by somebody.
 _IDLE = 0.0017
+# An offset group that keys move farther, as a share of the size, or scale by more, is moved by somebody.
+_AWAY = 1e-3
 
 
 def _clips(report: Report) -> list[Mapping[str, Any]]:
@@ -82,6 +84,39 @@ def warn_of_result(rig: Rig, options: BakeOptions, report: Report) -> None:
     if options.to == "joints":
         warn_outside(rig, report)
         warn_controlled(rig, report)
+        if options.rig_ is None:
+            _warn_offsets(rig, chosen_timelines(rig, options.clip), report)
+
+
+def _warn_offsets(rig: Rig, chosen: Sequence[Timeline], report: Report) -> None:
+    """Warn of keys of offset groups that move controls away from their joints.
+
+    Not of those that IK and constraints have beside them: their groups get keys that hold controls at joints.
+    """
+    reference, size = ControlsAtZero(rig), skeleton_size(rig)
+    held = {joint for limb in reference.limbs for joint in limb.chain}
+    held |= {rule.child for rule in constraints_of(rig).values()}
+    free = {
+        own.offset
+        for own in reference.fk.values()
+        if held.isdisjoint({own.joint, own.offset, own.control, reference.control_of.get(own.above, -1)})
+    }
+    for timeline in chosen:
+        tracks = (track for track in timeline.clip.tracks if track.node in free)
+        if moved := {track.node for track in tracks if _leaves_rest(rig, track, size)}:
+            names = list_names([rig.title(node) for node in sorted(moved)])
+            text = (
+                f"Keys of {names} in '{timeline.name}' move no joint: joints follow the channels of controls "
+                "(an offset group only places its control at rest): key the control instead"
+            )
+            report.warn("offset-keys", text, joint=rig.title(min(moved)))
+
+
+def _leaves_rest(rig: Rig, track: Track, size: float) -> bool:
+    if track.path == "weights":
+        return False
+    most = 0.5 * _IDLE if track.path == "rotation" else _AWAY * (size if track.path == "translation" else 1.0)
+    return off_rest(track, getattr(rig, track.path)[track.node]) > most
 
 
 def _warn_undersampled(rig: Rig, report: Report, most: float) -> None:
