@@ -17,7 +17,7 @@ from program import cli
 from rigs import rig_of
 from usd_files import MESH, animation, deviation, save, scene, skeleton
 
-from rigtri import add_controls, bake, constrain, orient_joints, snap, strip, take_clips
+from rigtri import add_controls, bake, constrain, mirror, orient_joints, snap, strip, take_clips
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.timelines import put_tracks, timelines
 from rigtri.formats import Document, read
@@ -227,6 +227,22 @@ def test_spaces_are_those_of_the_child_s_own_character(samples: Path, tmp_path: 
         assert held.type_of(moved) == "offset"
     with pytest.raises(UsageError, match="'hand_L_ik_ctl' is of another character"):
         constrain(rig, child="hand_L_ik_ctl", space=("root", "world"), character="B")
+
+
+@pytest.mark.parametrize("driver", ["hand_L", "hips"])
+def test_mirror_takes_a_constraint_with_the_character_that_it_moves(
+    driver: str, samples: Path, tmp_path: Path
+) -> None:
+    """Before, mirroring the driver's character refused: the constraint moves another one."""
+    rig = add_controls(read(pair(samples, tmp_path, "gltf")).rig, whole_character=True)
+    first, second = characters(rig)
+    by = rig.address(next(node for node in first if rig.names[node] == driver))
+    ends = [node for node, one in rig.records(ControlRecord).items() if one.kind == "ik"]
+    theirs = [node for node in ends if rig.named_by(rig.metadata[node]) & set(second)]
+    child = next(rig.address(node) for node in theirs if "hand_L" in rig.names[node])
+    held = constrain(rig, child=child, driver=(by,))
+    for character, count in ((None, 2), ("A", 1), ("B", 2)):
+        assert len(constraints_of(mirror(held, character=character))) == count
 
 
 def test_take_clips_of_one_character_leaves_the_controls_of_the_other(samples: Path, tmp_path: Path) -> None:

@@ -151,6 +151,8 @@ def of_side(rig: Rig, options: MirrorOptions, kind: type[Record]) -> list[int]:
     """The nodes with records of a type, about joints of the side that is copied alone."""
     found = []
     for node, record in rig.records(kind).items():
+        if isinstance(record, ConstraintRecord) and rig.known(record.child) in rig.others:
+            continue  # mirrored with the character that it moves
         nodes = (rig.known(name) for name in joints_of(record))
         if {side(rig, k) for k in nodes if k is not None} - {""} == {options.from_side}:
             found.append(node)
