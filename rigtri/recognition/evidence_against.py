@@ -47,6 +47,7 @@ from rigtri.recognition.naming_schemes import limb_kind_in_name, roles_in_name
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
     arm_as_leg,
+    at_the_top,
     folded,
     goes_on,
     later_start,
@@ -346,6 +347,7 @@ _OF_NAMES = (
 )
 _OF_SHAPES = (
     upside_down,
+    at_the_top,
     arm_as_leg,
     arm_as_front_leg,
     arm_below_a_lying_trunk,

@@ -86,6 +86,20 @@ def upside_down(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     return ""
 
 
+def at_the_top(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """What looks like arms without hands where the trunk ends: ears or hair, of a body that has no arms."""
+    mine, tree, up = each.pair, draft.tree, draft.up
+    if each.kind != "arm" or mine is None or mine.named > 0.0 or mine.fingers >= 2 or mine.pair.above < 0:
+        return ""
+    starts = [path[0] for path in mine.pair.paths]
+    high = max(tree.at[start].dot(up) for start in starts)
+    beside = [k for k in tree.below[mine.pair.above] if k not in starts]
+    above = [k for one in beside for k in tree.branch(one) if tree.at[k].dot(up) > high]
+    if any(tree.below[k] or draft.poses.moves_anything(k) for k in above):
+        return ""  # a neck or a head, and not what says where one ends
+    return "nothing is above them, and no head beside"
+
+
 def arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """What looks like legs in a body that has none: its arms, where hair passes for arms."""
     mine, body, tree = each.pair, draft.shape.body, draft.tree

@@ -159,7 +159,8 @@ def _head(draft: Draft, limbs: Sequence[Found], *, has_arms: bool) -> None:
         neck, head = (chain[0] if len(chain) > 1 else -1), chain[-1]
         sure, why = 0.8 * min((k.confidence for k in limbs), default=0.5) + 0.1, _beyond_what(draft, has_arms)
         sure = sure if has_arms else min(sure, _ALONE)  # beyond legs may be a turret or a load
-        if (draft.tree.below[head] and len(chain) == _UP_TO_HEAD) or _is_small(draft, chain):
+        ends = draft.poses.has_weights and not draft.tree.below[head] and not draft.poses.moves_points(head)
+        if ends or (draft.tree.below[head] and len(chain) == _UP_TO_HEAD) or _is_small(draft, chain):
             sure = min(sure, _GOES_ON)
     between = draft.tree.way(neck, head) if neck >= 0 and draft.tree.is_below(head, neck) else [head]
     if len(between) > 1:

@@ -556,3 +556,13 @@ def test_an_arm_in_line_with_a_clavicle_of_two_bones_is_not_surely_another(lower
     places[:2] = [(along[0], 1.385, 0.0), (along[1], 1.4 - lower, 0.0)]
     joints = [*TRUNK, *both([*line(names, "chest", *places), *LEG]), *FINGERS]
     assert wrong(joints, recognise(rig_with(joints, named=False))) == []
+
+
+@pytest.mark.parametrize("arms", [True, False])
+def test_ears_where_a_nameless_trunk_ends_are_no_arms(arms: bool) -> None:
+    """Of a body that has none, they were called arms, sure at 0.94, and got IK."""
+    ear = line("ear.L ear_2.L ear_3.L", "head", (0.08, 1.75, 0), (0.2, 1.9, 0.01), (0.3, 1.75, 0.02))
+    body = [*TRUNK, *both([*(ARM if arms else ()), *LEG, *ear])]
+    (character,) = recognise(rig_with(body, named=False)).characters
+    sure = {body[joint][0] for chain in character.sure_chains if chain.kind == "arm" for joint in chain.bend}
+    assert sure == ({name for name, _, _ in both(ARM) if "clavicle" not in name} if arms else set())
