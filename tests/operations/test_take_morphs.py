@@ -12,7 +12,11 @@ from program import cli
 from taken_clips import rig_of
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.sampling import sample
+from rigtri.formats import read
+from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.take_clips import take_clips
 
 
@@ -56,6 +60,28 @@ def test_weights_come_home_wherever_the_mesh_stands(ours, theirs, tmp_path: Path
     source.write_text(ours(tmp_path).read_text())
     cli("take-clips", source, "--from", edited(theirs(tmp_path)), "-o", out, code=0)
     assert out.read_text() == source.read_text().replace("12: [0.75]", "12: [0.95]")
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs"),
+    [(below_a_prim_of_its_name, arm_usd), (named_as_the_root, arm_usd), (arm_usd, named_as_the_root)],
+)
+def test_weights_between_keys_are_joined_wherever_the_mesh_stands(ours, theirs, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    """As `bake --rig` does. Before, a mesh at a node of another name ended it in a traceback."""
+
+    def finer(clip: Clip) -> Clip:
+        """As exporters write it: with a key between any two."""
+        tracks = []
+        for track in clip.tracks:
+            times = np.sort(np.concatenate([track.times, (track.times[1:] + track.times[:-1]) / 2]))
+            more = track.path == "weights" and len(track.times) > 1
+            tracks.append(replace(track, times=times, values=sample(track, times)) if more else track)
+        return replace(clip, tracks=tuple(tracks))
+
+    rig, source = read(ours(tmp_path)).rig, read(theirs(tmp_path)).rig
+    edited = replace(source, clips=tuple(map(finer, source.clips)))
+    for found, theirs_now in zip(weights(joined(edited, rig)), weights(edited), strict=True):
+        np.testing.assert_array_equal(found, theirs_now)
 
 
 def parts(rig: Rig, count: int) -> Rig:

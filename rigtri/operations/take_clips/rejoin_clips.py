@@ -150,9 +150,17 @@ def _restored(seen: Comparison, ranges: Ranges | None) -> dict[tuple[int, Path],
             kept = ranges.fitted(was, (float(now.times[0]), float(now.times[-1])))
         if np.array_equal(kept.times, now.times) and np.array_equal(kept.values, now.values):
             continue
-        if (back := seen.transfer.back(kept)) is not None:
+        if (back := _back(seen, kept)) is not None:
             found[back.node, back.path] = seen.clock.to_edited_unit(back)
     return found
+
+
+def _back(seen: Comparison, track: Track) -> Track | None:
+    """A track of RIG as one of EDITED's node; a mesh may be at a node of another name there."""
+    if track.path != "weights":
+        return seen.transfer.back(track)
+    theirs = next(node for node, homes in seen.shapes.homes.items() if track.node in homes)
+    return replace(track, node=theirs, key=None)
 
 
 def _meet(parts: Sequence[Timeline]) -> bool:

@@ -109,8 +109,6 @@ class Transfer:
     def back(self, track: Track) -> Track | None:
         """A track of the rig as one of the other file's node, in its axes; None where no key maps to one."""
         node = track.node
-        if track.path == "weights":
-            return replace(track, node=self.both.of[node], key=None)
         left, right = self.both.turns[node], self.both.between(node)
         if self.is_carried(node) or not _mappable(left, right, {track.path: track}):
             return None
