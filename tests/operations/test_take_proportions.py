@@ -11,6 +11,7 @@ import pytest
 from gltf_files import standing_along_z
 from places import SAMPLES, every_other
 from rigs import chain
+from rigs import rig_of as nodes
 from taken_clips import notices, places, rig_of
 
 from rigtri import read
@@ -23,6 +24,7 @@ from rigtri.maths.vectors import angle, length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.animation import Path as TrackPath
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
@@ -257,6 +259,28 @@ def test_a_root_that_is_bound_elsewhere_leaves_feet_on_the_ground(ours: float, t
     assert taken is not rig
     for time, found in zip(TIMES, places(taken, "walk", TIMES)["d"], strict=True):
         np.testing.assert_allclose(found, places(edited, "walk", np.array([time]))["d"][0], atol=1e-6)
+
+
+def test_a_root_that_is_keyed_where_ours_is_stands_there_wherever_it_is_bound() -> None:
+    """Blender binds a root in centimetres as one in metres. Before, it was lifted by its own height."""
+    names = ["armature", "hips", "thigh", "shin", "foot", "head"]
+    offsets = np.array(
+        [(0, 0, 0), (0, 95, 0), (9, -5, 0), (0, -42, 1), (0, -42, -1), (0, 60, 0)], dtype=float
+    )
+
+    def walker(rest: float, head: float) -> Rig:
+        rig = nodes(names, [-1, 0, 1, 2, 3, 1], offsets * np.array([1, rest, 1, 1, 1, 1])[:, np.newaxis])
+        rig = replace(rig, scale=np.where(np.arange(6)[:, np.newaxis] == 0, 0.01, rig.scale))
+        rig = replace(rig, skins=(Skin("skin", np.arange(1, 6), inverse(rig.world[1:])),))
+        turns = from_axis_angle(np.tile([1.0, 0.0, 0.0], (2, 1)), np.array([0.0, head]))
+        moves = offsets[1] + np.array([[0, 3, 0], [0, 4, 0]])
+        times = np.array([0.0, 1.0])
+        tracks = Track(1, "translation", "LINEAR", times, moves), Track(5, "rotation", "LINEAR", times, turns)
+        return replace(rig, clips=(Clip("walk", tracks, 0),))
+
+    home = take_clips(walker(1.0, 0.0), from_=walker(0.01, 0.5)).clips[0]
+    for found, expected in zip(home.tracks, walker(1.0, 0.5).clips[0].tracks, strict=True):
+        np.testing.assert_allclose(found.values, expected.values, atol=1e-6)
 
 
 @pytest.mark.parametrize(

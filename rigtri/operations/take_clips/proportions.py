@@ -39,6 +39,8 @@ _VARIES = 1e-2
 # The sine of `MOST_DEGREES`: a joint that wanders farther from its mean direction, seen from the joint above,
 # is no end of a bone, such as the target of an IK. A bone that stretches, or shakes a little, is one.
 _WANDERS = 0.087
+# Keys have a node at one place where their means are so much nearer than the bind poses, as a share.
+_AS_OURS = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,9 +216,30 @@ class Proportions:
         seen = transform_points(theirs, inverse(both.turns[above]) if above >= 0 else both.space)
         offset = ours - self.body * seen
         unit = float(length(both.rig.world[above, 0, :3])) if above >= 0 else 1.0
-        if self.body == 1.0 and not min(apart, float(length(offset)) * unit) > OTHER_SHAPE * both.size:
-            return None
+        if self.body == 1.0:
+            if not min(apart, float(length(offset)) * unit) > OTHER_SHAPE * both.size:
+                return None
+            if self._keyed_as_ours(node, offset):
+                return None
         return _scaled(self.body, offset if np.isfinite(offset).all() else np.zeros(3))
+
+    def _keyed_as_ours(self, node: int, offset: Floats) -> bool:
+        """Whether keys of both files have a node at one place in its parent's axes, so that bind poses which
+        are ``offset``, (3,), apart say nothing of it.
+
+        Blender takes the bind pose of a body in centimetres, below an armature of 0.01, for one in metres.
+        """
+        both, (_, _, above) = self.both, self.both.line(node)
+        parents = int(both.rig.parents[node]), int(both.other.parents[both.of[node]])
+        if parents != (above, both.of[above] if above >= 0 else -1):
+            return False
+        ours = keys(both.rig, "translation").get(node)
+        theirs = keys(both.other, "translation").get(both.of[node])
+        if ours is None or theirs is None:
+            return False
+        turn = inverse(both.turns[above]) if above >= 0 else both.space
+        far = transform_points(theirs.mean(axis=0), turn) - ours.mean(axis=0)
+        return float(length(far)) < _AS_OURS * float(length(offset))
 
     def places(self, node: int) -> tuple[Floats, Floats] | None:
         """Where what carries the body is in the worlds of RIG and EDITED, (3,) each, at one moment."""
