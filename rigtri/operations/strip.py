@@ -14,6 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import NOTHING, joints_of
+from rigtri.evaluation.timelines import timelines
 from rigtri.frames.reoriented_constraints import constraints_from_metadata
 from rigtri.maths.arrays import Booleans
 from rigtri.model.bindings import NodeConstraint
@@ -46,6 +48,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     _refuse_named(rig, gone)
     if not options.discard_motion:
         refuse_unbaked(rig, gone)
+        _refuse_moving(rig, gone)
     readers = [node for node in gone if rig.type_of(node) == "poseReader"]
     rig, driven = restore_replaced_keys(rig, readers, report)
     for record in (r for node, r in rig.records(PoseReaderRecord).items() if node not in kept):
@@ -76,6 +79,19 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
         pending=replace(rig.pending, weight_redistributions=(), joint_merges=(), restored=restored),
     )
     return without_nodes(bare, gone, folds)
+
+
+def _refuse_moving(rig: Rig, gone: frozenset[int]) -> None:
+    """GeometryError where limbs of make-limb move in a clip, by keys of theirs or of their controls."""
+    limbs = gone.intersection(rig.records(LimbRecord))
+    for timeline in timelines(rig) if limbs else ():
+        keyed = {t.node for t in timeline.clip.tracks if np.ptp(t.values, axis=0).max(initial=0.0) > NOTHING}
+        if moving := sorted(limbs & (keyed | joints_of(rig, keyed))):
+            names = and_more([f"'{rig.title(node)}'" for node in moving], 6)
+            raise GeometryError(
+                f"{names} of make-limb, which are to go, move in clip '{timeline.name}': "
+                "their motion would go with them. If it is to, give --discard-motion"
+            )
 
 
 def _bound_limbs(rig: Rig, report: Report) -> frozenset[int]:

@@ -20,6 +20,7 @@ import rigtri
 from rigtri import diff, verify
 from rigtri.errors import DeviationError, FileError, GeometryError
 from rigtri.formats import ReadOptions, read
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.strip import strip
@@ -245,6 +246,21 @@ def test_a_twist_joint_whose_record_names_a_bone_elsewhere_is_named(tmp_path: Pa
     metadata = {**split.metadata, twist: {**split.metadata[twist], "joint": "shin_R"}}
     with pytest.raises(GeometryError, match="move with 'forearm_L_twist_1', which is to go"):
         rigtri.strip(replace(split, metadata=metadata))
+
+
+@pytest.mark.parametrize("keyed", ["tail_2", "tail_2_ctl"])
+def test_a_limb_that_moves_in_a_clip_goes_only_with_its_motion(keyed: str) -> None:
+    """Before, what was keyed on the controls of a skeleton of guides went with it, without a word."""
+    rig = rigtri.make_limb(read(SAMPLES / "arm.gltf").rig, points=["0,0,0", "0,1,0", "0,2,0.1"], name="tail")
+    rig = rigtri.add_controls(rig, joints=["tail_*"])
+    turns = np.array([[0.0, 0.0, 0.0, 1.0], [0.0, 0.6, 0.0, 0.8]])
+    for values, moves in ((turns[[0, 0]], False), (turns, True)):
+        track = Track(rig.find(keyed), "rotation", "LINEAR", np.array([0.0, 1.0]), values)
+        keyed_rig = replace(rig, clips=(*rig.clips, Clip("mine", (track,))))
+        if moves:
+            with pytest.raises(GeometryError, match=r"'tail_2' of make-limb.*'mine'.*discard_motion"):
+                strip(keyed_rig)
+        assert not strip(keyed_rig, discard_motion=moves).nodes_of("limb", "control")
 
 
 @pytest.mark.parametrize("suffix", [".gltf", ".usda"])
