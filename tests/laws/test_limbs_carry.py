@@ -204,7 +204,9 @@ def test_motion_of_a_limbs_controls_is_no_less_than_that_of_other_joints() -> No
     with pytest.raises(GeometryError, match=r"Controls move 'arm_2_R' in clip 'wave'.*would be lost"):
         rigtri.bake(keyed, to="controls")
     rigtri.bake(rigtri.bake(keyed, to="joints"), to="controls")
-    assert not rigtri.strip(keyed).nodes_of("limb")  # which goes with its controls
+    with pytest.raises(GeometryError, match=r"of make-limb.*move in clip 'wave'"):
+        rigtri.strip(keyed)
+    assert not rigtri.strip(keyed, discard_motion=True).nodes_of("limb")
 
 
 def test_the_joints_of_limbs_get_another_rest_pose() -> None:

@@ -238,7 +238,8 @@ class Proportions:
         if ours is None or theirs is None:
             return False
         turn = inverse(both.turns[above]) if above >= 0 else both.space
-        far = transform_points(theirs.mean(axis=0), turn) - ours.mean(axis=0)
+        means = [values.cumsum(axis=0)[-1] / len(values) for values in (ours, theirs)]
+        far = transform_points(means[1], turn) - means[0]
         return float(length(far)) < _AS_OURS * float(length(offset))
 
     def places(self, node: int) -> tuple[Floats, Floats] | None:
