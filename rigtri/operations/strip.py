@@ -48,13 +48,14 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     _refuse_named(rig, gone)
     if not options.discard_motion:
         refuse_unbaked(rig, gone)
-        _refuse_moving(rig, gone)
     readers = [node for node in gone if rig.type_of(node) == "poseReader"]
     rig, driven = restore_replaced_keys(rig, readers, report)
     for record in (r for node, r in rig.records(PoseReaderRecord).items() if node not in kept):
         joints = driven_paths(record, rig)
         rig = without_driven(rig, joints)
         report.reposed |= bool(joints)
+    if not options.discard_motion:  # what pose readers have keyed is none
+        _refuse_moving(rig, gone)
     for node, columns in driven.items():
         report.morph_changes.setdefault(rig.keys[node], set()).update(columns)
     holders = frozenset[int]() if options.splits else rig.holders
