@@ -114,7 +114,7 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
     while rig.rules.group_parent >= 0 and rig.parents[top] >= 0:
         top = int(rig.parents[top])
     parent = top if rig.rules.group_parent >= 0 else -1
-    rules = replace(rig.rules, group_parent=parent, others=_not_meant(rig, nodes))
+    rules = replace(rig.rules, group_parent=parent, others=_not_meant(nodes, others, hidden))
     content = rig.content.without_skins(others)
     small = replace(rig, skins=skins, metadata=seen, rules=rules, content=content)
     made = edit(small)
@@ -142,14 +142,17 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
 
 def find_within(rig: Rig, nodes: Nodes, name: str, kind: str) -> int:
     """The node that a name means while a character is edited alone, as `Rig.find`; nodes: the character's."""
-    return replace(rig, rules=replace(rig.rules, others=_not_meant(rig, nodes))).find(name, kind)
+    others = _not_meant(nodes, _other_skins(rig, nodes), _of_others(rig, nodes))
+    return replace(rig, rules=replace(rig.rules, others=others)).find(name, kind)
 
 
-def _not_meant(rig: Rig, nodes: Nodes) -> Nodes:
-    """The joints of other characters than that of ``nodes``, and what rigtri has built for them."""
-    skins = _other_skins(rig, nodes).values()
-    theirs = frozenset(joint for skin in skins for joint in skin.joints.tolist()) - nodes
-    return theirs | _of_others(rig, nodes).keys()
+def _not_meant(nodes: Nodes, skins: Mapping[int, Skin], hidden: Mapping[int, Any]) -> Nodes:
+    """What is of others than a character: joints of their skins, and what rigtri has built (`_of_others`).
+
+    nodes: the character's.
+    """
+    joints = frozenset(joint for skin in skins.values() for joint in skin.joints.tolist())
+    return (joints - nodes) | hidden.keys()
 
 
 def _other_skins(rig: Rig, nodes: Nodes) -> dict[int, Skin]:
