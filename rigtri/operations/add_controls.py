@@ -50,7 +50,7 @@ from rigtri.operations.control_drawing import (
     requested_members,
 )
 from rigtri.operations.control_frames import ControlAxes, stored_style
-from rigtri.operations.control_sizes import ControlSizes, of_twins
+from rigtri.operations.control_sizes import ControlSizes
 from rigtri.operations.controls_check import refuse_carried
 from rigtri.operations.foot_roll import Foot, rolling_feet
 from rigtri.operations.joint_selection import chosen
@@ -320,16 +320,13 @@ class _Builder:
         return control
 
     def _seat(self, joint: int, kind: ControlKind) -> Seat:
-        both = self._with_twin(joint)
-        share = self.sizes.share_beside(both) if kind == "fk" else 0.0
-        size, normal, shift = self.sizes.of(joint, self.axes.frames.get((joint, kind)), share=share)
+        if kind == "fk":
+            size, normal, shift = self.sizes.of_twins(self._with_twin(joint))
+        else:
+            size, normal, shift = self.sizes.of(joint, self.axes.frames.get((joint, kind)))
         limb = next((limb for limb in self.limbs if kind == "ik" and limb.end == joint), None)
         if limb is not None:
-            ends = zip(self._with_twin(limb.middle), both, strict=False)
-            size = of_twins(edges := [self.sizes.of_end(*end) for end in ends], edges)
-        elif kind == "fk":
-            sizes = [self.sizes.of(node, axes, share=share)[0] for node, axes in both.items()]
-            size = of_twins(sizes, [self.sizes.width(node, axes, share) for node, axes in both.items()])
+            size = self.sizes.of_ends(zip(self._with_twin(limb.middle), self._with_twin(joint), strict=False))
         drawing = self._drawing(kind, joint, size, normal, shift=shift)
         return self._parent(joint, kind), self.world[joint, 3, :3], drawing
 

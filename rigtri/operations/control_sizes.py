@@ -5,7 +5,7 @@ Skin is as wide as the joint's own part of the mesh at rest, where the plane of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -49,6 +49,8 @@ _SEEN, _WIDEST = 2, 0.15
 _BESIDE = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 # The axis that a ring moves along lies along the bone by this, at least (a cosine, 18°).
 _ALONG = 0.95
+# A joint, and the place and the direction of a plane.
+Key = tuple[int, bytes, bytes]
 
 
 class ControlSizes:
@@ -76,10 +78,19 @@ class ControlSizes:
         bone = max(bone, SHORTEST * self.typical)
         return max(MARGIN * around, LEAST * bone) if around > 0 else RADIUS * bone, normal, shift
 
-    def width(self, joint: int, axes: Floats | None, share: float) -> float:
-        """How far the own skin of a joint reaches where its shape stands, as of `of`; 0 without any skin."""
-        bone, _, place, across, _ = self._bone(joint, axes)
-        return self.sections.width(joint, place + across * (share * bone), across)
+    def of_twins(self, joints: Mapping[int, Floats | None]) -> tuple[float, Floats, float]:
+        """As `of` the first joint, where `share_beside` has its shape; as large as of its twin, if any.
+
+        joints: both, with the axes of controls that have their own.
+        """
+        share = self.share_beside(joints)
+        found = [self.of(joint, axes, share=share) for joint, axes in joints.items()]
+        widths = []
+        for joint, axes in joints.items():
+            bone, _, place, across, _ = self._bone(joint, axes)
+            widths.append(self.sections.width(joint, place + across * (share * bone), across))
+        _, normal, shift = found[0]
+        return _of_twins([size for size, _, _ in found], widths), normal, shift
 
     def share_beside(self, joints: Mapping[int, Floats | None]) -> float:
         """The share of its bone by which the ring of a joint, the first, stands beside that.
@@ -125,8 +136,13 @@ class ControlSizes:
             able = bool(from_ == joint and np.abs(along).max() > _ALONG) and self.sections.is_skinned(joint)
         return bone, normal, stand[3, :3], normalise(transform_directions(normal, stand)), able
 
-    def of_end(self, middle: int, joint: int) -> float:
-        """Half the edge of a cube around the end of a limb: how thick the limb is where it arrives there."""
+    def of_ends(self, limbs: Iterable[tuple[int, int]]) -> float:
+        """How thick a limb is, the first, where it arrives at its end, and its twin, if any: half the edge of
+        a cube. limbs: middle and end of each."""
+        edges = [self._of_end(middle, joint) for middle, joint in limbs]
+        return _of_twins(edges, edges)
+
+    def _of_end(self, middle: int, joint: int) -> float:
         end, bone = self.world[joint, 3, :3], self.world[joint, 3, :3] - self.world[middle, 3, :3]
         for place in (end - bone * BEFORE, end) if bone.any() else ():
             thick = self.sections.thickness([middle, joint], place, normalise(bone))
@@ -135,7 +151,7 @@ class ControlSizes:
         return self.of(joint)[0]
 
 
-def of_twins(sizes: Sequence[float], widths: Sequence[float]) -> float:
+def _of_twins(sizes: Sequence[float], widths: Sequence[float]) -> float:
     """The size of a control, the first of the sizes, as large as its twin's, if any: one look, left to right.
 
     Not where the twin has far more around it, as a shield: widths say how far the own skin of each reaches. A
@@ -153,7 +169,10 @@ class SkinSections:
         rig = self.rig = tree.rig
         # By the number of the character.
         self._extents: dict[int, float] = {}
-        self._known_cuts: dict[tuple[int, bytes, bytes], list[tuple[Floats, Floats]]] = {}
+        # Asked of a joint for itself and for its twin, by `_key`.
+        self._known_cuts: dict[Key, list[tuple[Floats, Floats]]] = {}
+        self._known_widths: dict[Key, float] = {}
+        self._known_radii: dict[Key, float] = {}
         self._by_skin: dict[int, list[SkinnedMesh]] = {}
         # By the joint that a mesh is, or is below.
         self._by_joint: dict[int, list[SkinnedMesh]] = {}
@@ -175,6 +194,11 @@ class SkinSections:
         above, or a weapon's ring would be as wide as the weapon is long.
         0 without any skin. File units, in the world.
         """
+        if (key := _key(joint, place, normal)) not in self._known_radii:
+            self._known_radii[key] = self._radius(joint, place, normal)
+        return self._known_radii[key]
+
+    def _radius(self, joint: int, place: Floats, normal: Floats) -> float:
         own = self.width(joint, place, normal)
         if own == 0:
             return 0.0
@@ -187,7 +211,9 @@ class SkinSections:
 
     def width(self, joint: int, place: Floats, normal: Floats) -> float:
         """How far the skin near a joint reaches in the plane, as `radius` counts it; 0 without any skin."""
-        return self._width(joint, self._near(joint), place, normal)
+        if (key := _key(joint, place, normal)) not in self._known_widths:
+            self._known_widths[key] = self._width(joint, self._near(joint), place, normal)
+        return self._known_widths[key]
 
     def shows(self, joint: int, place: Floats, normal: Floats) -> bool:
         """Whether a ring around a place, (3,), square to ``normal``, (3,), is a quarter inside skin at most.
@@ -216,8 +242,7 @@ class SkinSections:
 
     def _cuts(self, joint: int, place: Floats, normal: Floats) -> list[tuple[Floats, Floats]]:
         # Whether a ring shows at a place is asked first, and then how large it is there.
-        key = joint, place.tobytes(), normal.tobytes()
-        if key not in self._known_cuts:
+        if (key := _key(joint, place, normal)) not in self._known_cuts:
             self._known_cuts[key] = [
                 skinned.signed_cut(skinned.triangles_near(place, normal), place, normal)
                 for skinned in self._body_of(joint)
@@ -317,6 +342,10 @@ class SkinSections:
                 for owner in {joint, bones.get(joint)} - {None}:
                     rows.setdefault(owner, []).append(row)
         return found
+
+
+def _key(joint: int, place: Floats, normal: Floats) -> Key:
+    return joint, place.tobytes(), normal.tobytes()
 
 
 def _width(near: list[tuple[SkinnedMesh, Integers]], place: Floats, normal: Floats) -> float:
