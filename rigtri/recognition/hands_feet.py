@@ -66,9 +66,8 @@ def _foot(draft: Draft, leg: Found) -> None:
         ahead = {k: (tree.at[k] - tree.at[ankle]).dot(facing) for k in below}
         apart = {k: (tree.at[k] - tree.at[ankle]).length for k in below}
         heels = not draft.four and all(ahead[k] < -_HEEL * apart[k] for k in below)
-        # Where several toes begin at a ball, that goes on between them, and in none.
         if not below or heels or (not draft.four and len(joints) > 1 and len(below) >= PAW):
-            break
+            break  # a ball with several toes goes on between them, and in none
         past = (tree.at[joints[-1]] - tree.at[ankle]).dot(facing)
         joints.append(next_toe(tree, ahead, _AS_FAR * shin.length, past))
     toes = draft.known_bones.get(f"{leg.side}Toes", -1)

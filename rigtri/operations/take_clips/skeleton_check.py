@@ -22,16 +22,11 @@ from rigtri.maths.vectors import angle, length
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT
+from rigtri.operations.take_clips.bones import Bone, keys, varying
 from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.infinite_motion import refuse_infinite_motion
 from rigtri.operations.take_clips.messages import warn_differences, warn_facing
-from rigtri.operations.take_clips.proportions import (
-    Bone,
-    Proportions,
-    keys,
-    varying,
-    warn_lengths,
-)
+from rigtri.operations.take_clips.proportions import Proportions, warn_lengths
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.standard_rest import SAME_AXES, standard_rest
 from rigtri.operations.take_clips.standing import stood_up

@@ -1,23 +1,35 @@
-"""SkelAnimations as clips of a Skeleton, whether it plays them or not."""
+"""SkelAnimations as clips of a Skeleton, whether it plays them or not, or where there is none."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from itertools import chain
 from typing import Any
 
+import numpy as np
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.animation_binding import SOURCE, named
 from rigtri.formats.usd.composition.layers import listed_items
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
-from rigtri.formats.usd.composition.stage import tokens_of
+from rigtri.formats.usd.composition.stage import tokens_of, why_locked
 from rigtri.formats.usd.composition.variant_choices import each_choice
 from rigtri.formats.usd.composition.variants import VALUES, SkeletonVariants, deciding_sets, in_words
-from rigtri.formats.usd.reading.animation_reader import clips, interpolation_of, read_animation
+from rigtri.formats.usd.reading.animation_reader import (
+    NOTHING,
+    Animation,
+    Property,
+    clips,
+    interpolation_of,
+    read_animation,
+)
 from rigtri.formats.usd.reading.mesh_reader import blend_tracks
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, nearest_listed
 from rigtri.formats.usd.reading.source import Source
+from rigtri.maths.matrices import compose, multiply
+from rigtri.maths.quaternions import unit
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 
 _ARCS = ("references", "payload", "inheritPaths", "specializes")
@@ -139,3 +151,39 @@ def tracks_of(source: Source, animation: str, skeleton: str) -> tuple[Track, ...
         weights = blend_tracks(prim, source.bindings.of([skeleton]), source.labelled, interpolation)
     every = clips(found, found.name, [source.joint_nodes.get(skeleton, {})], weights, interpolation)
     return tuple(track for clip in every[:1] for track in clip.tracks)
+
+
+def stand_in(prim: Any, animation: Animation, world: Floats) -> Skeleton:
+    """The joints of an animation, by the hierarchy in their paths, as it poses them first below ``world``."""
+    order = _parents_first(animation.tokens)
+    tokens = tuple(animation.tokens[k] for k in order)
+    parents = joint_parents(animation.path, tokens)
+    parts = {name: _first_row(animation.properties.get(name), name, order) for name in NOTHING}
+    rest = compose(parts["translations"], unit(parts["rotations"]), parts["scales"])
+    bind = rest.copy()
+    for joint, parent in enumerate(parents.tolist()):
+        bind[joint] = multiply(rest[joint], bind[parent] if parent >= 0 else world)
+    locked = why_locked(prim, ("joints", *NOTHING))
+    for name in ("translations", "rotations"):
+        if name not in animation.properties:
+            locked = locked or f"animation <{animation.path}> has no {name}, and no skeleton gives them"
+    return Skeleton(animation.path, tokens, parents, bind, rest, False, locked, (animation.path,))
+
+
+def _parents_first(tokens: Sequence[str]) -> list[int]:
+    """The joints in their own order, but none before its parent: animations may list them in any order."""
+    above, order = nearest_listed(tokens).tolist(), dict[int, None]()
+    for joint in range(len(tokens)):
+        line = []
+        while joint >= 0 and joint not in order:
+            line.append(joint)
+            joint = above[joint]
+        order.update(dict.fromkeys(reversed(line)))
+    return list(order)
+
+
+def _first_row(item: Property | None, name: str, order: list[int]) -> Floats:
+    if item is None:
+        return np.broadcast_to(NOTHING[name], (len(order), len(NOTHING[name])))
+    row = item.samples[0] if len(item.times) else item.default
+    return np.asarray(row, dtype=np.float64)[order]

@@ -15,32 +15,34 @@ from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.animation_binding import bound_animation
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
-from rigtri.formats.usd.composition.stage import DEFAULT, quiet, why_locked
+from rigtri.formats.usd.composition.stage import DEFAULT, quiet
 from rigtri.formats.usd.reading import mesh_reader
 from rigtri.formats.usd.reading.animation_reader import (
-    NOTHING,
     PROPERTIES,
     Animation,
-    Property,
     clips,
     interpolation_of,
     read_animation,
 )
-from rigtri.formats.usd.reading.loose_animations import bound_elsewhere, decided, fitting, of_other_variants
+from rigtri.formats.usd.reading.loose_animations import (
+    bound_elsewhere,
+    decided,
+    fitting,
+    of_other_variants,
+    stand_in,
+)
 from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
 from rigtri.formats.usd.reading.sampled_xforms import notice_shear, sampled_tracks
 from rigtri.formats.usd.reading.skeleton_reader import (
     Skeleton,
-    joint_parents,
-    nearest_listed,
     outside_of_scene,
     read_skeleton,
 )
 from rigtri.formats.usd.reading.source import Source, animations_of_instances, blocked_times
 from rigtri.formats.usd.reading.xform_hierarchy import XFORMS, read_transform, rooted, xform_tracks
-from rigtri.maths.matrices import compose, inverse, multiply
-from rigtri.maths.quaternions import from_axes, to_axes, unit
+from rigtri.maths.matrices import inverse
+from rigtri.maths.quaternions import from_axes, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.animation import Path as PathName
@@ -246,7 +248,7 @@ class _Reader:
                 owner = self.nodes.owner(path)
                 place = world[owner] if owner >= 0 else np.eye(4)
                 self.animations[path] = animation
-                self.skeletons[path] = _stand_in(prim, animation, place)
+                self.skeletons[path] = stand_in(prim, animation, place)
         if self.skeletons:
             shown = and_more([f"<{path}>" for path in self.skeletons], 3)
             text = (
@@ -362,42 +364,6 @@ class _Reader:
             weigh=weigh if real else None,
             key=("skeleton" if real else "library", skeleton.path),
         )
-
-
-def _stand_in(prim: Any, animation: Animation, world: Floats) -> Skeleton:
-    """The joints of an animation, by the hierarchy in their paths, as it poses them first below ``world``."""
-    order = _parents_first(animation.tokens)
-    tokens = tuple(animation.tokens[k] for k in order)
-    parents = joint_parents(animation.path, tokens)
-    parts = {name: _first_row(animation.properties.get(name), name, order) for name in NOTHING}
-    rest = compose(parts["translations"], unit(parts["rotations"]), parts["scales"])
-    bind = rest.copy()
-    for joint, parent in enumerate(parents.tolist()):
-        bind[joint] = multiply(rest[joint], bind[parent] if parent >= 0 else world)
-    locked = why_locked(prim, ("joints", *NOTHING))
-    for name in ("translations", "rotations"):
-        if name not in animation.properties:
-            locked = locked or f"animation <{animation.path}> has no {name}, and no skeleton gives them"
-    return Skeleton(animation.path, tokens, parents, bind, rest, False, locked, (animation.path,))
-
-
-def _parents_first(tokens: Sequence[str]) -> list[int]:
-    """The joints in their own order, but none before its parent: animations may list them in any order."""
-    above, order = nearest_listed(tokens).tolist(), dict[int, None]()
-    for joint in range(len(tokens)):
-        line = []
-        while joint >= 0 and joint not in order:
-            line.append(joint)
-            joint = above[joint]
-        order.update(dict.fromkeys(reversed(line)))
-    return list(order)
-
-
-def _first_row(item: Property | None, name: str, order: list[int]) -> Floats:
-    if item is None:
-        return np.broadcast_to(NOTHING[name], (len(order), len(NOTHING[name])))
-    row = item.samples[0] if len(item.times) else item.default
-    return np.asarray(row, dtype=np.float64)[order]
 
 
 def _mirrored_as_keyed(rig: Rig) -> Rig:
