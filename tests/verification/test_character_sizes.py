@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from morphs import arm_usd
 from program import cli
 from rigs import rig_of
 
@@ -69,6 +70,20 @@ def test_what_an_edit_moves_on_purpose_is_a_share_of_the_character(
     twist = [cli(*line, path, "-o", out, code=0).json["verification"] for path in (alone, field)]
     assert twist[0]["moved"] == pytest.approx(twist[1]["moved"], rel=1e-3)
     assert twist[1]["deviation"] > 0.1 * twist[0]["deviation"]
+
+
+def test_what_morphs_move_on_purpose_is_a_share_of_the_character(tmp_path: Path) -> None:
+    """Before, it was a share of the ground."""
+    alone, out = arm_usd(tmp_path), tmp_path / "out.usda"
+    field = tmp_path / "field.usda"
+    field.write_text(alone.read_text() + GROUND)
+    line = ("--driver", "a/b", "--target", "up=0,1,0", "--morph", "up", "/Root/Skin", "bulge", "--overwrite")
+    found = [
+        cli("add-posereader", path, "-o", out, *line, "--json", code=0).json["verification"]["driven"]
+        for path in (alone, field)
+    ]
+    assert found[0] == pytest.approx(found[1])
+    assert found[1]["/Root/Skin"] > 0.1
 
 
 def test_characters_are_joints_that_skins_share_and_what_hangs_on_them() -> None:
