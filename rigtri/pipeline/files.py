@@ -23,6 +23,7 @@ from rigtri.pipeline.edit import EditRequest, Outcome, edit_file
 from rigtri.pipeline.verify_variants import looks_apart, with_variants
 from rigtri.report import Report
 from rigtri.verification import Terms
+from rigtri.verification.compare import compare
 from rigtri.verification.compare.compare import Comparison, Source
 
 if TYPE_CHECKING:
@@ -182,7 +183,7 @@ def diff(
     from rigtri.verification.diff import diff as terms
 
     def looks(one: Source, other: Source) -> Comparison:
-        return _of_two_formats(one, other) or looks_apart(one, other)
+        return _of_two_formats(one, other) or compare.verify(one, other)
 
     measure = looks if verify else None
     before, after = path_of(before), path_of(after)
