@@ -643,3 +643,14 @@ def test_instances_that_a_variant_joins_in_one_of_two_files_alone_are_compared(t
     layer.Export(str(tmp_path / "bad.usda"))
     for pair in ((source, tmp_path / "bad.usda"), (tmp_path / "bad.usda", source)):
         cli("verify", *pair, code=6)
+
+
+def test_instances_are_compared_with_a_file_in_which_none_shares_its_prototype(tmp_path: Path) -> None:
+    """Before, `verify` ended in a traceback."""
+    source, apart = crowd_of_looks(tmp_path), tmp_path / "apart.usda"
+    layer = Sdf.Layer.OpenAsAnonymous(str(source))
+    for prim in layer.GetPrimAtPath("/World").nameChildren:
+        prim.ClearInfo("instanceable")
+    layer.Export(str(apart))
+    for pair in ((source, apart), (apart, source)):
+        assert cli("verify", *pair, "--json", code=0).json["deviation"] == 0

@@ -114,7 +114,8 @@ class SharedInstances:
     def _group(self, prim: Any) -> tuple[Any, Any]:
         """What instances share of which one is read: prototype, and with `others` what is read there."""
         path = prim.GetPath()
-        return prim.GetPrototype().GetPath(), self._others and self._others.get(path, path)
+        read = None if self._others is None else self._others.get(path, path)
+        return prim.GetPrototype().GetPath(), read
 
     def _read_instances(self) -> dict[Any, Any]:
         """By group the path of the instance that is read: the first below a SkelRoot, or of all."""
