@@ -13,7 +13,6 @@ import os
 import signal
 import time
 from contextlib import suppress
-from importlib import import_module
 from types import FrameType
 from typing import Any, NoReturn
 
@@ -88,8 +87,7 @@ def _again(number: int, main: int) -> None:
 
 
 def begin() -> None:
-    """Before anything else is imported: an interrupt ends the process without a traceback of imports, and no
-    modules come from its working folder.
+    """Before anything else is imported: an interrupt ends the process without a traceback of imports.
 
     For `rigtri.__main__` alone: what a caller's process does with interrupts, memory and search path is not
     ours.
@@ -98,7 +96,6 @@ def begin() -> None:
     for number in _WORDS:
         unset = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
         _replace(number, unset, _end)
-    import_module("rigtri.files.import_path").leave_out_working_folder()
 
 
 def raise_interrupts() -> None:

@@ -2,7 +2,8 @@
 
 `atomic_write` lets one file appear whole, `staged_output` an output with its companions, all or none;
 `background_copy` copies large files meanwhile, `temp_dirs` has temporary folders that are gone with their
-process, `worker_process` a child that may crash, `import_path` where children look for modules,
-`input_stream` and `text_files` open what users name, `mapped_file` maps what is large.
+process, `worker_process` a child that may crash, `working_folder` and `import_path` where a program and
+its children look for modules, `input_stream` and `text_files` open what users name, `mapped_file` maps what
+is large.
 Nothing here knows a rig or a format; of other packages it imports errors and printable text alone.
 """

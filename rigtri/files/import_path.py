@@ -1,4 +1,4 @@
-"""Where Python looks for modules: never in the folder where somebody works, whose files come from anybody."""
+"""Where child processes look for modules: only where this one does."""
 
 from __future__ import annotations
 
@@ -6,17 +6,9 @@ import os
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 _guard = threading.Lock()
-
-
-def leave_out_working_folder() -> None:
-    """Let this process import nothing from its working folder, except where rigtri itself lies there."""
-    with suppress(FileNotFoundError):  # a working folder that somebody has removed holds no modules
-        here = os.path.realpath(os.getcwd())
-        if here != os.path.realpath(os.path.join(__file__, "..", "..", "..")):
-            sys.path[:] = [entry for entry in sys.path if os.path.realpath(entry) != here]
 
 
 @contextmanager
@@ -24,12 +16,15 @@ def no_working_folder_in_children() -> Iterator[None]:
     """Processes that are started meanwhile look only where this one does by whole paths.
 
     multiprocessing starts them by ``python -c``, which looks first where it is started. Folders of this
-    process that move with its working folder (the console's, or parts of PYTHONPATH) are left out.
+    process that move with its working folder (the console's) are left out, and of PYTHONPATH those that
+    it does not search itself.
     """
     with _guard:
-        whole = filter(os.path.isabs, os.environ.get("PYTHONPATH", "").split(os.pathsep))
+        before, places = {name: os.environ.get(name) for name in ("PYTHONSAFEPATH", "PYTHONPATH")}, sys.path
+        searched = {os.path.realpath(entry) for entry in places if os.path.isabs(entry)}
+        named = filter(os.path.isabs, (before["PYTHONPATH"] or "").split(os.pathsep))
+        whole = [entry for entry in named if os.path.realpath(entry) in searched]
         variables = {"PYTHONSAFEPATH": "1", "PYTHONPATH": os.pathsep.join(whole)}
-        before, places = {name: os.environ.get(name) for name in variables}, sys.path
         os.environ.update(variables)
         sys.path = [entry for entry in places if os.path.isabs(entry)]
         try:

@@ -15,7 +15,7 @@ import pytest
 from places import BUILDERS, ROOT, SAMPLES, ci, slow
 
 from rigtri.cli.catalogue import COMMANDS
-from rigtri.files import import_path
+from rigtri.files import import_path, working_folder
 from rigtri.files.worker_process import WorkerProcess
 
 SCRIPT = Path(sysconfig.get_path("scripts"), "rigtri")
@@ -129,19 +129,20 @@ def test_no_command_runs_what_lies_where_it_works(command: str, pack: Path) -> N
 def test_only_a_working_folder_that_holds_rigtri_is_searched(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    installed = Path(import_path.__file__).resolve().parents[2]
+    installed = Path(working_folder.__file__).resolve().parents[2]
     for folder, stays in ((tmp_path, False), (installed, True)):
         places = ["", str(folder), str(tmp_path.parent)]
         monkeypatch.setattr(sys, "path", [*places])
         monkeypatch.chdir(folder)
-        import_path.leave_out_working_folder()
+        working_folder.leave_out_working_folder()
         assert sys.path == (places if stays else places[2:])
 
 
 def test_processes_that_are_started_meanwhile_look_only_by_whole_paths(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(["", "packs", str(BUILDERS)]))
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(["", "packs", str(BUILDERS), str(SAMPLES)]))
+    monkeypatch.setattr(sys, "path", ["", "packs", f"{BUILDERS}{os.sep}"])  # this process left out the others
     monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
     before = dict(os.environ)
     with import_path.no_working_folder_in_children():
@@ -149,12 +150,13 @@ def test_processes_that_are_started_meanwhile_look_only_by_whole_paths(
     assert dict(os.environ) == before
 
 
-@pytest.mark.parametrize("before", [None, "", f"{os.sep}whole{os.pathsep}part"])
+@pytest.mark.parametrize("before", [None, "", f"{BUILDERS}{os.pathsep}part"])
 @pytest.mark.parametrize("fails", [False, True])
 def test_thereafter_both_variables_are_as_they_were(
     before: str | None, fails: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    names, places = ("PYTHONSAFEPATH", "PYTHONPATH"), sys.path
+    names, places = ("PYTHONSAFEPATH", "PYTHONPATH"), [*sys.path, str(BUILDERS)]
+    monkeypatch.setattr(sys, "path", places)
     for name in names:
         if before is None:
             monkeypatch.delenv(name, raising=False)
@@ -162,7 +164,7 @@ def test_thereafter_both_variables_are_as_they_were(
             monkeypatch.setenv(name, before)
     with suppress(ValueError), import_path.no_working_folder_in_children():
         assert os.environ["PYTHONSAFEPATH"] == "1"
-        assert os.environ["PYTHONPATH"] == (f"{os.sep}whole" if before else "")
+        assert os.environ["PYTHONPATH"] == (str(BUILDERS) if before else "")
         if fails:
             raise ValueError
     assert [os.environ.get(name) for name in names] == [before, before]
@@ -203,15 +205,23 @@ def test_no_worker_runs_it_however_workers_start(command: str, method: str, pack
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("places", [os.pathsep, ".", f"{os.pathsep}{BUILDERS}"])
-@pytest.mark.slow
+# What Python imports as it starts and as it imports rigtri, before any line of the program runs.
+STARTUP = ("sitecustomize", "rigtri")
+LATER = ("signal", "threading", "tempfile", "multiprocessing", "yaml", "ctypes")
+
+
+@pytest.mark.parametrize(
+    "places", ["{pack}", slow(os.pathsep), slow("."), slow(f"{os.pathsep}{BUILDERS}"), slow("{pack}/../pack")]
+)
 def test_a_search_path_that_names_the_folder_where_one_works_is_no_way_in(places: str, pack: Path) -> None:
-    """Python itself imports sitecustomize from there, before any program; nothing of rigtri's comes after."""
-    for name in ("sitecustomize", "rigtri"):
+    """Python itself looks there as it starts; neither the program nor its children do."""
+    for name in STARTUP:
         (pack / f"{name}.py").unlink()
-    done = run(pack, SCRIPT, *["batch", *WORDS["batch"]], PYTHONPATH=places)
-    assert [name for name in ran(pack) if name in ("numpy", "pxr")] == []
-    assert "numpy" not in done.stderr
+    for name in LATER:
+        (pack / f"{name}.py").write_text((pack / "numpy.py").read_text().replace("numpy", name))
+    done = run(pack, SCRIPT, *["batch", *WORDS["batch"]], PYTHONPATH=places.format(pack=pack))
+    assert ran(pack) == []
+    assert done.returncode == 0, done.stderr
 
 
 def test_workers_of_a_console_do_not_look_where_it_was_started(pack: Path) -> None:

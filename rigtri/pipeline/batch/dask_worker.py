@@ -16,7 +16,7 @@ from dataclasses import field
 from typing import Any
 from uuid import uuid4
 
-from rigtri.files.import_path import leave_out_working_folder
+from rigtri.files.working_folder import leave_out_working_folder
 from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.file_task import Assignment, Record
