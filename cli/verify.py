@@ -11,7 +11,6 @@ Example:
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +22,7 @@ from . import failures
 from .given_options import check_streams, read_options
 from .help_format import Command
 from .option_types import FilePath
-from .printing import print_json, warn_unused_root
+from .printing import print_json, print_warnings, warn_unused_root
 from .progress import Progress
 from .shared_options import output_options, reading_options, shared
 from .terminal_text import echo, plain
@@ -50,14 +49,10 @@ _PAINTS = (
 def command(before: str, after: str, tolerance: float, **values: Any) -> None:
     from rigtri.files.input_stream import opened
     from rigtri.formats import read
-    from rigtri.formats.document import GLTF_SUFFIXES
     from rigtri.pipeline.files import verify
 
     check_streams(before, after)
-    options = read_options(values)
-    kinds = {name.lower().endswith(GLTF_SUFFIXES) for name in (before, after)}
-    # Of two formats one may be a glTF without a skin, which has no Skeleton in USD.
-    options = replace(options, empty=len(kinds) > 1)
+    options = read_options({**values, "empty": True})
     bar = Progress(after, quiet=values["quiet"] or values["as_json"])
     with opened(before) as one, opened(after) as other, bar:
         documents = read(Path(one), options), read(Path(other), options)
@@ -66,6 +61,8 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
     another = _another_character(result, documents[0].rig)
     if not values["quiet"]:
         warn_unused_root(before, values["root"])
+        missing = [each for one in documents for each in one.warnings if each.code == "unresolved"]
+        print_warnings(dict.fromkeys(missing))
     if values["as_json"]:
         document = {"before": before, "after": after, "passes": passes, "tolerance": tolerance}
         print_json(document | result.as_json())

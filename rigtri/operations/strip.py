@@ -4,7 +4,7 @@ Weights that twist joints took return to their bone: `_folds`, with the arithmet
 `rigtri.model.skin_weights`.
 
 Nodes of ours go, and metadata on the nodes of others. What others have put below a node of
-ours is not ours to move: it is named, and nothing is done.
+ours is not ours to move: a limb of make-limb stays with it, for any other it is named, and nothing is done.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     ours in what is not from rigtri, and where controls have motion that the joints do not have.
     """
     kept = _kept(rig, report) | _of_others(rig)
-    gone = _gone(rig, kept | _bound_limbs(rig, report))
+    gone = _gone(rig, kept | _used_limbs(rig, kept, report))
     _refuse_named(rig, gone)
     if not options.discard_motion:
         refuse_unbaked(rig, gone)
@@ -95,16 +95,19 @@ def _refuse_moving(rig: Rig, gone: frozenset[int]) -> None:
             )
 
 
-def _bound_limbs(rig: Rig, report: Report) -> frozenset[int]:
-    """The limbs of make-limb that points move with, whole, and what of ours is above them; with a warning.
+def _used_limbs(rig: Rig, kept: frozenset[int], report: Report) -> frozenset[int]:
+    """The limbs of make-limb that points or nodes of others move with, whole, and what of ours is above them;
+    with a warning.
 
-    Whoever has given them weight has made them joints of the character.
+    Whoever has given them weight or children has made them joints of the character.
     """
     limbs = rig.records(LimbRecord)
     skins = [k for k, skin in enumerate(rig.skins) if not limbs.keys().isdisjoint(skin.joints.tolist())]
     weighted = [node for k in skins for node in rig.skins[k].joints[_weighted(rig, k)].tolist()]
-    found, rest = set[int](), [node for node in weighted if node in limbs]
-    bound = sorted({*rest})
+    bound = sorted(limbs.keys() & {*weighted})
+    held = [(node, child) for node in limbs for child in rig.children[node] if child not in rig.own]
+    held = [(node, child) for node, child in held if node not in kept]
+    found, rest = set[int](), bound + [node for node, _ in held]
     while rest:
         node = rest.pop()
         if node not in found:
@@ -112,14 +115,29 @@ def _bound_limbs(rig: Rig, report: Report) -> frozenset[int]:
             rest += rig.own.intersection(rig.path_to_root(node))
             same = limbs[node].limb if node in limbs else None
             rest += [k for k in rig.below(node) if k in limbs and limbs[k].limb == same]
+    if found:
+        _tell_kept(rig, found, bound, held, report)
+    return frozenset(found)
+
+
+def _tell_kept(
+    rig: Rig, found: set[int], bound: list[int], held: list[tuple[int, int]], report: Report
+) -> None:
+    """Warn of limbs that stay: bound has the joints with points, held those with nodes of others below."""
+    reasons = []
     if bound:
         names = and_more([rig.title(node) for node in bound], 6)
-        stay = and_more([rig.title(node) for node in sorted(found - {*bound})], 6)
-        along = f", with {stay}" if stay else ""
-        text = f"Points of a mesh move with {names} of make-limb, so these stay as joints of the file{along}"
-        give = "give their weight to another joint first to remove them, too"
-        report.warn("limb-kept", f"{text}; {give}", names=[rig.title(node) for node in sorted(found)])
-    return frozenset(found)
+        reasons.append(f"points of a mesh move with {names} of make-limb")
+    if held:
+        names = and_more([f"{rig.title(child)} (of {rig.title(node)})" for node, child in held], 6)
+        reasons.append(f"joints of make-limb are parents of {names}")
+    stay = and_more([rig.title(node) for node in sorted(found - {*bound})], 6)
+    along = f", with {stay}" if bound and stay else ""
+    text = " and ".join(reasons)
+    text = f"{text[0].upper()}{text[1:]}, so these stay as joints of the file{along}"
+    what = " and ".join(["their weight"] * bool(bound) + ["what is below them"] * bool(held))
+    give = f"give {what} to another joint first to remove them, too"
+    report.warn("limb-kept", f"{text}; {give}", names=[rig.title(node) for node in sorted(found)])
 
 
 def _folds(rig: Rig, gone: frozenset[int]) -> tuple[JointMerge, ...]:

@@ -196,4 +196,4 @@ def _source(file: Path | str | Source, options: ReadOptions | None) -> Iterator[
         yield file
         return
     with opened(path_of(cast(Path, file))) as place:
-        yield read_document(place, options or ReadOptions())
+        yield read_document(place, replace(options or ReadOptions(), empty=True))

@@ -30,6 +30,17 @@ from rigtri.report import Report
 TRUSTING = ReadOptions(lenient=True, allow_external_paths=True)
 
 
+PLAIN = """def Xform "Root"
+{
+    def Cube "box"
+    {
+        double size = 2
+    }
+}
+
+"""
+
+
 def controls(rig: Rig, report: Report) -> Rig:
     try:
         return add_controls(rig, options=AddControlsOptions(whole_character=True), report=report)
@@ -288,6 +299,36 @@ def test_a_limb_that_points_move_with_stays_without_its_controls_and_is_named(
     assert not any("ctl" in name or "pole" in name for name in rig.names)
     cli("strip", bare, "-o", again, code=0)
     assert again.read_bytes() == bare.read_bytes()
+
+
+def test_a_limb_that_holds_a_mesh_of_someone_else_stays_and_is_named(tmp_path: Path) -> None:
+    """Before, this was refused, so that the controls could not be taken out."""
+    made, built, bare = (tmp_path / f"{word}.gltf" for word in ("made", "built", "bare"))
+    limb = ("--points", "0,1,-.1", "0,.9,-.4", "0,.7,-.6", "--name", "tail")
+    cli("make-limb", SAMPLES / "biped.gltf", "-o", made, *limb, code=0)
+    gltf = json.loads(made.read_text())
+    names = [node.get("name") for node in gltf["nodes"]]
+    gltf["nodes"].append({"name": "blade", "mesh": 0})
+    gltf["nodes"][names.index("tail_2")].setdefault("children", []).append(len(names))
+    made.write_text(json.dumps(gltf))
+    cli("add-controls", made, "-o", built, "--joints", "tail*", code=0)
+    shown = cli("strip", built, "-o", bare, code=0).stderr
+    assert "Joints of make-limb are parents of blade (of tail_2), so these stay as joints" in shown
+    assert verify(made, bare).deviation == 0.0
+    rig = read(bare).rig
+    assert rig.has("tail_3")
+    assert not rig.metadata
+
+
+def test_the_only_skeleton_of_a_stage_goes_where_make_limb_has_made_it(tmp_path: Path) -> None:
+    """Before, the file that strip was to write was refused: there is no skeleton in it."""
+    plain, made, bare = (tmp_path / f"{word}.usda" for word in ("plain", "made", "bare"))
+    plain.write_text('#usda 1.0\n(\n    defaultPrim = "Root"\n    upAxis = "Y"\n)\n\n' + PLAIN)
+    cli("make-limb", plain, "-o", made, "--points", "0,1,0", "0,.5,.1", "0,0,0", "--name", "leg", code=0)
+    cli("strip", made, "-o", bare, code=0)
+    assert bare.read_text() == plain.read_text()
+    cli("verify", plain, bare, code=0)
+    assert "lost        joint leg_1" in cli("verify", made, bare, code=6).stdout
 
 
 def _weighted_tail_gltf(path: Path) -> None:

@@ -234,9 +234,10 @@ class UsdDocument:
     def reopen(self, part: Path) -> UsdDocument:
         """Read what was written; bare opinions are read over the file they were made for."""
         whole = not (self._output.is_bare or self._output.is_sublayer)
+        options = replace(self._options, empty=True)  # its only skeleton may have been removed
         if whole and (not self._output.is_streamed or part.suffix.lower() == ".usdz"):
             # Where the output lies in another folder, the source's files are outside it, but were allowed.
-            return UsdDocument.read(part, replace(self._options, allow_external_paths=True))
+            return UsdDocument.read(part, replace(options, allow_external_paths=True))
         with quiet(f"{part}: USD cannot read it"):
             stage, layer = self._output.composed(part)
-        return UsdDocument(read_source(part, self._options, stage), self._options, layer)
+        return UsdDocument(read_source(part, options, stage), options, layer)

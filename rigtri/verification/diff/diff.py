@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import filecmp
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -149,6 +150,7 @@ def _documents(
     before: Path, after: Path, options: ReadOptions, notices: list[str], *, required: bool
 ) -> tuple[Document, Document] | None:
     """Both files as rigs; None, with the reason in ``notices``, where one has none."""
+    options = replace(options, empty=True)
     try:
         return read(before, options), read(after, options)
     except FileError as error:

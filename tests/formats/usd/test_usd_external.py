@@ -239,3 +239,10 @@ def test_what_a_resolver_of_the_site_opens_is_left_to_it(
     else:
         with pytest.raises(FileError, match="no Ar resolver opens it"):
             found()
+
+
+def test_verify_says_which_layers_are_not_there(tmp_path: Path) -> None:
+    """Before, a stage without its layers looked the same as itself, without a word."""
+    shot = save(tmp_path, ARCS["reference"].format(asked="./gone.usda"), "shot.usda")
+    ran = cli("verify", shot, shot, code=0)
+    assert "1 file that this one refers to was not found: gone.usda" in ran.stderr
