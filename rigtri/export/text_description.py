@@ -41,8 +41,8 @@ _KINDS = {
     "group": "group of what rigtri has added",
 }
 # Deeper nodes show how deep they are instead of being indented: else a chain of n joints has n² dots. On a
-# terminal the dots take no more than this share of it.
-_DEEPEST, _DOTTED = 60, 1 / 4
+# terminal the dots take no more than one column of so many.
+_DEEPEST, _DOTTED = 60, 4
 # Columns of the tree that narrow terminals do without, the first of them first: the numbers of the
 # axes, the length, the bend, the bone. Each number counts what is left. Labels stay: they find a joint.
 _SPARE = (3, 4, 4, 3)
@@ -64,7 +64,7 @@ def describe(rig: Rig, *, width: int | None = None) -> str:
     seen = SeenNodes(rig)
     kind = "joints" if rig.is_joint.any() else "nodes"
     room = None if width is None else width - 2
-    deepest = _DEEPEST if width is None else min(max(int(_DOTTED * width / len(". ")), 4), _DEEPEST)
+    deepest = _DEEPEST if width is None else min(max(width // (_DOTTED * len(". ")), 4), _DEEPEST)
     sections = [
         ("", [_heading(rig)]),
         (

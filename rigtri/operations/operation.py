@@ -323,7 +323,8 @@ def _fitted(hint: Any, value: Any, word: str) -> Any:
     fitting, words = _plain(hint, value)
     if not fitting:
         raise UsageError(f"{word}={value!r}: give {words}")
-    return value
+    # Libraries in C++ and JSON take no numbers of numpy.
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _parsed(kind: Kind, value: Any, word: str) -> Any:

@@ -157,9 +157,9 @@ def own_table(
     """
     import tomllib  # `our_table` reads ours
 
-    if not path.is_file():
-        raise FileError(f"{path} is not a naming scheme: it does not exist or is not a regular file")
     try:
+        if not path.is_file():
+            raise FileError(f"{path} is not a naming scheme: it does not exist or is not a regular file")
         table = tomllib.loads(path.read_text("utf-8-sig"))
     except OSError as error:
         raise FileError(f"{path} cannot be read: {system_reason(error)}") from error

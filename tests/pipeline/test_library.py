@@ -388,8 +388,8 @@ def test_what_is_drawn_and_described_is_checked_too() -> None:
     rig = rigtri.read(BIPED)
     with pytest.raises(UsageError, match="width=nan: give a whole number"):
         rigtri.describe(rig, width=float("nan"))  # type: ignore[arg-type]
-    with pytest.raises(UsageError, match=r"title=\{\}: give a text"):
-        rigtri.draw(rig, title={})
+    with pytest.raises(TypeError, match=r"draw: title must be a text, not dict"):
+        rigtri.draw(rig, title={})  # type: ignore[arg-type]
 
 
 def test_help_of_keywords_speaks_of_no_command_line() -> None:
@@ -786,6 +786,7 @@ def test_threads_write_into_one_folder(names: list[str], tmp_path: Path) -> None
 
 NUMBERS = np.arange(3.0)
 GIGANTIC = 10**400
+ENDLESS = "1" * 5000
 
 
 @pytest.mark.parametrize(
@@ -804,6 +805,26 @@ GIGANTIC = 10**400
         (lambda _: rigtri.check(BIPED, profile="unreal5"), UsageError, "profile='unreal5': give one of"),
         (lambda _: rigtri.auto(NUMBERS, "out.glb"), TypeError, "give the path of a file, not a ndarray"),
         (lambda _: rigtri.auto(BIPED, "out.glb", preset=NUMBERS), TypeError, "auto: preset must be a text"),
+        (lambda _: rigtri.auto(BIPED, "out.glb", spec_out=""), UsageError, "the name of the file is empty"),
+        (
+            lambda _: rigtri.auto(BIPED, "out.glb", spec_out=3),
+            TypeError,
+            "give the path of a file, not a int",
+        ),
+        (lambda _: rigtri.view(BIPED, at=3), TypeError, "view: at must be a text, not int"),
+        (lambda _: rigtri.view(BIPED, clip=["walk"]), TypeError, "view: clip must be a text, not list"),
+        (lambda _: rigtri.view(BIPED, limit=GIGANTIC), UsageError, "limit=: a number of hundreds of digits"),
+        (
+            lambda _: rigtri.diff(BIPED, BIPED, tolerance="1"),
+            TypeError,
+            "tolerance must be a number, not str",
+        ),
+        (lambda _: rigtri.diff(BIPED, BIPED, tolerance=GIGANTIC), UsageError, "tolerance=: a number of"),
+        (lambda rig: rigtri.write(rig, "out.glb", tolerance=[]), TypeError, "write: tolerance must be a num"),
+        (lambda _: rigtri.diff(ENDLESS, BIPED), FileError, "cannot be read: File name too long"),
+        (lambda rig: rigtri.recognise(rig, scheme=ENDLESS), FileError, "cannot be read: File name too long"),
+        (lambda rig: rigtri.explain(rig, limb=3), TypeError, "limb must be the name of a joint or of three"),
+        (lambda rig: rigtri.explain(rig, limb=["hips"]), TypeError, "limb must be the name of a joint or of"),
     ],
 )
 def test_values_that_cannot_be_compared_or_are_too_large_are_named(
@@ -812,3 +833,17 @@ def test_values_that_cannot_be_compared_or_are_too_large_are_named(
     with pytest.raises(error) as raised:
         call(rigtri.read(BIPED))
     assert words in str(raised.value)
+
+
+def test_a_width_of_any_size_is_one() -> None:
+    rig = rigtri.read(BIPED)
+    assert rigtri.describe(rig, width=GIGANTIC) == rigtri.describe(rig, width=10**6)
+    assert rigtri.describe(rig, width=-GIGANTIC) == rigtri.describe(rig, width=-1)
+
+
+def test_a_number_of_numpy_is_a_number(tmp_path: Path) -> None:
+    made, out = set(), tmp_path / "out.usda"
+    for number in (float, np.float32, np.int64):
+        rigtri.convert(BIPED, out, fps=number(24), meters_per_unit=number(2), overwrite=True)
+        made.add(out.read_bytes())
+    assert len(made) == 1

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError
 from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.export.drawing.bones import AIMED
 from rigtri.export.drawing.labels import width
@@ -68,9 +68,6 @@ def draw(
     AmbiguousNameError.
     """
     check(options)
-    for word, text in (("title", title), ("title_against", title_against)):
-        if not isinstance(text, str):
-            raise UsageError(f"{word}={text!r}: give a text")
     report = report if report is not None else Report()
     sides = [_side(rig, options, title or ("after" if against is not None else ""), report)]
     if against is not None:

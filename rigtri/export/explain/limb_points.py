@@ -42,7 +42,11 @@ def explain(
     if isinstance(a, Rig):
         if limb is None or b is not None:
             raise TypeError("explain: name the limb of a rig, e.g. explain(rig, limb='forearm_L')")
-        return explain_limb(a, limb_with(a, limb) if isinstance(limb, str) else [*map(a.find, limb)], at)
+        if isinstance(limb, str):
+            return explain_limb(a, limb_with(a, limb), at)
+        if not isinstance(limb, tuple | list) or len(limb) != len(names):
+            raise TypeError(f"explain: limb must be the name of a joint or of three, not {limb!r}")
+        return explain_limb(a, [*map(a.find, limb)], at)
     if b is None or c is None or limb is not None:
         raise TypeError("explain: give three points, or a rig with limb=")
     return explain_points(a, b, c, names=names)

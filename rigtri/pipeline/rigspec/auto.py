@@ -12,7 +12,7 @@ from typing import Any
 
 from rigtri.errors import FixedWeightsError, GeometryError, RigtriError, UsageError
 from rigtri.files import temp_dirs
-from rigtri.files.input_stream import called, opened, title
+from rigtri.files.input_stream import called, opened, path_of, title
 from rigtri.files.staged_output import StagedOutput, encoded, write_text
 from rigtri.files.text_files import text_of
 from rigtri.formats import ReadOptions, read
@@ -123,8 +123,6 @@ def auto(
     """
     request = requested("auto", source, target, options=options, **given)
     report = Report() if report is None else report
-    if not isinstance(preset, str):
-        raise TypeError(f"auto: preset must be a text, not {type(preset).__name__}")
     return auto_file(request, report, preset=preset, scheme=scheme, spec_out=spec_out)
 
 
@@ -145,7 +143,7 @@ def auto_file(
     places in the spec then; else as `build_file`, with the last step for controls that do not do what they
     are for. Then a spec is left that says that nothing was built by it, over no other than such a one.
     """
-    place = None if spec_out is None or request.dry_run else Path(spec_out)
+    place = None if spec_out is None or request.dry_run else path_of(spec_out)
     with opened(request.source) as at, temp_dirs.folder() as folder:
         begin_stage("recognise")
         found = _proposal(at, Path(request.source), preset, scheme, request.options)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import FileError
+from rigtri.files.text_files import check_plain
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadOptions, read
 from rigtri.model.dataclass import dataclass
 from rigtri.text import counted, plain_lines
@@ -101,10 +102,7 @@ def diff(
     """
     before, after, options = Path(before), Path(after), options or ReadOptions()
     for path in (before, after):
-        if not path.is_file():
-            raise FileError(
-                f"{path} is a folder, not a file" if path.is_dir() else f"There is no file {path}"
-            )
+        check_plain(path)
     file, notices = None, []
     if only != "rig":
         file = _file_terms(before, after, options, tolerance)
