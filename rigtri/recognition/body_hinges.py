@@ -98,7 +98,7 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
     for character in (k for k in characters if k.gives_axes):
         frame = _frame(rig, character, world, facing)
         if frame is None and character.form in ("hand", "partial"):
-            found.append(_hands_alone(character, world[:, 3, :3]))
+            found.append(_hands_alone(rig, character, world[:, 3, :3]))
         if frame is not None:
             ahead, up, mirrored = frame
             left = cross(up, ahead)
@@ -117,13 +117,13 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
     return found
 
 
-def _hands_alone(character: Character, at: Floats) -> Body:
+def _hands_alone(rig: Rig, character: Character, at: Floats) -> Body:
     """The hands of a character of which nobody knows where it faces; of an arm, nothing but its hand."""
     unknown, none = np.full(3, np.nan), frozenset[int]()
     chains, alone = character.sure_chains, character.form == "hand"
     hands = [chain.side for chain in chains if chain.kind == "hand"]
     sides: dict[Side, bool | None] = {side: side == "left" if side else None for side in hands}
-    hinges = dict(hand_hinges(chains, sides, at, None))
+    hinges = dict(_of_hands(rig, chains, dict(hand_hinges(chains, sides, at, None))))
     nodes = frozenset(part.joint for part in character.parts if alone or part.joint in hinges)
     return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, none, hinges, {})
 
@@ -339,7 +339,24 @@ def _hinges(
     for joint in (*shoulders, *_further_shoulders(rig, character)):
         yield joint, Hinge("facing direction of the chest", chest, ahead=True)
     # Of a body whose names say left where it faces right, the place says which hand it is.
-    yield from hand_hinges(chains, {"left": not mirrored, "right": mirrored}, at, (facing[1], up, chest))
+    sides: dict[Side, bool | None] = {"left": not mirrored, "right": mirrored}
+    yield from _of_hands(rig, chains, dict(hand_hinges(chains, sides, at, (facing[1], up, chest))))
+
+
+def _of_hands(rig: Rig, chains: Sequence[Chain], hinges: Mapping[int, Hinge]) -> Iterator[tuple[int, Hinge]]:
+    """The hinges of hands, and those of the bones of the palm that hold several fingers: the hand's.
+
+    As Rigify's first palm holds thumb and index finger, and a cup ring and little finger.
+    """
+    taken = {joint for chain in chains for joint in chain.joints}
+    wrists = {chain.joints[0] for chain in chains if chain.kind == "hand"}
+    for finger in (k for k in chains if k.kind == "finger" and "thumb" not in k.name):
+        above = [int(rig.parents[finger.joints[0]])]
+        while above[-1] >= 0 and above[-1] not in wrists:
+            above.append(int(rig.parents[above[-1]]))
+        if above[-1] in hinges:
+            yield from ((joint, hinges[above[-1]]) for joint in above[:-1] if joint not in taken)
+    yield from hinges.items()
 
 
 def _legs_and_feet(character: Character) -> Iterator[tuple[Chain, Chain]]:

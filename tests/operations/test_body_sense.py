@@ -793,3 +793,26 @@ def test_one_straight_finger_may_be_a_paw_or_raised_ahead_of_a_bent_chest(
     orient_joints(rig_with([*trunk, *tails * tail, *both([*arm, *LEG])]), report=report)
     said = [notice.text for notice in report.warnings if notice.code == "unsure-hand"]
     assert [word in text for text in said] == [True]
+
+
+def with_palms(held: str) -> Rig:
+    """A body whose first palm bone holds thumb and index finger, or whose last one the last two fingers."""
+    above = {"t1.L": "p0.L", "f01.L": "p0.L"} if held == "thumb" else {"f21.L": "p3.L", "f31.L": "p3.L"}
+    palm = (
+        ("p0.L", "hand.L", (0.72, 1.45, 0.015))
+        if held == "thumb"
+        else ("p3.L", "hand.L", (0.72, 1.45, -0.01))
+    )
+    left = [(name, above.get(name, over), at) for name, over, at in FINGERS if ".L" in name]
+    return rig_with([*TRUNK, *both([*ARM, *LEG, palm, *left])])
+
+
+@pytest.mark.parametrize("held", ["thumb", "last fingers"])
+@pytest.mark.parametrize("preset", HINGES)
+def test_a_bone_of_the_palm_that_holds_several_fingers_closes_with_the_hand(preset: str, held: str) -> None:
+    """As Rigify's first palm, and cups. Before, it was rolled by up to 91°, or opened."""
+    out = orient_joints(with_palms(held), preset=preset)
+    hinges = hinge_axes(out, HINGES[preset])
+    palm = "p0" if held == "thumb" else "p3"
+    for side in "LR":
+        assert hinges[out.find(f"{palm}.{side}")] @ hinges[out.find(f"f{palm[1]}1.{side}")] > 0.95
