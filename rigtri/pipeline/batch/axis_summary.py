@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 # A component of a quaternion in 16 bits: 0.004° at most.
-_UNIT = 32767
+_UNIT, _STORED = 32767, np.dtype("<i2")
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ def axes_of(rig: Rig, *, at_rest: bool = False) -> Axes | None:
     if np.isnan(frames[joints]).any():  # some joints have no bind pose: as they stand at rest
         frames = np.where(np.isnan(frames), rig.world, frames)
     turns = _turns(frames[joints])
-    return Axes(json.dumps(hierarchy), np.rint(turns * _UNIT).astype("<i2").tobytes())
+    return Axes(json.dumps(hierarchy), np.rint(turns * _UNIT).astype(_STORED).tobytes())
 
 
 def _above(rig: Rig, node: int, place: dict[int, int]) -> int:
@@ -70,9 +71,24 @@ def _turns(frames: Floats) -> Floats:
 
 def angles(one: bytes, other: bytes) -> Floats:
     """How far the frames of each joint are apart, in degrees."""
-    a, b = (np.frombuffer(turns, dtype="<i2").reshape(-1, 4).astype(np.float64) for turns in (one, other))
+    a, b = (np.frombuffer(turns, dtype=_STORED).reshape(-1, 4).astype(np.float64) for turns in (one, other))
     found: Floats = angle_between(a, b) * (180.0 / np.pi)
     return found
+
+
+def fit(joints: str, turns: bytes) -> bool:
+    """Whether these are what `Axes` of one skeleton has, which somebody may have damaged since."""
+    return len(turns) == _turns_of(joints)
+
+
+@lru_cache(256)  # most files of a batch have one of a few skeletons
+def _turns_of(joints: str) -> int:
+    """How many bytes the turns of joints have; -1 for no joints."""
+    try:
+        found = names(joints)
+    except (ValueError, TypeError, RecursionError):
+        return -1
+    return len(found) * 4 * _STORED.itemsize if all(isinstance(name, str) for name in found) else -1
 
 
 def names(joints: str) -> Sequence[str]:

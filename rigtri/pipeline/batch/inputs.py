@@ -16,10 +16,11 @@ from rigtri.files.relative_path import relative_path
 from rigtri.files.text_files import stdin_text, text_of
 from rigtri.pipeline.batch import job_files, urls
 from rigtri.pipeline.batch.job_files import Fits, Input
+from rigtri.text import display_name
 
 _WILD = re.compile(r"[*?\[]")
-# A part of a pattern that stands for all folders, with what parts it from the others.
-_ALL_FOLDERS = re.compile(r"(?:^|(?<=[/\\]))\*\*(?:[/\\]+|$)")
+# A part of a pattern that stands for all folders, or several in a row, with what parts it from the others.
+_ALL_FOLDERS = re.compile(r"(?:^|(?<=[/\\]))(?:\*\*(?:[/\\]+|$))+")
 # So many of many faults or names are listed.
 MOST = 10
 
@@ -187,7 +188,11 @@ def _listed(name: str) -> dict[str, str]:
 
 def _expanded(pattern: str) -> list[str]:
     """The files that a pattern matches, hidden ones left out; also links to nothing, which fail alone."""
-    found = [path for path in dict.fromkeys(_matching(pattern)) if not os.path.isdir(path)]
+    try:
+        found = [path for path in dict.fromkeys(_matching(pattern)) if not os.path.isdir(path)]
+    except RecursionError:  # it and glob call themselves for each part
+        parts = len(Path(pattern).parts)
+        raise UsageError(f"'{display_name(pattern)}' has too many parts for a pattern: {parts}") from None
     if not found:
         raise UsageError(f"'{pattern}' matches no file (seen from {os.getcwd()}); ** stands for all folders")
     return found

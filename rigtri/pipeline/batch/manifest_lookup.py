@@ -118,6 +118,8 @@ def look_up(base: sqlite3.Connection, output: str) -> Known | None:
     if row is None:
         return None
     status, task, read, made, deviation = row
+    if not isinstance(deviation, float | None):  # SQLite takes any type in each column
+        raise damaged()
     return Known(status, task, stored(read), stored(made), deviation)
 
 

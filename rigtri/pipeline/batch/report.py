@@ -15,7 +15,7 @@ import numpy as np
 from rigtri.errors import FileError, system_reason
 from rigtri.maths.ranking import first_largest
 from rigtri.pipeline.batch import urls
-from rigtri.pipeline.batch.axis_summary import angles, names
+from rigtri.pipeline.batch.axis_summary import angles, fit, names
 from rigtri.pipeline.batch.file_task import STATUSES, missing
 from rigtri.pipeline.batch.manifest_lookup import NAME, damaged, opened, stored
 
@@ -24,7 +24,8 @@ SAME = 0.1
 # What SQLite holds in columns that are summed, sorted or shown; it takes any type in each.
 _TYPES = {
     "file": str, "output": str, "example": str, "kind": str, "reason": str, "code": str, "status": str,
-    "deviation": float, "seconds": float,
+    "deviation": float, "seconds": float, "hash": str, "joints": str, "turns": bytes, "rigtri": str,
+    "shard": str, "began": float, "ended": float,
 }  # fmt: skip
 
 
@@ -106,14 +107,17 @@ class _Part:
             "SELECT code, files, (SELECT text FROM warnings WHERE rowid=first) AS example FROM "
             "(SELECT code, count(DISTINCT file) AS files, min(rowid) AS first FROM warnings GROUP BY code)",
         )
-        self.axes = base.execute(
+        self.axes = _rows(
+            base,
             "SELECT hash, joints, turns, files, (SELECT here(source) FROM files WHERE id=first) AS example "
             "FROM (SELECT axes AS own, count(*) AS files, min(id) AS first FROM files WHERE axes IS NOT NULL "
-            "GROUP BY axes) JOIN axes ON axes.id=own JOIN skeletons ON skeletons.id=axes.skeleton"
-        ).fetchall()
+            "GROUP BY axes) JOIN axes ON axes.id=own JOIN skeletons ON skeletons.id=axes.skeleton",
+        )
+        if not all(fit(row["joints"], row["turns"]) for row in self.axes):
+            raise damaged()
         self.runs = [
-            dict(row) | {"counts": stored(row["counts"]) if row["counts"] else None}
-            for row in base.execute("SELECT rigtri, shard, began, ended, counts FROM runs ORDER BY id")
+            row | {"counts": stored(row["counts"]) if row["counts"] else None}
+            for row in _rows(base, "SELECT rigtri, shard, began, ended, counts FROM runs ORDER BY id")
         ]
 
 

@@ -51,6 +51,10 @@ def test_a_pattern_keeps_the_tree_below_its_fixed_part(tree: Path) -> None:
     assert pairs(f"{tree}/in/sub/**/*.usda") == {f"{tree}/in/sub/deep/c.usda": "out/deep/c.usda"}
 
 
+def test_all_folders_several_times_in_a_row_are_all_folders(tree: Path) -> None:
+    assert pairs("in/" + "**/" * 3000 + "c.usda") == pairs("in/**/c.usda") != {}
+
+
 def test_paths_keep_the_tree_below_the_folder_that_they_share(tree: Path) -> None:
     assert pairs("in/a.glb") == {"in/a.glb": "out/a.glb"}
     assert pairs("in/a.glb", "in/sub/a.glb") == {"in/a.glb": "out/a.glb", "in/sub/a.glb": "out/sub/a.glb"}
@@ -252,6 +256,7 @@ def test_variables_of_a_job_file_are_reported_with_its_other_lines(tree: Path) -
     [
         (["in/*.fbx"], UsageError, "matches no file"),
         (["in"], UsageError, "is a folder"),
+        (["in*/" * 3000 + "a.glb"], UsageError, "'in.*….*a.glb' has too many parts for a pattern: 3001"),
         (["@missing"], FileError, "@missing: There is no file"),
         (["@empty"], UsageError, "names no files"),
         ([], UsageError, "name the files"),

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import json
+import math
 import sqlite3
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from places import SAMPLES
+from places import SAMPLES, ci, slow
 from program import Ran, cli
 from rigs import random_rig
 from second_opinions import validator
 
 import rigtri
-from rigtri.errors import FileError
+from rigtri.errors import FileError, RigtriError
 from rigtri.frames.reframe import reframe
 from rigtri.maths.matrices import from_frame, inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
@@ -220,6 +221,28 @@ def test_a_report_of_damaged_values_is_an_error_of_that_file(column: str, tmp_pa
         summarise([path])
 
 
+@pytest.mark.parametrize(
+    "value",
+    [ci(b"\xff\0bad"), ci("[1]"), *map(slow, (b"", "", "x", "{}", -1, 2**63 - 1, 1e308, math.inf))],
+)
+def test_a_value_of_any_type_in_any_column_ends_in_no_traceback(value: Any, tmp_path: Path) -> None:
+    axes = {f"{name}.glb": turned(0.0, 5.0 * k) for k, name in enumerate("ab")}
+    whole = wrote(tmp_path, {name: ok(1e-7, 1.0, axes=each) for name, each in axes.items()}).read_bytes()
+    path = tmp_path / "rigtri-batch.sqlite"
+    with closing(sqlite3.connect(path)) as base:
+        tables = [name for (name,) in base.execute("SELECT name FROM sqlite_master WHERE type='table'")]
+        columns = [(table, row[1]) for table in tables for row in base.execute(f"PRAGMA table_info({table})")]
+    assert len(columns) > 30
+    for table, column in columns:
+        path.write_bytes(whole)
+        with closing(sqlite3.connect(path)) as base, base, suppress(sqlite3.IntegrityError):
+            base.execute(f"UPDATE OR REPLACE {table} SET {column}=?", (value,))
+        with suppress(RigtriError):
+            known(path, tmp_path)
+        for more in ([], ["--json"]):
+            assert cli("batch-report", path, *more).exit_code in (0, 3), (table, column)
+
+
 RECORD = '{"status": "ok", "warnings": [], "axes": null'
 
 
@@ -264,7 +287,8 @@ def test_a_folder_in_place_of_a_manifest_is_said(tmp_path: Path) -> None:
 def known(path: Path, folder: Path) -> None:
     """Ask a manifest for a file as a run does."""
     with Manifest(path) as manifest:
-        manifest.known(Entry(str(folder / "in" / "a.glb"), str(folder / "out" / "a.glb")))
+        found = manifest.known(Entry(str(folder / "in" / "a.glb"), str(folder / "out" / "a.glb")))
+        json.dumps(found and found.deviation)
 
 
 def test_a_file_that_was_mended_counts_as_it_is_now(tmp_path: Path) -> None:
