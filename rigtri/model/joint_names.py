@@ -20,10 +20,10 @@ SideStyle = Literal["Left", "left", "_l", "_L", ".l", ".L", "_left", "l_", "L_",
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W0-9_A-Za-z]+")
 # A side that is glued to the word: of Poser and the Acclaim format (``lshldr``, ``rfemur``), and of Doom 3
-# (``Luparm``, ``rloleg``). Not of ears: ``rear`` is none.
+# (``Luparm``, ``rloleg``), and of OptiTrack (``LUArm``, ``RFArm``). Not of ears: ``rear`` is none.
 _GLUED = re.compile(
-    r"(?<![^\W\d_])[lLrR](?=(?:(?:up|upper|lo|low|lower|fore)?(?:arm|leg)|shldr|shoulder|collar|clavicle|humerus"
-    r"|radius|elbow|wrist|hand|fingers?|thumb|index|mid|middle|ring|little|pinky|palm|hip|hipjoint|buttock|thigh|femur|knee"
+    r"(?<![^\W\d_])[lLrR](?=(?:(?:up|upper|lo|low|lower|fore)?(?:arm|leg)|[UF]Arm|shldr|shoulder|collar|clavicle"
+    r"|humerus|radius|elbow|wrist|hand|fingers?|thumb|index|mid|middle|ring|little|pinky|palm|hip|hipjoint|buttock|thigh|femur|knee"
     r"|shin|calf|tibia|ankle|foot|heel|toes?)(?![a-z]))"
 )
 # Rear and no side, in names that end with that: ``r_toe.L`` of Rigify's cat and horse, beside ``f_toe.L``.
@@ -104,12 +104,16 @@ def number(name: str) -> int | None:
 def twin(name: str) -> str:
     """The name with its sides swapped; the name itself where it says no side.
 
-    >>> twin("hand.L"), twin("LeftArm"), twin("lShldr"), twin("lshldr"), twin("左ひじ"), twin("r_toe.L")
-    ('hand.R', 'RightArm', 'rShldr', 'rshldr', '右ひじ', 'r_toe.R')
+    >>> twin("hand.L"), twin("LeftArm"), twin("lShldr"), twin("LFArm"), twin("左ひじ"), twin("r_toe.L")
+    ('hand.R', 'RightArm', 'rShldr', 'RFArm', '右ひじ', 'r_toe.R')
     """
     if rear := _REAR.search(name):
         return twin(name[: rear.start()]) + rear.group() + twin(name[rear.end() :])
-    return _WORD.sub(_other_side, _GLUED.sub(_other_side, name)).translate({0x5DE6: "右", 0x53F3: "左"})
+    done, at = "", 0
+    for glued in _GLUED.finditer(name):
+        done += _WORD.sub(_other_side, name[at : glued.start()]) + _other_side(glued)
+        at = glued.end()
+    return (done + _WORD.sub(_other_side, name[at:])).translate({0x5DE6: "右", 0x53F3: "左"})
 
 
 def _other_side(found: re.Match[str]) -> str:

@@ -161,3 +161,18 @@ def test_bones_of_the_middle_count_that_are_below_the_lowest_one() -> None:
     rig = rig_of(["top", "pelvis", "spine_ctl", "neck", "head"], [-1, 0, 0, 1, 3], places)
     bones = {"hips": 1, "spine": 2, "neck": 3, "head": 4, "left hand": 2}
     assert _in_place(Tree(rig, range(5), places), bones) == len(bones) - 1
+
+
+def test_optitracks_letters_before_arm_are_a_side_and_a_bone() -> None:
+    """Before, ``LF`` of ``LFArm`` was the left front, so that both arms of a person were not sure."""
+    called = {"clavicle": "Shoulder", "upper_arm": "UArm", "forearm": "FArm", "hand": "Hand"}
+    called |= {"thigh": "Thigh", "shin": "Shin", "foot": "Foot", "toe": "Toe"}
+
+    def name(word: str) -> str:
+        bone, dot, side = word.partition(".")
+        return f"{side}{called[bone]}" if dot else word
+
+    joints = [(name(joint), name(above), at) for joint, above, at in MAN]
+    found = joints_of(rig_with(joints))
+    assert found["left arm"] == "LUArm LFArm LHand"
+    assert found["right arm"] == "RUArm RFArm RHand"
