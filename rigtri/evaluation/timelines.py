@@ -253,6 +253,16 @@ def put_tracks(rig: Rig, timeline: Timeline, tracks: Iterable[Track]) -> Rig:
     return replace(rig, clips=tuple(clips))
 
 
+def same_curves(was: Clip, now: Clip) -> bool:
+    """Whether two clips have the same tracks in the same order, but for rounding."""
+    if was is now:
+        return True
+    return len(was.tracks) == len(now.tracks) and all(
+        one is other or ((one.node, one.path) == (other.node, other.path) and _same_curve(one, other))
+        for one, other in zip(was.tracks, now.tracks, strict=True)
+    )
+
+
 def _same_curve(was: Track, now: Track) -> bool:
     if was.interpolation != now.interpolation and "CUBICSPLINE" in (was.interpolation, now.interpolation):
         return False

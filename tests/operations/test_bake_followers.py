@@ -247,3 +247,29 @@ def test_what_follows_an_ik_end_that_its_limb_did_not_reach_is_told_of(far: floa
     found = [notice.text for notice in report.warnings if notice.code == "followers-go-along"]
     assert bool(found) == told
     assert all(text.startswith("'body' will move otherwise in clip 'reach'") for text in found)
+
+
+def test_a_corrective_joint_whose_control_has_keys_forms_no_circle_with_a_rivet() -> None:
+    """Before, control and reader wrote its keys in turn, the same ones in each pass: "they form a cycle"."""
+    rig = replace(read(SAMPLES / "biped.glb").rig, clips=())
+    rig = add_controls(rig, options=AddControlsOptions(joints=("head", "hips", "toe_*")))
+    grown = AddPosereaderOptions(
+        driver="head", target=(Goal("up", (0.0, 1.0, 0.0)),), joint=(("up", "toe_L", "rz=20"),)
+    )
+    rig = add_posereader(rig, options=grown)
+    rig = add_rivet(rig, options=AddRivetOptions(mesh="body", triangle=(0,), name=("button",)))
+    rig = constrain(rig, options=ConstrainOptions(child="eyes", driver=(("button", 1.0),)))
+    keys = from_axis_angle([0, 0, 1], np.radians([0.0, 30.0]))
+    waved = (
+        Track(rig.find(f"{n}_ctl"), "rotation", "LINEAR", np.array([0.0, 0.5]), keys)
+        for n in ("hips", "toe_L")
+    )
+    rig = replace(rig, clips=(Clip("wave", tuple(waved)),))
+    baked = bake(rig, options=BakeOptions())
+    before = rig.world[rig.find("eyes")] @ np.linalg.inv(rig.world[rig.find("button", "node")])
+    clip = baked.clips[0]
+    times = np.array([0.0, 0.5])
+    world = sampling.worlds(baked, sampling.locals_at(baked, clip, times))
+    eyes, button = baked.find("eyes"), baked.find("button", "node")
+    assert np.abs(world[:, eyes] - world[0, eyes]).max() > 0.01
+    assert_allclose(world[:, eyes], before @ world[:, button], atol=5e-5)

@@ -35,6 +35,7 @@ from rigtri.evaluation.timelines import (
     chosen_timelines,
     jumps,
     put_tracks,
+    same_curves,
     steps_only,
     timelines,
     times_and_jumps,
@@ -388,8 +389,11 @@ class _Baker:
 
 
 def _same_motion(a: Rig, b: Rig) -> bool:
-    """Whether two states of a rig have the same clips and, but for rounding, the same rest pose."""
-    clips = all(one is other for one, other in zip(a.clips, b.clips, strict=True))
+    """Whether two states of a rig have, but for rounding, the same clips and the same rest pose.
+
+    Of curves, not objects: what a control and a pose reader both move is written twice in each pass.
+    """
+    clips = all(same_curves(one, other) for one, other in zip(a.clips, b.clips, strict=True))
     return clips and bool(
         np.abs(a.world - b.world).max(initial=0.0) <= 1e-9 * np.abs(a.world).max(initial=1.0)
     )
