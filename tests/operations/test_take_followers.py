@@ -15,6 +15,7 @@ from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.bake import BakeOptions
 from rigtri.operations.bake.unbaked import moved_otherwise
 from rigtri.report import Report
 
@@ -99,6 +100,23 @@ def test_joints_that_controls_overrule_are_named(samples: Path) -> None:
     node = rig.find("chest")
     there, back = (worlds(one, locals_at(one, one.clips[0], times))[:, node] for one in (home, baked))
     np.testing.assert_allclose(back, there, atol=1e-5)
+
+
+@pytest.mark.parametrize(("joint", "told"), [("shin_L", ["shin_L", "foot_L", "toe_L"]), (None, [])])
+def test_bake_with_a_rig_names_joints_that_blender_has_shown_otherwise(
+    joint: str | None, told: list[str], samples: Path
+) -> None:
+    """Where a switch of IK has keys, say. Before, the motion of the controls was taken, without a word."""
+    rig = bake(add_controls(read(samples / "biped.glb"), whole_character=True), to="controls", fps=24)
+    shown = bake(rig, fps=24)
+    end = shown.find("foot_L_ik_ctl")
+    shown = shown.with_nodes(["rigtri_ik_foot_L_ik_ctl"], [end], np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]))
+    shown = replace(shown, scale=np.concatenate([shown.scale[:-1], [[1.5] * 3]]))
+    report = Report()
+    options = BakeOptions(rig_=rig)
+    bake(bent(shown, joint) if joint else shown, options=options, report=report)
+    found = [notice for notice in report.warnings if notice.code == "controls-overrule"]
+    assert [list(notice.names) for notice in found] == [told] * bool(told)
 
 
 @pytest.mark.parametrize("joint", ["head", None])

@@ -83,6 +83,7 @@ from rigtri.operations.solver_warnings import (
     solver_warnings,
 )
 from rigtri.operations.take_clips.ik_switches import ik_ends
+from rigtri.operations.take_clips.messages import warn_shown_otherwise
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.progress import as_share, count_done, counted
@@ -117,8 +118,11 @@ def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
         names = rig.names
         if options.character is not None:
             rig = of_character(rig, options.character)
-        rig = joined(rig, rigged, names=options.as_, between=options.between, report=report)
+        shown, rig = rig, joined(rig, rigged, names=options.as_, between=options.between, report=report)
         seen = as_described(rig, rigged, report=report)
+        if options.to == "joints":
+            # Before RIG's keys between frames came back, all keys are where Blender has shown the rig.
+            warn_shown_otherwise(as_described(shown, rigged, report=Report()), report)
         rig = replace(seen, names=(*names, *seen.names[len(names) :]))
         # A name that other characters have, too, means one of them only by its path.
         rig = readdressed(seen, rig, range(len(rig))) if options.character is not None else rig

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rigtri.evaluation.timelines import timelines
+from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.maths.matrices import from_frame, inverse, multiply, nearest_rotation, transform_directions
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.similarity_fit import SAME_TURN, upright_turn
@@ -16,6 +16,7 @@ from rigtri.model.metadata import PoseReaderRecord, RivetRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.unbaked import moved_otherwise
 from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.ik_switches import ik_ends, switches
 from rigtri.operations.take_clips.node_matching import why_unmatched
 from rigtri.recognition.limbs import upright
 from rigtri.report import Report
@@ -163,18 +164,49 @@ def warn_overruled(start: Rig, rig: Rig, report: Report) -> None:
         tracks = [track for k in timeline.members for track in rig.clips[k].tracks]
         changed = (t for t in tracks if id(t) not in known and t.path != "weights")
         new = frozenset((t.node, t.path) for t in changed if t.node not in rig.own)
-        far = moved_otherwise(rig, timeline, new) if new else {}
-        if not (off := [node for node in far if far[node] > _OVERRULED]):
+        names, far = _overruled(rig, timeline, new)
+        if not names:
             continue
-        names = [rig.title(node) for node in off]
         report.warn(
             "controls-overrule",
             f"In '{timeline.name}' EDITED moves {list_names(names)} otherwise than RIG's controls do "
-            f"({max(far.values()):.2g} of the size), and 'bake --to joints' takes the motion of controls. "
+            f"({far:.2g} of the size), and 'bake --to joints' takes the motion of controls. "
             "If EDITED lacks controls, or has them under other names, export them as they are in RIG; to "
             "move the controls as EDITED's joints: rigtri bake --to controls --discard-motion",
             names=names,
         )
+
+
+def warn_shown_otherwise(rig: Rig, report: Report) -> None:
+    """Warn of joints that Blender has shown elsewhere than their controls put them.
+
+    Only in a file that the script of export-blender was at work in: there joints have the keys of what
+    controls did. A switch of IK that has keys of its own, for example, is the same in all of a clip here.
+    """
+    if not switches(rig, {node: node for node in ik_ends(rig)}).drives:
+        return
+    for timeline in timelines(rig):
+        tracks = [track for k in timeline.members for track in rig.clips[k].tracks]
+        known = frozenset((t.node, t.path) for t in tracks if t.path != "weights" and t.node not in rig.own)
+        names, far = _overruled(rig, timeline, known)
+        if not names:
+            continue
+        report.warn(
+            "controls-overrule",
+            f"In '{timeline.name}' IN moves {list_names(names)} otherwise than its controls do ({far:.2g} of "
+            "the size); the motion of the controls was taken. An IK switch counts for whole clips, as it was "
+            "at export: was it animated? To move the controls as IN's joints: rigtri bake IN --rig RIG "
+            "--to controls --discard-motion",
+            names=names,
+        )
+
+
+def _overruled(
+    rig: Rig, timeline: Timeline, taken: frozenset[tuple[int, TrackPath]]
+) -> tuple[list[str], float]:
+    """The nodes that controls move otherwise than these keys of theirs, and how far, of the size."""
+    far = moved_otherwise(rig, timeline, taken) if taken else {}
+    return [rig.title(node) for node in far if far[node] > _OVERRULED], max(far.values(), default=0.0)
 
 
 def _followers(rig: Rig) -> Iterator[tuple[int, set[int]]]:
