@@ -9,18 +9,23 @@ from weakref import WeakKeyDictionary
 from rigtri.model.joint_names import Side, side, twin
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Chain
+from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.recognise import recognise
+from rigtri.recognition.symmetry import words_of
 
 # Twins by shape, of rigs whose names have none.
 _twins: WeakKeyDictionary[Rig, Mapping[int, tuple[Side, int]]] = WeakKeyDictionary()
+# Joints that are called by a corner of the body, by what their names say.
+_corners: WeakKeyDictionary[Rig, Mapping[tuple[str, ...], list[int]]] = WeakKeyDictionary()
 
 
 def side_of(rig: Rig, node: int) -> Side:
     """The side of a node by its VRM bone or its name, "" where they say none.
 
-    Where no two names are those of twins, that of the limb or finger that is surely recognised.
+    ``FL_hip`` and ``RF_hip`` say it by the corner of the body. Where no two names are those of twins, that
+    of the limb or finger that is surely recognised.
     """
-    named = side(_bone(rig, node)) or side(rig.names[node])
+    named = side(_bone(rig, node)) or side(rig.names[node]) or limb_words(rig.names[node]).corner
     return named or _recognised(rig).get(node, ("", -1))[0]
 
 
@@ -32,11 +37,9 @@ def twin_of(rig: Rig, node: int) -> int | None:
     """
     if side(bone := _bone(rig, node)):
         return rig.humanoid.get(twin(bone))
-    name = rig.names[node]
-    other_name = twin(name)
-    if other_name == name or not rig.has(other_name):
+    alike = _alike(rig, node)
+    if not alike:
         return _recognised(rig).get(node, ("", None))[1]
-    alike = [k for k, known in enumerate(rig.names) if known == other_name]
     same_kind = [k for k in alike if rig.is_joint[k] == rig.is_joint[node]]
     if len(same_kind) > 1:
         above = set(rig.path_to_root(node))
@@ -57,6 +60,27 @@ def unpaired(rig: Rig) -> list[Chain]:
     known = _recognised(rig)
     chains = [chain for character in recognise(rig).characters for chain in character.chains if chain.side]
     return [chain for chain in chains if known and known.keys().isdisjoint(chain.joints)]
+
+
+def _alike(rig: Rig, node: int) -> list[int]:
+    """The nodes with the mirrored name; of ``LF_hip``, which is no twin of ``RT_hip`` here, ``RF_hip``."""
+    name = rig.names[node]
+    other_name = twin(name)
+    if other_name != name and rig.has(other_name):
+        return [k for k, known in enumerate(rig.names) if known == other_name]
+    which, *says = words_of(name)
+    other = "right" if which == "left" else "left"
+    return _by_corner(rig).get((other, *says), []) if limb_words(name).corner else []
+
+
+def _by_corner(rig: Rig) -> Mapping[tuple[str, ...], list[int]]:
+    if rig not in _corners:
+        called: dict[tuple[str, ...], list[int]] = {}
+        for node, name in enumerate(rig.names):
+            if limb_words(name).corner:
+                called.setdefault(words_of(name), []).append(node)
+        _corners[rig] = called
+    return _corners[rig]
 
 
 def _bone(rig: Rig, node: int) -> str:

@@ -122,7 +122,7 @@ def named_pairs(tree: Tree, pairs: Sequence[Pair]) -> list[Pair]:
     found: list[Pair] = []
     for above, below in tree.below.items():
         by_name = {names[k]: k for k in below if names[k]}
-        by_words = {_words_of(names[k]): k for k in below if names[k]}
+        by_words = {words_of(names[k]): k for k in below if names[k]}
         for name, a in by_name.items():
             b = by_name.get(twin(name), _twin_by_words(name, by_words, a))
             if a == b or any(a in nodes and b in nodes for nodes in known):
@@ -145,7 +145,7 @@ def parted_by_names(tree: Tree, pair: Pair) -> bool:
     return all(any(_are_twins(mine, name) for name in beside if name != mine) for mine in (one, other))
 
 
-def _words_of(name: str) -> tuple[Side, str, Place]:
+def words_of(name: str) -> tuple[Side, str, Place]:
     """The side that a name says, its words without it, and its place: ``FL_hip`` and ``FR_hip`` are twins."""
     parsed = parse_name(name)
     return parsed.side, parsed.raw, limb_words(name).place
@@ -156,14 +156,14 @@ def _twin_by_words(name: str, by_words: Mapping[tuple[Side, str, Place], int], n
 
     ``lf`` is the front left one, and of others the left of ``rt``.
     """
-    which, plain, place = _words_of(name)
+    which, plain, place = words_of(name)
     other: Side = "right" if which == "left" else "left"
     return by_words.get((other, plain, place), by_words.get((other, plain, ""), node)) if which else node
 
 
 def _are_twins(one: str, other: str) -> bool:
     """Whether two names are each other's on the other side."""
-    return twin(one) == other or _twin_by_words(one, {_words_of(other): 1}, 0) == 1
+    return twin(one) == other or _twin_by_words(one, {words_of(other): 1}, 0) == 1
 
 
 def _named_alike(tree: Tree, a: int, b: int) -> tuple[tuple[int, ...], tuple[int, ...]]:

@@ -139,3 +139,13 @@ def test_a_body_is_mirrored_whose_left_is_on_the_right_of_where_it_faces(seed: i
         body: Any = SimpleNamespace(up=up.tolist(), facing=facing.tolist(), normal=normal.tolist())
         assert Character.is_mirrored.fget(body) is mirrored  # type: ignore[attr-defined]
     assert np.allclose(np.abs(across @ left), 1.0)
+
+
+@pytest.mark.parametrize(("left", "right"), [("LF", "RF"), ("FL", "FR"), ("LH", "RH"), ("BL", "BR")])
+def test_corners_of_an_animal_are_twins_beside_ears_that_names_say_are(left: str, right: str) -> None:
+    """Before, ears with sides in their names hid the legs from mirror, which left them out without a word."""
+    names = ["root", "one", f"{left}_thigh", f"{right}_thigh", "two", f"{left}_thigh", f"{left}_shin"]
+    names += [f"{right}_thigh", "ear.L", "ear.R"]
+    rig = crowd(names)
+    assert [side_of(rig, node) for node in (2, 3, 8)] == ["left", "right", "left"]
+    assert [twin_of(rig, node) for node in (2, 3, 5, 7, 6, 8)] == [3, 2, 7, 5, None, 9]
