@@ -253,6 +253,25 @@ def test_what_no_pose_is_made_of_is_compared_as_it_is_stored(
     assert not words or any(text.startswith(words) for text in result.different), result.different
 
 
+def test_stored_data_that_cannot_be_read_stops_no_comparison(tmp_path: Path) -> None:
+    """What no pose is made of costs nothing: as nothing that is wrong with it costs an edit."""
+    files = []
+    for name, last in (("before", 1.0), ("after", 2.0)):
+        damaged = stored_data(at=last)
+        (clip,) = damaged.gltf["animations"]
+        for number in (clip["samplers"][0]["output"], _instances(damaged.gltf)):
+            views = {"bufferView": 0, "byteOffset": 2**33}
+            sparse = {"count": 1, "indices": views | {"componentType": 5123}, "values": {"bufferView": 0}}
+            damaged.gltf["accessors"][number]["sparse"] = sparse
+        files.append(damaged.glb(tmp_path / f"{name}.glb"))
+    assert verify(*map(read, files)).passes()
+
+
+def _instances(gltf: dict[str, Any]) -> int:
+    instancing = gltf["nodes"][5]["extensions"]["EXT_mesh_gpu_instancing"]
+    return int(instancing["attributes"]["TRANSLATION"])
+
+
 @pytest.mark.parametrize(
     ("rows", "kind", "key", "words"),
     [

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animation_reader import pointer_of, target_of
 from rigtri.formats.gltf.mesh_reader import DRACO
@@ -19,6 +20,8 @@ from rigtri.formats.gltf.structure import INSTANCING
 from rigtri.formats.json_values import object_at, object_in
 from rigtri.model.scene_facts import IN_CLIP
 
+# No pose needs these numbers, so that what is wrong with them costs neither an edit nor a comparison.
+_UNREADABLE = "cannot be read"
 _OF_NODE = re.compile(r"/nodes/([0-9]{1,9})/")
 
 
@@ -73,11 +76,18 @@ class StoredData:
     def _numbers(self, index: Any) -> str | None:
         if type(index) is not int or not 0 <= index < len(self._accessors):
             return None
-        values = self._accessors.read(index).astype(np.float32)
+        try:
+            values = self._accessors.read(index).astype(np.float32)
+        except FileError:
+            return _UNREADABLE
         return sha256(values.tobytes()).hexdigest()[:12]
 
     def _bytes(self, view: Any) -> str | None:
         if type(view) is not int:
             return None
-        buffer, start, end = self._accessors.span(view)
-        return sha256(self._accessors.buffers.content(buffer)[start:end]).hexdigest()[:12]
+        try:
+            buffer, start, end = self._accessors.span(view)
+            content = self._accessors.buffers.content(buffer)[start:end]
+        except FileError:
+            return _UNREADABLE
+        return sha256(content).hexdigest()[:12]
