@@ -44,7 +44,11 @@ _SMALLEST = np.nextafter(np.float32(0), np.float32(1))
 def read_scene(document: UsdDocument, name: str) -> Scene:
     """All of a stage that glTF can say; the rest is in `Scene.lost`. Its rig has clips in seconds."""
     with quiet(f"{document.source.path}: USD cannot read what it shows"):
-        return _Reader(without_instances(document), name, document.image).read()
+        expanded, lost = without_instances(document)
+        scene = _Reader(expanded, name, document.image).read()
+        for words in lost:
+            scene.lose(words)
+        return scene
 
 
 def _is_invisible(prim: Any) -> bool:
