@@ -23,12 +23,26 @@ def arm_as_front_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         return ""
     at, up = draft.tree.at, draft.up
     first = mine.starts if mine is not None else at[each.joints[0]]
+    # Of a centaur the upper pair are the arms, and strands of hair below what is called a head are not.
     over = any(
-        k.kind == "arm" and k.pair is not mine and at[k.joints[0]].dot(up) > first.dot(up) for k in found
+        k.kind == "arm"
+        and k.pair is not mine
+        and at[k.joints[0]].dot(up) > first.dot(up)
+        and not _hangs_from_a_head(draft, k)
+        for k in found
     )
     low = lowest(draft.tree, mine, up) if mine is not None else min(at[k].dot(up) for k in each.joints)
     high = abs(low - lowest(draft.tree, body.legs, up))
     return "it ends as low as the legs, below other arms" if over and high < ENDS_LOW * body.legs.size else ""
+
+
+def _hangs_from_a_head(draft: Draft, arm: Found) -> bool:
+    """Whether a joint above an arm is called head."""
+    names, above = draft.tree.rig.names, draft.tree.above
+    node = above[arm.joints[0]]
+    while node >= 0 and "head" not in parse_name(names[node]).words:
+        node = above[node]
+    return node >= 0
 
 
 def arm_below_a_lying_trunk(draft: Draft, each: Found, found: Sequence[Found]) -> str:
