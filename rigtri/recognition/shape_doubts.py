@@ -9,7 +9,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.body_shape import SIMILAR, Body, height, lowest
 from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.facing import long_feet
+from rigtri.recognition.facing import feet_ahead, long_feet
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
@@ -55,6 +55,8 @@ _FURTHER = 0.75
 _INNER = 0.3
 # A bone goes on into the next one up to 25° (a cosine), and is a part of it if it is so long a part of that.
 _GOES_ON, _HALF = 0.906, 0.5
+# What a foot moves goes so far ahead, of how far a long foot does.
+_FOOT = 0.35
 # What a foot moves goes less far beyond it than this part of the lower bone.
 _SOLE = 0.5
 # A joint of a leg with a hock stands so far beside the line of its neighbours, as a part of that.
@@ -289,6 +291,26 @@ def skirt(draft: Draft, each: Found) -> str:
                 f"the chain from '{draft.tree.rig.title(other.joints(0)[0])}' is as long: both may be a skirt"
             )
     return ""
+
+
+def hangs_as_cloth(draft: Draft, each: Found) -> str:
+    """Legs of a body with arms that hardly bend, and move no feet: so hang strips of cloth, below a ghost."""
+    mine, body, tree = each.pair, draft.shape.body, draft.tree
+    if each.kind != "leg" or mine is None or body is None or body.form != "biped" or mine is not body.legs:
+        return ""
+    if mine.named > 0.0 or len(mine.at) < 3 or body.arms is None:
+        return ""
+    for start, middle, end in map(mine.joints, (0, 1)):
+        upper, lower = tree.at[middle] - tree.at[start], tree.at[end] - tree.at[middle]
+        after = [tree.at[k] - tree.at[end] for k in tree.below[end]]
+        turned = any(bone.unit.dot(lower.unit) < _GOES_ON for bone in after)
+        if upper.unit.dot(lower.unit) < _CLEAR or turned or len(after) > 1:
+            return ""
+        if next(iter(draft.poses.box_of([end], tree.places)), None) is None:
+            return ""  # nothing shows that it has no foot
+    if not after and abs(feet_ahead(tree, body, draft.facing, draft.poses)) > _FOOT:
+        return ""
+    return "it hardly bends and moves no foot, as a strip of cloth does"
 
 
 def rival(draft: Draft, each: Found) -> str:
