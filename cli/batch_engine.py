@@ -6,7 +6,7 @@ import os
 import re
 import signal
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -73,7 +73,8 @@ def signals(engines: list[Engine], *, quiet: bool) -> Iterator[list[int]]:
             else:
                 engine.stop()
         if len(received) == 1 and not quiet:
-            os.write(2, b"\nstopping: started files are finished; interrupt again to abort them\n")
+            with suppress(OSError):  # nobody reads it
+                os.write(2, b"\nstopping: started files are finished; interrupt again to abort them\n")
 
     kinds = heard()
     before: list[Any] = [signal.signal(kind, receive) for kind in kinds]

@@ -152,8 +152,9 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
         There will be no other.
         """
         self._killed = True  # first, for a child that is being started
-        if self._process is not None:
-            self._process.kill()
+        process = self._process  # its own thread may put another in its place
+        if process is not None:
+            process.kill()
 
     def close(self) -> None:
         """End the child, whatever it does."""
@@ -171,6 +172,8 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
         if self._pipe is None:
             self._process, self._pipe = self._start()
             self._done = 0
+            if self._killed:  # meanwhile, when there was nothing to kill yet
+                self._process.kill()
             try:
                 self._pipe.recv()  # it is ready: the time of a task does not begin with imports
             except (EOFError, ConnectionError):

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from multiprocessing import forkserver
 from multiprocessing.connection import Connection
@@ -222,6 +223,33 @@ def test_the_limit_is_what_is_mapped_and_so_much_more_but_no_more_than_allowed(
     worker_process._limit(1 << 30)
     limit = least or 1000 * resource.getpagesize() + (1 << 30)
     assert found == [(resource.RLIMIT_AS, (limit, most))]
+
+
+@SERVED
+def test_a_child_that_is_given_up_while_it_starts_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is stopped here, as one that waits for a disk that is gone: it never becomes ready."""
+    child = WorkerProcess()
+    start = child._start
+
+    def given_up() -> Any:
+        process, pipe = start()
+        os.kill(process.pid, signal.SIGSTOP)
+        child.kill()
+        return process, pipe
+
+    monkeypatch.setattr(child, "_start", given_up)
+    ends: list[BaseException] = []
+
+    def ask() -> None:
+        try:
+            child("a file", abs, -1)
+        except CrashError as error:
+            ends.append(error)
+
+    asking = threading.Thread(target=ask, daemon=True)
+    asking.start()
+    asking.join(30.0)
+    assert len(ends) == 1
 
 
 INTERRUPTED = """
