@@ -15,12 +15,13 @@ from rigtri.recognition.facing import feet_ahead
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import beside
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import roles_in_name
-from rigtri.recognition.shape_doubts import ZIGZAG
+from rigtri.recognition.shape_doubts import ZIGZAG, hangs_from_a_lying_trunk
 from rigtri.recognition.word_tables import our_table, role_words
 
 # A gun points ahead by this (a cosine, 25°), and goes down by less than this part of its length.
@@ -141,14 +142,20 @@ def points_ahead(draft: Draft, each: Found) -> str:
 
 
 def may_be_wings(draft: Draft, each: Found) -> str:
-    """Arms without names or hands that go aside, of a body whose legs have hocks: wings."""
+    """Arms without names or hands that go aside, of a body whose legs have hocks or whose trunk lies: wings.
+
+    Below a trunk that lies a few feathers pass for fingers.
+    """
     mine, body, plane = each.pair, draft.shape.body, draft.shape.plane
     if each.kind != "arm" or mine is None or body is None or body.legs is None or plane is None:
         return ""
-    if mine.named > 0.0 or mine.kind or mine.fingers >= 2:
+    lies = hangs_from_a_lying_trunk(body, mine)
+    if mine.named > 0.0 or mine.kind or mine.fingers >= (HAND if lies else 2):
         return ""
     start, _, end = (draft.tree.at[joint] for joint in each.joints)
     aside = abs((end - start).unit.dot(plane.normal)) > _SPREAD
+    if aside and lies:
+        return "it goes aside from a trunk that lies, so it may be a wing"
     hocks = all(_has_hock(draft, path) for path in body.legs.pair.paths)
     return "its legs have hocks, so it may be a wing" if aside and hocks else ""
 

@@ -333,7 +333,7 @@ def rival(draft: Draft, each: Found) -> str:
     ends = start > 0 and end == len(path) - 1 and not fingers and not _has_names_of_three(draft, each)
     if (
         ends
-        and _hangs_from_a_lying_trunk(body, mine)
+        and hangs_from_a_lying_trunk(body, mine)
         and not (_stands_below_its_blade(tree, body, mine) or (start == 1 and _moves_a_foot(draft, mine)))
     ):
         return "its first bone may be a shoulder blade or an upper bone, and nothing shows where its foot is"
@@ -357,7 +357,7 @@ def _has_names_of_three(draft: Draft, each: Found) -> bool:
     return all(own.get(level) == 1.0 for own, level in zip(words, _THREE, strict=True))
 
 
-def _hangs_from_a_lying_trunk(body: Body | None, arms: Limbs) -> bool:
+def hangs_from_a_lying_trunk(body: Body | None, arms: Limbs) -> bool:
     """Whether arms are those of a body whose trunk lies, as of a turtle: they need no shoulder blades."""
     legs = body.legs if body is not None else None
     return body is not None and legs is not None and (arms.starts - legs.starts).unit.dot(body.up) < _LYING

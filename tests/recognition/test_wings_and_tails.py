@@ -50,6 +50,26 @@ def test_what_hangs_beside_front_legs_is_a_pair_of_wings() -> None:
     assert [kinds.count("leg"), kinds.count("wing"), kinds.count("arm")] == [4, 2, 0]
 
 
+@pytest.mark.parametrize("thumb", [False, True])
+def test_wings_of_a_bird_that_end_in_feathers_are_not_sure_arms(thumb: bool) -> None:
+    """Before, feathers were fingers, and wings without names arms at 0.94."""
+    body = line("pelvis spine chest", "", (0, 0.4, -0.1), (0, 0.44, 0.05), (0, 0.47, 0.2))
+    body += line("neck head beak", "chest", (0, 0.55, 0.3), (0, 0.62, 0.38), (0, 0.61, 0.48))
+    wing = line("coracoid.L humerus.L ulna.L", "chest", (0.04, 0.48, 0.2), (0.1, 0.5, 0.2), (0.4, 0.52, 0.14))
+    wing += line("manus.L", "ulna.L", (0.75, 0.53, 0.2))
+    tips = [(1.0, 0.53, 0.2), (0.98, 0.53, 0.12), (0.95, 0.53, 0.05)]
+    for number, tip in enumerate(tips[: 2 + thumb]):
+        wing += line(f"feather{number}.L", "manus.L", tip)
+    leg = line("thigh.L shin.L foot.L", "pelvis", (0.08, 0.36, -0.05), (0.1, 0.22, 0.06), (0.1, 0.04, 0.0))
+    for number, aside in enumerate((-0.03, 0.0, 0.03)):
+        leg += line(f"claw{number}.L", "foot.L", (0.1 + aside, 0.0, 0.1))
+    character, bends = found([*body, *both(wing), *both(leg)])
+    assert bends["left leg"] == "thigh.L"
+    wings = [chain for chain in character.chains if chain.kind in ("arm", "wing")]
+    assert len(wings) == 2
+    assert not any(chain.is_sure for chain in wings)
+
+
 def test_arms_of_a_centaur_may_be_as_short_as_those_of_a_person() -> None:
     """Before, they had to be as long as 60 % of a horse's legs."""
     man = [joint for joint in ARM if "finger" not in joint[0]]
