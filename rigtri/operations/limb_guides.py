@@ -23,7 +23,8 @@ _SIDE_OF = {"L": "left", "R": "right"}
 def guided(rig: Rig, options: MakeLimbOptions) -> Iterator[MakeLimbOptions]:
     """The options of each limb or chain in order: its own, else those given beside the guides.
 
-    A limb may be a child of one before it. Raises UsageError with the name of the guide.
+    A limb may be a child of one before it, of a joint or, by the limb's name, of its last joint. Raises
+    UsageError with the name of the guide.
     """
     content = options.guides
     guides = _of_rows(content) if isinstance(content, list) else content
@@ -31,6 +32,7 @@ def guided(rig: Rig, options: MakeLimbOptions) -> Iterator[MakeLimbOptions]:
         guides = _of_nodes(rig, options.guide_nodes)
     if not isinstance(guides, Mapping) or not guides:
         raise UsageError("--guides: give {NAME: [[x, y, z], [x, y, z], ...], ...}, or rows of name, x, y, z")
+    joints, ends = set[str](), dict[str, str]()
     for name, about in guides.items():
         own = dict(about) if isinstance(about, Mapping) else {"points": about}
         keywords = {_field(key): value for key, value in own.items()}
@@ -43,6 +45,12 @@ def guided(rig: Rig, options: MakeLimbOptions) -> Iterator[MakeLimbOptions]:
             each = expanded(rig, each)
         except (TypeError, UsageError) as error:
             raise UsageError(f"{_flag(options)}, {name}: {error}") from None
+        above = each.parent
+        if above is not None and above in ends and above not in joints and not rig.has(above):
+            each = replace(each, parent=ends[above])
+        names = joint_names(rig, each, each.count)
+        joints.update(names)
+        ends[str(name)] = names[-1]
         yield each
 
 

@@ -576,6 +576,18 @@ def test_controls_move_limbs_that_were_built_by_ik() -> None:
         np.testing.assert_array_equal(rigtri.add_controls(built, **options).local, built.local)
 
 
+def test_a_limb_of_guides_named_as_parent_is_its_last_joint() -> None:
+    """Before, there was no such node, which was told only where the first limb bends."""
+    clavicle, arm = [(0, 1.4, 0), (0.2, 1.42, 0)], [(0.2, 1.42, 0), (0.5, 1.42, -0.05), (0.8, 1.42, 0)]
+    by_limb, by_joint = (
+        rigtri.make_limb(EMPTY, guides={"clav": clavicle, "arm": {"points": arm, "parent": parent}})
+        for parent in ("clav", "clav_2")
+    )
+    assert by_limb.names == by_joint.names
+    np.testing.assert_array_equal(by_limb.parents, by_joint.parents)
+    np.testing.assert_array_equal(by_limb.local, by_joint.local)
+
+
 def test_controls_of_no_limb_are_refused() -> None:
     """Before, a file was written as it was, with "0 controls ()"."""
     rig = rigtri.make_limb(EMPTY, points=((0, 0, 0), (0, 1, 0)), up_from="world:+x")
