@@ -8,7 +8,7 @@ Source: "Matrix parent constraint" (twist distribution, announced).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -33,6 +33,8 @@ from rigtri.text import list_names
 
 # Unit vectors that are nearer are one: products of world matrices leave less.
 _SAME_LINE = 1e-7
+# Rotations and lines of two files that differ by less went through another program's float32.
+_SAME_TURN = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +120,29 @@ def with_stored_rest(rig: Rig, before: Rig) -> Rig:
             kept = replace(record, rest=quadruple(was.rest), standing=quadruple(was.standing))
             axis = triple(was.own_axis) if leaves else record.axis
             metadata[node] = replace(kept, axis=axis).to_dict()
+    return rig if metadata == rig.metadata else replace(rig, metadata=metadata)
+
+
+def with_twist_of(rig: Rig, described: Rig, of: Mapping[int, int]) -> Rig:
+    """The rig with the twist of its twist joints counted from the rest pose of another file.
+
+    of: the rig's nodes by those of the other, whose axes they have. A driver that hangs from something else
+    there counts from its own rest.
+    """
+    metadata, records, theirs = dict(rig.metadata), rig.records(TwistRecord), described.records(TwistRecord)
+    for there, node in of.items():
+        if there not in theirs or node not in records or rig.lost_by(records[node]):
+            continue
+        record, now = records[node], twist_of(rig, node, records[node])
+        was = twist_of(described, there, theirs[there])
+        above = int(described.parents[was.path[-1]])
+        if tuple(map(of.get, (*was.path, above))) != (*now.path, int(rig.parents[now.path[-1]])):
+            continue
+        same = bool(min(np.abs(now.rest - was.rest).max(), np.abs(now.rest + was.rest).max()) <= _SAME_TURN)
+        line = bool(length(now.own_axis - was.own_axis) <= _SAME_TURN)
+        if not (same and line):
+            kept = replace(record, rest=quadruple(was.rest), standing=quadruple(was.standing))
+            metadata[node] = replace(kept, axis=record.axis if line else triple(was.own_axis)).to_dict()
     return rig if metadata == rig.metadata else replace(rig, metadata=metadata)
 
 

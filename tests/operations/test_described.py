@@ -20,6 +20,7 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.formats import read
 from rigtri.frames.rescale import rescale
 from rigtri.maths.matrices import compose, decompose, inverse
@@ -28,6 +29,7 @@ from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.add_twist.twist import AddTwistOptions
 from rigtri.operations.bake.bake import BakeOptions
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.operations.take_clips.take_clips import _warn_unkeyed
@@ -576,3 +578,19 @@ def test_a_driver_whose_keys_an_exporter_has_left_out_is_named() -> None:
     as_described(replace(rig, metadata={}), moving, report=report)
     (notice,) = [notice for notice in report.warnings if notice.code == "keys-lost"]
     assert notice.names == ("prop",)
+
+
+def test_twist_counts_from_the_rest_of_the_rig_that_is_named() -> None:
+    rig = rigtri.add_twist(read(SAMPLES / "biped.glb").rig, options=AddTwistOptions(limbs="auto"))
+    clip, bare = rig.clip("walk"), replace(rig, metadata={})
+    frames = sampling.locals_at(rig, clip, sampling.key_times(clip))
+    rotation = rig.rotation.copy()
+    for track in clip.tracks:
+        if track.path == "rotation":
+            rotation[track.node] = track.values[len(track.values) // 3]
+    posed = replace(bare, rotation=rotation)
+    found = {each.node: each for each in twist_joints(rigtri.as_described(posed, rig, report=Report()))}
+    assert len(found) == len(twist_joints(rig)) > 0
+    for right in twist_joints(rig):
+        assert np.abs(found[right.node].rotations(frames) - right.rotations(frames)).max() < 1e-6
+    assert rigtri.as_described(bare, rig, report=Report()).metadata == rig.metadata

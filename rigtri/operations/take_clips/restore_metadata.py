@@ -14,6 +14,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.timelines import timelines
+from rigtri.evaluation.twist_joints import with_twist_of
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.vectors import length
 from rigtri.model.metadata import (
@@ -105,7 +106,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     switched = switches(whole, {node: node for node in ik_ends(whole)})
     ends = {node: of[node] for node in ik_ends(described) if node in of}
     warn_lost_switches(described, whole, ends, report)
-    rested = with_rest_of(whole, described, shared, report, both.turned)
+    rested = with_twist_of(with_rest_of(whole, described, shared, report, both.turned), described, of)
     whole = key_unkeyed_poses(whole, rested, described, of, report)
     whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)
     return hold_switched_on_ik(whole, switched, timelines(whole))
