@@ -25,7 +25,7 @@ from rigtri.model.joint_names import Side
 from rigtri.model.rig import Rig
 from rigtri.model.skin import moving_points
 from rigtri.recognition.bend_direction import facing_along
-from rigtri.recognition.hand_hinges import Hinge, hand_hinges
+from rigtri.recognition.hand_hinges import Hinge, hand_hinges, with_palms
 from rigtri.recognition.layout import Chain, Character, Direction
 from rigtri.recognition.pose_samples import bind_pose
 from rigtri.report import Report
@@ -123,7 +123,7 @@ def _hands_alone(rig: Rig, character: Character, at: Floats) -> Body:
     chains, alone = character.sure_chains, character.form == "hand"
     hands = [chain.side for chain in chains if chain.kind == "hand"]
     sides: dict[Side, bool | None] = {side: side == "left" if side else None for side in hands}
-    hinges = dict(_of_hands(rig, chains, dict(hand_hinges(chains, sides, at, None))))
+    hinges = dict(with_palms(rig.parents, chains, dict(hand_hinges(chains, sides, at, None))))
     nodes = frozenset(part.joint for part in character.parts if alone or part.joint in hinges)
     return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, none, hinges, {})
 
@@ -340,23 +340,7 @@ def _hinges(
         yield joint, Hinge("facing direction of the chest", chest, ahead=True)
     # Of a body whose names say left where it faces right, the place says which hand it is.
     sides: dict[Side, bool | None] = {"left": not mirrored, "right": mirrored}
-    yield from _of_hands(rig, chains, dict(hand_hinges(chains, sides, at, (facing[1], up, chest))))
-
-
-def _of_hands(rig: Rig, chains: Sequence[Chain], hinges: Mapping[int, Hinge]) -> Iterator[tuple[int, Hinge]]:
-    """The hinges of hands, and those of the bones of the palm that hold several fingers: the hand's.
-
-    As Rigify's first palm holds thumb and index finger, and a cup ring and little finger.
-    """
-    taken = {joint for chain in chains for joint in chain.joints}
-    wrists = {chain.joints[0] for chain in chains if chain.kind == "hand"}
-    for finger in (k for k in chains if k.kind == "finger" and "thumb" not in k.name):
-        above = [int(rig.parents[finger.joints[0]])]
-        while above[-1] >= 0 and above[-1] not in wrists:
-            above.append(int(rig.parents[above[-1]]))
-        if above[-1] in hinges:
-            yield from ((joint, hinges[above[-1]]) for joint in above[:-1] if joint not in taken)
-    yield from hinges.items()
+    yield from with_palms(rig.parents, chains, dict(hand_hinges(chains, sides, at, (facing[1], up, chest))))
 
 
 def _legs_and_feet(character: Character) -> Iterator[tuple[Chain, Chain]]:

@@ -13,6 +13,7 @@ from rigtri.recognition.arms_on_the_ground import (
     arm_on_the_ground,
 )
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.cloth import hangs_as_cloth, skirt
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.guessed_hierarchy import (
     called_end,
@@ -50,7 +51,6 @@ from rigtri.recognition.shape_doubts import (
     at_the_top,
     folded,
     goes_on,
-    hangs_as_cloth,
     later_start,
     middle_bone,
     of_twin,
@@ -58,7 +58,6 @@ from rigtri.recognition.shape_doubts import (
     other_end,
     reaches_further,
     rival,
-    skirt,
     upside_down,
 )
 from rigtri.recognition.split_bones import clavicle_part, further_part, no_hand, split_bone

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rigtri.maths.angle_limits import cosine_below, radians_below
+from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import from_axis_angle, rotate
 from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats, arc_tangent
@@ -112,6 +113,25 @@ def hand_hinges(
         pair = ((sides[side], own[number]) for side, own in hands.items() if number < len(own))
         found = (_posed_hand(own, is_left, at, body, has_tail) for is_left, own in pair)
         yield from _pair_hinges([hand for hand in found if hand is not None])
+
+
+def with_palms(
+    parents: Integers, chains: Sequence[Chain], hinges: Mapping[int, Hinge]
+) -> Iterator[tuple[int, Hinge]]:
+    """The hinges of hands, and those of the bones of the palm that hold several fingers: the hand's.
+
+    As Rigify's first palm holds thumb and index finger, and a cup ring and little finger. parents: of all
+    nodes, (n,).
+    """
+    taken = {joint for chain in chains for joint in chain.joints}
+    wrists = {chain.joints[0] for chain in chains if chain.kind == "hand"}
+    for finger in (k for k in chains if k.kind == "finger" and "thumb" not in k.name):
+        above = [int(parents[finger.joints[0]])]
+        while above[-1] >= 0 and above[-1] not in wrists:
+            above.append(int(parents[above[-1]]))
+        if above[-1] in hinges:
+            yield from ((joint, hinges[above[-1]]) for joint in above[:-1] if joint not in taken)
+    yield from hinges.items()
 
 
 def _by_hand(chains: Sequence[Chain], side: Side) -> list[list[Chain]]:

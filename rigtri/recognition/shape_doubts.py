@@ -1,4 +1,4 @@
-"""Shapes that may be another limb, or none: skirts, wings, clavicles taken for upper bones, guns, things."""
+"""Shapes that may be another limb, or none: wings, clavicles taken for upper bones, guns, things."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from math import fsum, inf
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.body_shape import SIMILAR, Body, height, lowest
+from rigtri.recognition.body_shape import Body, height, lowest
 from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.facing import feet_ahead, long_feet
+from rigtri.recognition.facing import long_feet
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
@@ -22,7 +22,7 @@ from rigtri.recognition.naming_schemes import roles_in_name
 # A further chain at the chest that is so long a part of the arms may be an arm as well.
 _RIVAL = 0.2
 # A limb bends clearly by this (a cosine, 15°).
-_CLEAR = 0.966
+CLEAR = 0.966
 # A bone after the wrist that is so long a part of the lower arm is rather the lower arm itself.
 _NEXT = 0.6
 # One that is so small a part of the whole limb is a hand with its tip; half of a lower arm is more.
@@ -38,8 +38,6 @@ _DIGITS, _PHALANGES = 5, 3
 # A middle that leads by less over the next best, of bones that are less like those of a limb than this: so
 # it is in straight chains of many joints, where crooked places (2 % of a bone) choose it.
 _NARROW, _HARDLY = 0.16, 0.45
-# Pairs as long as each other up to this part are alike.
-_SIMILAR = 0.15
 # Bones of a longer chain that are less like those of a limb than this.
 _NO_LIMB = 0.25
 # Front and hind legs end as low as each other up to this part of a leg.
@@ -54,9 +52,7 @@ _FURTHER = 0.75
 # First joints are so near to each other, of what the next ones are, that they may be in the middle.
 _INNER = 0.3
 # A bone goes on into the next one up to 25° (a cosine), and is a part of it if it is so long a part of that.
-_GOES_ON, _HALF = 0.906, 0.5
-# What a foot moves goes so far ahead, of how far a long foot does.
-_FOOT = 0.35
+GOES_ON, _HALF = 0.906, 0.5
 # What a foot moves goes less far beyond it than this part of the lower bone.
 _SOLE = 0.5
 # A joint of a leg with a hock stands so far beside the line of its neighbours, as a part of that.
@@ -235,7 +231,7 @@ def later_start(draft: Draft, each: Found) -> str:
 def _leads_on(tree: Tree, joints: Sequence[int]) -> bool:
     """Whether the first of two bones goes on into the second and is more than half as long."""
     a, b, c = (tree.at[k] for k in joints)
-    return (b - a).unit.dot((c - b).unit) > _GOES_ON and (b - a).length > _HALF * (c - b).length
+    return (b - a).unit.dot((c - b).unit) > GOES_ON and (b - a).length > _HALF * (c - b).length
 
 
 def middle_bone(draft: Draft, each: Found) -> str:
@@ -274,45 +270,6 @@ def other_end(draft: Draft, each: Found) -> str:
     return "nothing shows which end of its trunk has the head"
 
 
-def skirt(draft: Draft, each: Found) -> str:
-    """Legs beside which another pair hangs that is as long, or stands where they do: a skirt, a chair."""
-    mine, body = each.pair, draft.shape.body
-    if mine is None or body is None or body.form != "biped" or mine is not body.legs or mine.named > 0.0:
-        return ""
-    if mine in draft.shape.legs and mine.kind == "leg":
-        return ""  # an insect's
-    ground = lowest(draft.tree, mine, body.up)
-    for other in draft.shape.limbs:
-        if other is mine or other.pair.above != mine.pair.above or len(other.at) != len(mine.at):
-            continue
-        apart, like = abs(lowest(draft.tree, other, body.up) - ground), abs(other.size - mine.size)
-        if like < _SIMILAR * mine.size or (other.size > SIMILAR * mine.size and apart < _SIMILAR * mine.size):
-            return (
-                f"the chain from '{draft.tree.rig.title(other.joints(0)[0])}' is as long: both may be a skirt"
-            )
-    return ""
-
-
-def hangs_as_cloth(draft: Draft, each: Found) -> str:
-    """Legs of a body with arms that hardly bend, and move no feet: so hang strips of cloth, below a ghost."""
-    mine, body, tree = each.pair, draft.shape.body, draft.tree
-    if each.kind != "leg" or mine is None or body is None or body.form != "biped" or mine is not body.legs:
-        return ""
-    if mine.named > 0.0 or len(mine.at) < 3 or body.arms is None:
-        return ""
-    for start, middle, end in map(mine.joints, (0, 1)):
-        upper, lower = tree.at[middle] - tree.at[start], tree.at[end] - tree.at[middle]
-        after = [tree.at[k] - tree.at[end] for k in tree.below[end]]
-        turned = any(bone.unit.dot(lower.unit) < _GOES_ON for bone in after)
-        if upper.unit.dot(lower.unit) < _CLEAR or turned or len(after) > 1:
-            return ""
-        if next(iter(draft.poses.box_of([end], tree.places)), None) is None:
-            return ""  # nothing shows that it has no foot
-    if not after and abs(feet_ahead(tree, body, draft.facing, draft.poses)) > _FOOT:
-        return ""
-    return "it hardly bends and moves no foot, as a strip of cloth does"
-
-
 def rival(draft: Draft, each: Found) -> str:
     """What else the arms may be where shape alone tells: wings beside them, the next joints of the chain."""
     mine, tree, body = each.pair, draft.tree, draft.shape.body
@@ -326,7 +283,7 @@ def rival(draft: Draft, each: Found) -> str:
     bend = (b - a).unit.dot((c - b).unit)
     at, fingers = branches(tree, path)
     hand = at == end and fingers >= HAND  # no elbow has so many below it
-    if start == 0 and further > _NEXT * lower and not hand and (not front or bend > _CLEAR):
+    if start == 0 and further > _NEXT * lower and not hand and (not front or bend > CLEAR):
         return "its first bone may be a clavicle, as a long bone follows"
     if start > 0 and further > _TIP * (upper + lower) and not hand and bend > STRAIGHT:
         return "its middle may be a twist joint of its upper bone, as a long bone follows"

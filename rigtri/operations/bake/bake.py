@@ -49,6 +49,7 @@ from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.key_baking import keyed
+from rigtri.operations.bake.bake_rig import with_rig
 from rigtri.operations.bake.dependents import (
     rebake_followers,
     refuse_cycles,
@@ -75,7 +76,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
 from rigtri.operations.options.bake import BakeOptions as BakeOptions
 from rigtri.operations.pose import KEPT, at_rest
-from rigtri.operations.rigtri_nodes import readdressed, with_record
+from rigtri.operations.rigtri_nodes import with_record
 from rigtri.operations.solver_warnings import (
     clip_solver_warnings,
     moment_of,
@@ -83,11 +84,7 @@ from rigtri.operations.solver_warnings import (
     solver_warnings,
 )
 from rigtri.operations.take_clips.ik_switches import ik_ends
-from rigtri.operations.take_clips.messages import warn_shown_otherwise
-from rigtri.operations.take_clips.rejoin_clips import joined
-from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.progress import as_share, count_done, counted
-from rigtri.recognition.one_character import of_character
 from rigtri.report import Report
 
 # Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
@@ -113,19 +110,8 @@ def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
 
     Raises UsageError, NameNotFoundError (a clip), GeometryError (a cycle; nothing to bake).
     """
-    rigged: Rig | None = options.rig_
-    if rigged is not None:
-        names = rig.names
-        if options.character is not None:
-            rig = of_character(rig, options.character)
-        shown, rig = rig, joined(rig, rigged, names=options.as_, between=options.between, report=report)
-        seen = as_described(rig, rigged, report=report)
-        if options.to == "joints":
-            # Before RIG's keys between frames came back, all keys are where Blender has shown the rig.
-            warn_shown_otherwise(as_described(shown, rigged, report=Report()), report)
-        rig = replace(seen, names=(*names, *seen.names[len(names) :]))
-        # A name that other characters have, too, means one of them only by its path.
-        rig = readdressed(seen, rig, range(len(rig))) if options.character is not None else rig
+    if options.rig_ is not None:
+        rig = with_rig(rig, options.rig_, options, report)
     rig = _with_limits(rig, options)
     return in_rig_space(rig, lambda seen: _Baker(seen, options, report).baked())
 

@@ -1,0 +1,29 @@
+"""bake --rig: a file that another program has edited, with what it has lost of the rig that it came from."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rigtri.model.rig import Rig
+from rigtri.operations.options.bake import BakeOptions
+from rigtri.operations.rigtri_nodes import readdressed
+from rigtri.operations.take_clips.messages import warn_shown_otherwise
+from rigtri.operations.take_clips.rejoin_clips import joined
+from rigtri.operations.take_clips.restore_metadata import as_described
+from rigtri.recognition.one_character import of_character
+from rigtri.report import Report
+
+
+def with_rig(rig: Rig, rigged: Rig, options: BakeOptions, report: Report) -> Rig:
+    """The edited rig with the metadata of RIG, and in unedited clips RIG's keys between frames."""
+    names = rig.names
+    if options.character is not None:
+        rig = of_character(rig, options.character)
+    shown, rig = rig, joined(rig, rigged, names=options.as_, between=options.between, report=report)
+    seen = as_described(rig, rigged, report=report)
+    if options.to == "joints":
+        # Before RIG's keys between frames came back, all keys are where Blender has shown the rig.
+        warn_shown_otherwise(as_described(shown, rigged, report=Report()), report)
+    rig = replace(seen, names=(*names, *seen.names[len(names) :]))
+    # A name that other characters have, too, means one of them only by its path.
+    return readdressed(seen, rig, range(len(rig))) if options.character is not None else rig
