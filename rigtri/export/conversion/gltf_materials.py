@@ -5,11 +5,11 @@ Source: glTF 2.0 §3.8, §3.9; KHR_texture_transform, KHR_materials_unlit, _emis
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rigtri.export.conversion.gltf_buffers import BufferBuilder
-from rigtri.export.conversion.scene import Image, Material, Texture
+from rigtri.export.conversion.scene import Image, Material, Slot, Texture
 
 _WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
 
@@ -54,10 +54,10 @@ class MaterialWriter:
             found["alphaCutoff"] = material.cutoff
         if material.double_sided:
             found["doubleSided"] = True
-        self._more(material, found)
+        self._more(material, slots, found)
         return found
 
-    def _more(self, material: Material, found: dict[str, Any]) -> None:
+    def _more(self, material: Material, slots: Mapping[Slot, dict[str, Any]], found: dict[str, Any]) -> None:
         """Emission, and what extensions say."""
         extensions: dict[str, Any] = {}
         strength = max(*material.emissive, 1.0)
@@ -68,10 +68,14 @@ class MaterialWriter:
         if material.unlit:
             extensions["KHR_materials_unlit"] = {}
         if material.clearcoat:
-            coat = {
+            coat: dict[str, Any] = {
                 "clearcoatFactor": material.clearcoat,
                 "clearcoatRoughnessFactor": material.clearcoat_roughness,
             }
+            if "coat" in slots:
+                coat["clearcoatTexture"] = slots["coat"]
+            if "coat_rough" in slots:
+                coat["clearcoatRoughnessTexture"] = slots["coat_rough"]
             extensions["KHR_materials_clearcoat"] = coat
         if material.ior != 1.5:
             extensions["KHR_materials_ior"] = {"ior": material.ior}

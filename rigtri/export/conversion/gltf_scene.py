@@ -38,6 +38,8 @@ _MAPS: Mapping[Slot, tuple[str, ...]] = {
     "normal": ("normalTexture",),
     "occlusion": ("occlusionTexture",),
     "emissive": ("emissiveTexture",),
+    "coat": ("extensions", "KHR_materials_clearcoat", "clearcoatTexture"),
+    "coat_rough": ("extensions", "KHR_materials_clearcoat", "clearcoatRoughnessTexture"),
 }
 # What is said in other words, or changes nothing that is seen.
 _KNOWN = {
@@ -194,8 +196,11 @@ class _Reader:
                 textures[slot] = texture
         strength = float(self._object(more, "KHR_materials_emissive_strength").get("emissiveStrength", 1.0))
         coat = self._object(more, "KHR_materials_clearcoat")
+        name = name_in(raw) or f"material_{number}"
+        if "clearcoatNormalTexture" in coat:
+            self.scene.lose(f"the normal texture of the clear coat of material '{name}'")
         return Material(
-            name_in(raw) or f"material_{number}",
+            name,
             tuple(map(float, plain.get("baseColorFactor", (1.0,) * 4))),  # type: ignore[arg-type]
             float(plain.get("metallicFactor", 1.0)),
             float(plain.get("roughnessFactor", 1.0)),

@@ -16,7 +16,7 @@ from rigtri.operations.bake.unbaked import unbaked
 from rigtri.report import Notice
 from rigtri.text import and_more
 
-Slot = Literal["base", "metal_rough", "normal", "occlusion", "emissive"]
+Slot = Literal["base", "metal_rough", "normal", "occlusion", "emissive", "coat", "coat_rough"]
 Colour = tuple[float, float, float]
 
 

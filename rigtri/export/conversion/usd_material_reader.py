@@ -30,6 +30,8 @@ _CHANNELS: Mapping[Slot, str] = {
     "normal": "rgb",
     "occlusion": "r",
     "emissive": "rgb",
+    "coat": "r",
+    "coat_rough": "g",
 }
 _SHARED = {"opacity": "a", "metallic": "b"}
 _SHARED_WITH = {
@@ -108,32 +110,17 @@ class MaterialReader:
             self._scene.lose(f"material '{name}', which is not a UsdPreviewSurface")
             return Material(name, metallic=0.0, double_sided=double_sided)
         unlit = prim.GetCustomDataByKey("unlit") is True
-        textures: dict[Slot, Texture] = {}
-        factors: dict[str, Any] = {}
-        inputs: tuple[tuple[Slot, str], ...] = (
-            ("base", "emissiveColor" if unlit else "diffuseColor"),
-            ("metal_rough", "roughness"),
-            ("normal", "normal"),
-            ("occlusion", "occlusion"),
-            ("emissive", "" if unlit else "emissiveColor"),
+        textures, factors, amounts = self._textures(surface, name, coordinates, unlit=unlit)
+        colour = factors.get(
+            "base", (*self._value(surface, "emissiveColor" if unlit else "diffuseColor", (0.18,) * 3), 1.0)
         )
-        for slot, given in inputs:
-            found = self._texture(surface, given, name, coordinates) if given else None
-            if found is not None:
-                textures[slot], factors[slot], channel = found
-                if channel != _CHANNELS[slot] and not _is_grey(textures[slot].image):
-                    self._scene.lose(
-                        f"that {given} of material '{name}' is channel {channel} of its texture: glTF takes "
-                        f"{_CHANNELS[slot]}"
-                    )
-        colour = factors.get("base", (*self._value(surface, inputs[0][1], (0.18,) * 3), 1.0))
         opacity, linked = self._channel(surface, "opacity", name, textures.get("base"), coordinates, 1.0)
         cutoff = self._number(surface, "opacityThreshold", 0.0)
         clear = linked or opacity < 1.0
         alpha = "MASK" if clear and cutoff > 0 else "BLEND" if clear else "OPAQUE"
         rough = textures.get("metal_rough")
         metallic, _ = self._channel(surface, "metallic", name, rough, coordinates, 0.0)
-        roughness = factors["metal_rough"][1] if rough else self._number(surface, "roughness", 0.5)
+        roughness = amounts["metal_rough"] if rough else self._number(surface, "roughness", 0.5)
         base = (*colour[:3], opacity)
         if max(*base, metallic, roughness) > 1.0 or min(*base, metallic, roughness) < 0.0:
             self._scene.lose(f"factors of material '{name}' beyond 0 to 1")
@@ -153,11 +140,39 @@ class MaterialReader:
             unlit,
             factors["normal"][0] / 2.0 if "normal" in factors else 1.0,
             factors["occlusion"][0] if "occlusion" in factors else 1.0,
-            self._number(surface, "clearcoat", 0.0),
-            self._number(surface, "clearcoatRoughness", 0.01),
+            amounts.get("coat", self._number(surface, "clearcoat", 0.0)),
+            amounts.get("coat_rough", self._number(surface, "clearcoatRoughness", 0.01)),
             self._number(surface, "ior", 1.5),
             textures,
         )
+
+    def _textures(
+        self, surface: Any, name: str, coordinates: Mapping[str, int], *, unlit: bool
+    ) -> tuple[dict[Slot, Texture], dict[str, Any], dict[str, float]]:
+        """The textures of a material, the scales of all their channels, and of the first that is taken."""
+        textures: dict[Slot, Texture] = {}
+        factors: dict[str, Any] = {}
+        amounts: dict[str, float] = {}
+        inputs: tuple[tuple[Slot, str], ...] = (
+            ("base", "emissiveColor" if unlit else "diffuseColor"),
+            ("metal_rough", "roughness"),
+            ("normal", "normal"),
+            ("occlusion", "occlusion"),
+            ("emissive", "" if unlit else "emissiveColor"),
+            ("coat", "clearcoat"),
+            ("coat_rough", "clearcoatRoughness"),
+        )
+        for slot, given in inputs:
+            found = self._texture(surface, given, name, coordinates) if given else None
+            if found is not None:
+                textures[slot], factors[slot], channel = found
+                amounts[slot] = factors[slot]["rgba".index(channel[0])]
+                if channel != _CHANNELS[slot] and not _is_grey(textures[slot].image):
+                    self._scene.lose(
+                        f"that {given} of material '{name}' is channel {channel} of its texture: glTF takes "
+                        f"{_CHANNELS[slot]}"
+                    )
+        return textures, factors, amounts
 
     def _channel(
         self,

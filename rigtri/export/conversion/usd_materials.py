@@ -101,13 +101,23 @@ class MaterialWriter:
             emissive.ConnectToSource(readers["emissive"].ConnectableAPI(), "rgb")
         elif not material.unlit and material.emissive != (0.0, 0.0, 0.0):
             surface.CreateInput("emissiveColor", _TYPES.Color3f).Set(Gf.Vec3f(*material.emissive))
-        for name, value, plain in (
-            ("clearcoat", material.clearcoat, 0.0),
-            ("clearcoatRoughness", material.clearcoat_roughness, 0.0),
-            ("ior", material.ior, 1.5),
-        ):
-            if value != plain:
-                surface.CreateInput(name, _TYPES.Float).Set(value)
+        if material.ior != 1.5:
+            surface.CreateInput("ior", _TYPES.Float).Set(material.ior)
+        if material.clearcoat or material.clearcoat_roughness:
+            self._coat(surface, material, readers)
+
+    def _coat(self, surface: Any, material: Material, readers: dict[Slot, Any]) -> None:
+        """The clear coat; both inputs, as USD's roughness is 0.01 where nothing is said."""
+        coat: tuple[tuple[str, float, Slot, str], ...] = (
+            ("clearcoat", material.clearcoat, "coat", "r"),
+            ("clearcoatRoughness", material.clearcoat_roughness, "coat_rough", "g"),
+        )
+        for name, value, slot, channel in coat:
+            given = surface.CreateInput(name, _TYPES.Float)
+            if slot in readers:
+                given.ConnectToSource(readers[slot].ConnectableAPI(), channel)
+            else:
+                given.Set(value)
 
     def _shader(self, path: str, kind: str) -> Any:
         shader = UsdShade.Shader.Define(self._stage, path)
@@ -172,6 +182,9 @@ def _factors(slot: Slot, material: Material) -> tuple[tuple[float, ...], tuple[f
         return material.base, none
     if slot == "metal_rough":
         return (1.0, material.roughness, material.metallic, 1.0), none
+    if slot in ("coat", "coat_rough"):
+        value = material.clearcoat if slot == "coat" else material.clearcoat_roughness
+        return (value, value, value, 1.0), none
     if slot == "emissive":
         return (*material.emissive, 1.0), none
     if slot == "normal":

@@ -161,6 +161,10 @@ class _Reader:
             if "COLOR_0" in values and not shows_colours(material):  # glTF would multiply them
                 del drawn["COLOR_0"]
                 self.scene.lose("displayColor of meshes with a material that does not show it")
+            elif "COLOR_0" not in values and material is not None and shows_colours(material):
+                colour = colour_of(prim)
+                if colour is not None:
+                    drawn["COLOR_0"] = np.tile(np.array(colour[:3]), (len(found.points), 1))
             surface = Surface("triangles", np.zeros(0, dtype=np.int64), corners, normals, drawn)
             if material is None:
                 number = self.materials.coloured(colour_of(prim), double_sided=sided)

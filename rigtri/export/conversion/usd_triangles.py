@@ -172,8 +172,12 @@ def colour_of(prim: Any) -> tuple[float, ...] | None:
 
 
 def _bound(prim: Any) -> Any:
-    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
-    return material if material else None
+    """The material that viewers show a prim with: for previews, else for all, else for full renders."""
+    for purpose in (UsdShade.Tokens.preview, UsdShade.Tokens.full):  # each or what is for all purposes
+        material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(purpose)
+        if material:
+            return material
+    return None
 
 
 def with_points(mesh: Mesh, faces: Faces) -> Mesh:

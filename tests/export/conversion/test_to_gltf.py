@@ -436,6 +436,32 @@ def test_colours_of_points_are_shown_where_usd_shows_them(material: str, shown: 
     assert ("COLOR_0" in gltf["meshes"][0]["primitives"][0]["attributes"]) == shown
 
 
+def test_the_colour_of_a_whole_mesh_is_shown_where_its_material_reads_it(tmp_path: Path) -> None:
+    gltf = _coloured(tmp_path / "in.usda", "constant", [(0.5, 0.25, 1.0)], "reader")
+    assert "COLOR_0" in gltf["meshes"][0]["primitives"][0]["attributes"]
+
+
+@pytest.mark.parametrize(
+    ("purposes", "shown"), [(("", "full", "preview"), "preview"), (("full",), "full"), (("", "full"), "all")]
+)
+def test_materials_are_those_of_previews(purposes: tuple[str, ...], shown: str, tmp_path: Path) -> None:
+    stage = Usd.Stage.CreateNew(str(tmp_path / "in.usda"))
+    mesh = UsdGeom.Mesh.Define(stage, "/leaf")
+    stage.SetDefaultPrim(mesh.GetPrim())
+    mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+    mesh.CreateFaceVertexCountsAttr([3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    for purpose in purposes:
+        look = UsdShade.Material.Define(stage, f"/leaf/{purpose or 'all'}")
+        surface = UsdShade.Shader.Define(stage, look.GetPath().AppendChild("surface"))
+        surface.CreateIdAttr("UsdPreviewSurface")
+        look.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
+        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(look, materialPurpose=purpose)
+    stage.Save()
+    cli("convert", tmp_path / "in.usda", "-o", tmp_path / "out.glb", code=0)
+    assert [each["name"] for each in glb_json(tmp_path / "out.glb")["materials"]] == [shown]
+
+
 def test_colours_that_are_spread_in_no_known_way_are_left_out(tmp_path: Path) -> None:
     path = tmp_path / "in.usda"
     _coloured(path, "vertex", [(1, 0, 0), (0, 1, 0), (0, 0, 1)], "none")

@@ -247,6 +247,28 @@ def test_extras_filters_and_materials_without_a_place_in_usd_are_listed(tmp_path
     }
 
 
+def test_the_textures_of_a_clear_coat_go_along_but_for_its_normals(tmp_path: Path) -> None:
+    b, texture = small(2), {"index": 0}
+    coat = {"clearcoatFactor": 0.5, "clearcoatTexture": texture, "clearcoatRoughnessTexture": texture}
+    coat |= {"clearcoatRoughnessFactor": 0.25, "clearcoatNormalTexture": texture}
+    b.gltf |= {
+        "extensionsUsed": ["KHR_materials_clearcoat"],
+        "images": [{"mimeType": "image/png", "bufferView": b.view(png((9, 9, 9)))}],
+        "textures": [{"source": 0}],
+        "materials": [{"name": "car", "extensions": {"KHR_materials_clearcoat": coat}}],
+    }
+    b.gltf["meshes"][0]["primitives"][0]["material"] = 0
+    report = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usda").report
+    lost = [n.text.removeprefix("not converted: ") for n in report.warnings if n.code == "lost"]
+    assert [one for one in lost if "coat" in one] == [
+        "the normal texture of the clear coat of material 'car'"
+    ]
+    rigtri.convert(tmp_path / "out.usda", tmp_path / "back.glb")
+    (look,) = glb_json(tmp_path / "back.glb")["materials"]
+    found = look["extensions"]["KHR_materials_clearcoat"]
+    assert found == {key: value for key, value in coat.items() if key != "clearcoatNormalTexture"}
+
+
 def test_an_image_of_a_kind_that_nobody_knows_keeps_its_suffix_and_is_listed(tmp_path: Path) -> None:
     b = small(2)
     (tmp_path / "skin.avif").write_bytes(b"of no known kind")

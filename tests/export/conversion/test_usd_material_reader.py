@@ -307,3 +307,16 @@ _BEGIN, _TABLE = b"\xff\xd8", b"\xff\xe0\x00\x04ab"
 )
 def test_the_header_of_an_image_says_whether_it_is_grey(content: bytes, grey: bool) -> None:
     assert _is_grey(Image("a.jpg", content)) is grey
+
+
+def test_a_clear_coat_has_its_textures(tmp_path: Path) -> None:
+    link = (
+        "float inputs:clearcoat.connect = </m/look/map.outputs:r>\n"
+        "float inputs:clearcoatRoughness.connect = </m/look/map.outputs:g>"
+    )
+    more = 'float4 inputs:scale = (0.5, 0.25, 1, 1)\n token inputs:sourceColorSpace = "raw"'
+    material, lost = _look(tmp_path, link, _map("map", " = @./rgb.png@", more))
+    coat = material["extensions"]["KHR_materials_clearcoat"]
+    assert (coat["clearcoatFactor"], coat["clearcoatRoughnessFactor"]) == (0.5, 0.25)
+    assert (coat["clearcoatTexture"], coat["clearcoatRoughnessTexture"]) == ({"index": 0}, {"index": 0})
+    assert not lost

@@ -57,8 +57,8 @@ PLAIN = {"diffuseColor": [1.0, 1.0, 1.0], "metallic": 1.0, "roughness": 1.0}
         ({"alpha": "MASK", "cutoff": 0.25}, {"opacity": 1.0, "opacityThreshold": 0.25}),
         ({"metallic": 0.25, "roughness": 0.5}, {"metallic": 0.25, "roughness": 0.5}),
         ({"emissive": (0.5, 0.0, 2.0)}, {"emissiveColor": [0.5, 0.0, 2.0]}),
-        ({"clearcoat": 0.5}, {"clearcoat": 0.5}),
-        ({"clearcoat_roughness": 0.5}, {"clearcoatRoughness": 0.5}),
+        ({"clearcoat": 0.5}, {"clearcoat": 0.5, "clearcoatRoughness": 0.0}),
+        ({"clearcoat_roughness": 0.5}, {"clearcoat": 0.0, "clearcoatRoughness": 0.5}),
         ({"ior": 1.25}, {"ior": 1.25}),
     ],
 )
@@ -77,8 +77,10 @@ def test_an_unlit_material_emits_its_colour() -> None:
 
 
 def test_textures_are_read_channel_by_channel() -> None:
-    slots = dict.fromkeys(("base", "metal_rough", "normal", "occlusion", "emissive"), SKIN)
-    found, lost = surface(Material("m", textures=slots, alpha="BLEND"))  # type: ignore[arg-type]
+    names = ("base", "metal_rough", "normal", "occlusion", "emissive", "coat", "coat_rough")
+    slots = dict.fromkeys(names, SKIN)
+    coated = Material("m", textures=slots, alpha="BLEND", clearcoat=1.0)  # type: ignore[arg-type]
+    found, lost = surface(coated)
     assert found == {
         "diffuseColor": "base.rgb",
         "opacity": "base.a",
@@ -87,6 +89,8 @@ def test_textures_are_read_channel_by_channel() -> None:
         "normal": "normal.rgb",
         "occlusion": "occlusion.r",
         "emissiveColor": "emissive.rgb",
+        "clearcoat": "coat.r",
+        "clearcoatRoughness": "coat_rough.g",
     }
     assert not lost
     unlit, _ = surface(Material("m", textures=slots, unlit=True))  # type: ignore[arg-type]
@@ -100,6 +104,8 @@ def test_textures_are_read_channel_by_channel() -> None:
         ("base", {}, None, None),
         ("metal_rough", {"metallic": 0.25, "roughness": 0.5}, (1.0, 0.5, 0.25, 1.0), None),
         ("emissive", {"emissive": (0.5, 2.0, 0.0)}, (0.5, 2.0, 0.0, 1.0), None),
+        ("coat", {"clearcoat": 0.5}, (0.5, 0.5, 0.5, 1.0), None),
+        ("coat_rough", {"clearcoat": 1.0, "clearcoat_roughness": 0.25}, (0.25, 0.25, 0.25, 1.0), None),
         ("normal", {"normal_scale": 0.5}, (1.0, 1.0, 2.0, 1.0), (-0.5, -0.5, -1.0, 0.0)),
         ("occlusion", {"occlusion_strength": 0.25}, (0.25, 0.25, 0.25, 1.0), (0.75, 0.75, 0.75, 0.0)),
     ],
