@@ -58,8 +58,9 @@ class Body:
 
     hips, chest: where these face, which is elsewhere where one is turned against the other. nodes: all joints
     of the character, upper: those at the end of the spine and below it. limbs: those whose limbs say it.
-    unsure: joints of what may be limbs. hinges: what it says of the others. feet: where those with toes
-    point, by their ankles.
+    unsure: joints of what may be limbs, further: of what may be a pair besides the arms and legs of a body on
+    two or four of them, or is worn. hinges: what it says of the others. feet: where those with toes point, by
+    their ankles.
     """
 
     facing: Floats
@@ -71,6 +72,7 @@ class Body:
     upper: frozenset[int]
     limbs: frozenset[int]
     unsure: frozenset[int]
+    further: frozenset[int]
     hinges: Mapping[int, Hinge]
     feet: Mapping[int, Floats]
 
@@ -104,7 +106,10 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
             left = cross(up, ahead)
             nodes = frozenset(part.joint for part in character.parts)
             limbs = frozenset(k for chain in character.limbs if chain.is_sure for k in chain.bend[:2])
-            unsure = frozenset(k for chain in character.limbs if not chain.is_sure for k in chain.joints)
+            doubted = [chain for chain in character.limbs if not chain.is_sure]
+            worn = [k for k in doubted if k.kind == "limb" and character.form in ("biped", "quadruped")]
+            further = frozenset(k for chain in worn for k in chain.joints)
+            unsure = frozenset(k for chain in doubted for k in chain.joints) - further
             at = world[:, 3, :3]
             ends = None if facing is not None else _turned(character, at, up, mirrored=mirrored)
             hips, chest = ends or (ahead, ahead)
@@ -113,7 +118,9 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Arr
             feet = {ankle: normalise(at[toes] - at[ankle]) for ankle, toes, *_ in toed}
             top = next((k.joints[-1] for k in character.sure_chains if k.kind == "spine"), -1)
             upper = frozenset(k for k in nodes if top >= 0 and rig.is_below(k, top))
-            found.append(Body(ahead, hips, chest, up, left, nodes, upper, limbs, unsure, hinges, feet))
+            found.append(
+                Body(ahead, hips, chest, up, left, nodes, upper, limbs, unsure, further, hinges, feet)
+            )
     return found
 
 
@@ -125,7 +132,7 @@ def _hands_alone(rig: Rig, character: Character, at: Floats) -> Body:
     sides: dict[Side, bool | None] = {side: side == "left" if side else None for side in hands}
     hinges = dict(with_palms(rig.parents, chains, dict(hand_hinges(chains, sides, at, None))))
     nodes = frozenset(part.joint for part in character.parts if alone or part.joint in hinges)
-    return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, none, hinges, {})
+    return Body(unknown, unknown, unknown, unknown, unknown, nodes, none, none, none, none, hinges, {})
 
 
 def turned_facings(rig: Rig, character: Character) -> tuple[Direction, Direction] | None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from places import SAMPLES
 from posed_bodies import Pose, PosedBody, posed_body, poses
-from recognition_bodies.skeletons import ARM, FINGERS, HORSE, LEG, TRUNK, both, line, rig_with, without
+from recognition_bodies.skeletons import ARM, FINGERS, HORSE, LEG, MAN, TRUNK, both, line, rig_with, without
 
 from rigtri import add_controls, add_polevector, make_limb, orient_joints, read
 from rigtri.errors import GeometryError, UsageError
@@ -594,6 +594,25 @@ def test_limbs_that_are_not_sure_are_named() -> None:
     report = Report()
     orient_joints(body.rig, limb=[tuple(f"#{k}" for k in arm) for arm in arms], report=report)
     assert [notice for notice in report.warnings if notice.code == "unsure-limb"] == []
+
+
+@pytest.mark.parametrize("flare", [0.0, 0.01])
+@pytest.mark.parametrize("word", ["coat", "スカート"])
+def test_tails_of_a_coat_bend_about_the_lateral_axis_whatever_they_are_called(
+    word: str, flare: float
+) -> None:
+    """Before, those that hang straight had hinges of their own, far apart, as they might be legs."""
+    tails = []
+    for part, z in (("front", 0.1), ("back", -0.1)):
+        places = [
+            (0.12 + 0.01 * k, 0.95 - 0.2 * k, z + (0.02 * k + flare * (k > 1)) * np.sign(z)) for k in range(4)
+        ]
+        tails += line(" ".join(f"{word}_{part}_{k}.L" for k in range(4)), "hips", *places)
+    rig = rig_with([*MAN, *both(tails)])
+    hinges = hinge_axes(orient_joints(rig), "+y")
+    of_tails = [float(hinges[k, 0]) for k, name in enumerate(rig.names) if name.startswith(word)]
+    assert len(of_tails) == 16
+    assert min(of_tails) > np.cos(np.radians(LIMITS["trunk"]))
 
 
 def test_straight_limbs_are_straight_without_a_number() -> None:

@@ -201,7 +201,7 @@ def _agree_with_body(planes: BendPlanes, targets: Targets, chain: Sequence[int],
     """One plane and side for a chain that is no limb (tail, ear, wing, hair): where the body's would be.
 
     The whole chain's direction decides, as bones of a curve may lie on both sides of the body's hinge. A
-    plane across that hinge keeps the side on which the chain itself bends.
+    plane across that hinge keeps the side on which the chain itself bends, and so does what may be a limb.
     """
     if body is None or not body.unsure.isdisjoint(chain):
         return
@@ -218,7 +218,7 @@ def _agree_with_body(planes: BendPlanes, targets: Targets, chain: Sequence[int],
         normals.set(chain, hinge, 5, "lateral axis of the body", BODY_SINE)
         for joint in chain:
             planes.straight.pop(joint, None)
-    elif dot(normals.vector[chain[0]], hinge) < -BODY_SINE:
+    elif body.further.isdisjoint(chain) and dot(normals.vector[chain[0]], hinge) < -BODY_SINE:
         normals.vector[chain] = -normals.vector[chain]
 
 
