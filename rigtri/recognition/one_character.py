@@ -42,8 +42,9 @@ def bodies(rig: Rig) -> list[Nodes]:
 def named(rig: Rig, name: str) -> Nodes:
     """The nodes of the character at or below a node.
 
-    NameNotFoundError where there is none; UsageError for an instance that is read at another, and for what
-    another character carries; InstanceNameError for what is below such an instance.
+    NameNotFoundError where there is none; UsageError for an instance that is read at another, for what
+    another character carries, and for one of several that a skin moves; InstanceNameError for what is below
+    such an instance.
     """
     groups = [frozenset(nodes) for nodes in characters(rig)]
     if rig.has(name):
@@ -51,6 +52,7 @@ def named(rig: Rig, name: str) -> Nodes:
         inside = [group for group in groups if group & below]
         if inside:
             _refuse_carried(rig, name, below, inside)
+            _refuse_shared(rig, name, below, inside)
             return frozenset[int]().union(*inside)
         shared = [rig.address(first) for node, first in rig.rules.instances.items() if node in below]
         if shared:
@@ -74,6 +76,21 @@ def _refuse_carried(rig: Rig, name: str, below: Collection[int], inside: Sequenc
                 f"'{name}' is carried by a joint of '{whole}', so both are one character, which would be "
                 f"edited as a whole: for that, --character {whole}; otherwise name joints, or parent "
                 f"'{name}' to the scene first"
+            )
+
+
+def _refuse_shared(rig: Rig, name: str, below: Collection[int], inside: Sequence[Nodes]) -> None:
+    """UsageError for a name of one of several bodies with limbs that a skin moves."""
+    known = [body for body in recognise(rig).characters if body.limbs]
+    joints = {body.root: {part.joint for part in body.parts} for body in known}
+    for group in inside:
+        here = [body.root for body in known if group & joints[body.root]]
+        others = [root for root in here if joints[root].isdisjoint(below)]
+        if others and len(others) < len(here):
+            raise UsageError(
+                f"'{name}' shares a skin with '{rig.title(others[0])}', so both are one character, which "
+                "would be edited as a whole: for that, leave out --character; otherwise name joints, or give "
+                "each a skin of its own first"
             )
 
 

@@ -14,6 +14,7 @@ from crowds import ACTOR, crowd
 from pairs import PAIR, pair
 from places import SAMPLES, ci, slow
 from program import cli
+from recognition_bodies.skeletons import MAN, rig_with
 from rigs import rig_of
 from usd_files import MESH, animation, deviation, save, scene, skeleton
 
@@ -289,6 +290,20 @@ def test_a_character_that_a_joint_of_another_carries_is_refused_with_what_to_nam
     with pytest.raises(UsageError, match=r"'Rider' is carried by a joint of 'Horse'.*--character Horse;"):
         named(rig, "Rider")
     assert named(rig, "Horse") == named(rig, "hips") == {1, 2, 3, 4, 5}
+
+
+def test_one_of_two_characters_that_a_skin_moves_is_refused_with_what_to_do() -> None:
+    """Before, both were edited without a word."""
+    apart = [
+        (f"{who}_{name}", f"{who}_{above}" if above else "", (x + away, y, z))
+        for who, away in (("Ann", 0.0), ("Bob", 3.0))
+        for name, above, (x, y, z) in MAN
+    ]
+    rig = rig_with(apart)
+    for name, other in (("Bob_hips", "Ann_hips"), ("Ann_chest", "Bob_hips")):
+        with pytest.raises(UsageError, match=f"'{name}' shares a skin with '{other}'"):
+            orient_joints(rig, character=name)
+    assert named(rig_with(MAN), "chest") == set(range(len(MAN)))
 
 
 @pytest.mark.parametrize("clip", [ci("Run"), "Walk"])
