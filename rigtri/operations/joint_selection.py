@@ -18,6 +18,7 @@ ROOT = "root joint: its motion is root motion"
 EYE = "VRM eye"
 WEIGHTLESS = "no weight on or below it"
 SOCKET = "end or attachment: no weight on or below it, and its children keep their places"
+NOT_SELECTED = "not selected"
 LONE = "lone end joint beside siblings"
 # Joints that are kept for these reasons do not turn for the sake of another joint either.
 STEADFAST = frozenset({EXCLUDED, ROOT, EYE})
@@ -60,7 +61,7 @@ def select(
         elif joint in aimed:
             turning.append(joint)
         elif selection.named and joint not in named:
-            kept[joint] = "not selected"
+            kept[joint] = NOT_SELECTED
         elif joint not in within:
             kept[joint] = "not in the skin"
         elif joint in rig.rules.fixed:

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from posed_bodies import Pose, posed_body
 from program import cli
 from recognition_bodies.creatures import two_characters
+from recognition_bodies.skeletons import MAN, rig_with
 
 from rigtri.errors import GeometryError
 from rigtri.formats import read
@@ -154,3 +155,11 @@ def test_the_convention_of_joints_is_not_kept_by_pairs_of_controls() -> None:
     found = asymmetry(add_controls(crooked, whole_character=True))
     assert found.keeping < found.with_axes / 2
     assert found.with_axes < len(found.pairs)
+
+
+def test_a_selection_of_one_side_says_what_is_not_mirrored() -> None:
+    """Before, ``mirror`` was accepted and did nothing, without a word."""
+    for chosen, told in ((("forearm.L",), ["forearm.R"]), (("forearm.*",), []), (("chest", "shin.?"), [])):
+        report = Report()
+        orient_joints(rig_with(MAN), mirror="behavior", joints=chosen, report=report)
+        assert [name for note in report.warnings if note.code == "no-twin" for name in note.names] == told

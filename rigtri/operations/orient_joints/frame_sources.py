@@ -26,6 +26,7 @@ from rigtri.maths.quaternions import (
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
+from rigtri.operations.joint_selection import NOT_SELECTED
 from rigtri.operations.mirror_plane import parting, warn_plane
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints.joint_frames import set_world_axes
@@ -209,9 +210,10 @@ def mirrored_deltas(
     character of a file is mirrored about its own plane.
     """
     tree, from_side, known = targets.tree, options.from_side, set(joints)
-    rig, twins = tree.rig, dict[int, int]()
+    rig, twins, left_out = tree.rig, dict[int, int](), list[str]()
     for joint in joints:
         if side_of(rig, joint) in ("", from_side):
+            left_out += _unselected_twin(targets, joint)
             continue
         source = twin_of(rig, joint)
         if source is None or source not in known:
@@ -220,6 +222,9 @@ def mirrored_deltas(
             report.warn("no-twin", f"'{rig.title(joint)}' {why}{also}.")
             continue
         twins[joint] = source
+    if left_out:
+        text = f"{and_more(left_out, 4)}: not selected, so not mirrored. Select both sides"
+        report.warn("no-twin", text, names=left_out)
     if not any(side_of(rig, joint) for joint in joints):
         raise GeometryError("no selected joint has left or right in its name")
     result, several = delta.copy(), [] if options.across is not None else bodies(rig)
@@ -236,6 +241,13 @@ def mirrored_deltas(
         axes = transform_directions(to_axes(delta[there]), targets.ref.world[there][:, np.newaxis])
         set_world_axes(result, mirrored_axes(axes, mirror, across), here, targets)
     return result
+
+
+def _unselected_twin(targets: Targets, joint: int) -> list[str]:
+    """The name of a joint's twin on the other side, where the user's selection leaves it out."""
+    rig = targets.tree.rig
+    twin = twin_of(rig, joint) if side_of(rig, joint) else None
+    return [rig.title(twin)] if twin is not None and targets.skipped.get(twin) == NOT_SELECTED else []
 
 
 def frames_json(report: Report) -> dict[str, Any]:
