@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom, UsdShade
 
+from rigtri.export.conversion.polygons import ears, turned_over
 from rigtri.formats.usd.composition.value_types import integers, vectors
 from rigtri.formats.usd.reading.mesh_reader import at_start, flattened
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 
@@ -71,20 +73,35 @@ def read_faces(prim: Any, count: int, lose: Any) -> Faces | None:
     else:
         first = np.zeros(count, dtype=np.int64)
         first[corners] = np.arange(len(corners))
-    triangles, face = _triangulated(sizes, index, flipped=mesh.GetOrientationAttr().Get() == "leftHanded")
+    flipped = mesh.GetOrientationAttr().Get() == "leftHanded"
+    places = vectors(at_start(mesh.GetPointsAttr()))[corners]
+    triangles, face = _triangulated(sizes, index, places, flipped=flipped)
     return Faces(points, triangles, face, {name: each[first] for name, each in spread.items()}, coordinates)
 
 
-def _triangulated(sizes: Integers, index: Integers, *, flipped: bool) -> tuple[Integers, Integers]:
-    """Fans of triangles, (3·f,), and the face that each is of, (f,)."""
+def _triangulated(
+    sizes: Integers, index: Integers, places: Floats, *, flipped: bool
+) -> tuple[Integers, Integers]:
+    """Triangles, (3·f,), and the face that each is of, (f,): fans, and ears where a fan would leave the face.
+
+    places: of corners, (c, 3).
+    """
     starts = np.cumsum(sizes) - sizes
     many = np.maximum(sizes - 2, 0)
     face = np.repeat(np.arange(len(sizes)), many)
     number = np.arange(len(face)) - np.repeat(np.cumsum(many) - many, many)
     first = starts[face]
     second, third = first + number + 1, first + number + 2
-    ends = (third, second) if flipped else (second, third)
-    return index[np.stack([first, *ends], axis=1)].reshape(-1), face
+    normals = cross(places[second] - places[first], places[third] - places[first])
+    whole = np.zeros((len(sizes), 3))
+    np.add.at(whole, face, normals)
+    rows = np.stack([first, second, third], axis=1)
+    for concave in np.unique(face[turned_over(normals, whole[face])]):
+        start = starts[concave]
+        cut = ears(places[start : start + sizes[concave]], whole[concave])
+        if cut is not None:
+            rows[face == concave] = start + cut
+    return index[rows[:, [0, 2, 1]] if flipped else rows].reshape(-1), face
 
 
 def _values(prim: Any, lose: Any) -> tuple[dict[str, tuple[Floats, str]], dict[str, int]]:

@@ -23,6 +23,7 @@ from rigtri.errors import DeviationError
 from rigtri.evaluation.sampling import Motion, morph_weights, worlds
 from rigtri.evaluation.skinning import deformed
 from rigtri.export.conversion.usd_scene import read_scene
+from rigtri.formats import read as read_file
 from rigtri.formats.usd.document import UsdDocument
 
 TOLERANCE = 1e-5
@@ -439,6 +440,33 @@ def test_colours_of_points_are_shown_where_usd_shows_them(material: str, shown: 
 def test_the_colour_of_a_whole_mesh_is_shown_where_its_material_reads_it(tmp_path: Path) -> None:
     gltf = _coloured(tmp_path / "in.usda", "constant", [(0.5, 0.25, 1.0)], "reader")
     assert "COLOR_0" in gltf["meshes"][0]["primitives"][0]["attributes"]
+
+
+_C = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 2), (3, 2), (3, 3), (0, 3)]
+_L = [(0, 2), (0, 0), (2, 0), (2, 1), (1, 1), (1, 2)]
+
+
+@pytest.mark.parametrize(("outline", "area"), [(_C, 7.0), (_L, 3.0), (_L[::-1], 3.0)])
+@pytest.mark.parametrize("orientation", ["rightHanded", "leftHanded"])
+def test_triangles_stay_in_concave_polygons(
+    outline: list[tuple[int, int]], area: float, orientation: str, tmp_path: Path
+) -> None:
+    stage = Usd.Stage.CreateNew(str(tmp_path / "in.usda"))
+    mesh = UsdGeom.Mesh.Define(stage, "/leaf")
+    stage.SetDefaultPrim(mesh.GetPrim())
+    mesh.CreatePointsAttr([(x, y, 0) for x, y in [*outline, (9, 9), (9, 8)]])
+    mesh.CreateFaceVertexCountsAttr([3, len(outline)])
+    mesh.CreateFaceVertexIndicesAttr([len(outline), len(outline) + 1, 0, *range(len(outline))])
+    mesh.CreateOrientationAttr(orientation)
+    stage.Save()
+    cli("convert", tmp_path / "in.usda", "-o", tmp_path / "out.glb", code=0)
+    (found,) = read_file(tmp_path / "out.glb").rig.meshes
+    surface = found.surface_now
+    assert surface is not None
+    a, b, c = np.moveaxis(found.points[surface.corners].reshape(-1, 3, 3)[1:], 1, 0)
+    twice = np.cross(b - a, c - a)[:, 2]
+    assert np.abs(twice).sum() / 2.0 == pytest.approx(area)
+    assert len({np.sign(each) for each in twice}) == 1
 
 
 @pytest.mark.parametrize(
