@@ -147,6 +147,8 @@ def _reorient_rest(rig: Rig, delta: Floats, above: Floats, fold: Floats, scales:
     own, parents = rotates(delta)[:, np.newaxis], rotates(above)[:, np.newaxis]
     translation = np.where(parents, rotate(conjugate(above), rig.translation), rig.translation)
     rotation = np.where(own | parents, conjugate_by(above, rig.rotation, fold, delta), rig.rotation)
+    # As USD's groups, which have no transform that could hold rounding.
+    rotation[(rig.rotation == IDENTITY).all(1) & (delta == above).all(1) & ~rotates(fold)] = IDENTITY
     scale, rescaled = rig.scale.copy(), np.flatnonzero(_rescaled(delta, fold, scales))
     if len(rescaled):
         scale[rescaled] = _reoriented_scale(scale[rescaled], rescaled, delta, fold, scales)

@@ -142,6 +142,26 @@ def test_controls_below_the_root_that_is_edited_are_no_joints(thing: str, tmp_pa
     assert rig.own.isdisjoint(skeleton(rig, "/rig").joints)
 
 
+def test_a_root_that_gets_any_axes_carries_its_controls(tmp_path: Path) -> None:
+    """Their group, a Scope, turns with it. Before, rounding of its rotation was refused: it has none."""
+    source = _save(tmp_path / "in.usda", "rotateXYZ", animated=True)
+    built, edited = tmp_path / "built.usda", tmp_path / "edited.usda"
+    baked, again = tmp_path / "baked.usda", tmp_path / "again.usda"
+    stage = Usd.Stage.Open(str(source))
+    for name, place in {"box": (0.3, -0.4, 0.9), "flag": (0.1, 0.2, -0.8)}.items():
+        UsdGeom.Xform.Define(stage, f"/rig/{name}").AddTranslateOp().Set(Gf.Vec3d(*place))
+    stage.Save()
+    command, *words = THINGS["controls"]
+    assert _run(command, source, "-o", built, *words, root="/rig").exit_code == 0
+    assert _run("bake", built, "-o", baked, root="/rig").exit_code == 0
+    assert _run("orient-joints", built, "-o", edited, *EDITS["orient-joints"], root="/rig").exit_code == 0
+    stage = Usd.Stage.Open(str(edited))
+    order = stage.GetPrimAtPath("/rig").GetAttribute("xformOpOrder").Get()
+    assert "rigtriFrame" in list(order)[-1]
+    assert _run("bake", edited, "-o", again, root="/rig").exit_code == 0
+    assert np.abs(_seen(baked) - _seen(again)).max() <= SAME
+
+
 def test_a_root_above_a_prim_is_refused_in_its_own_words(tmp_path: Path) -> None:
     source = _save(tmp_path / "in.usda", "transform", animated=False)
     words = ("add-root", source, "-o", tmp_path / "out.usda", "--root", "/rig/hip", "--above", "hip")
