@@ -108,6 +108,8 @@ def bend_planes(
         if not members:
             continue
         taken.update(members)
+        if all(targets.styles[joint].world for joint in members):
+            continue  # axes along the world have no hinge
         if posed.sine < STRAIGHT_SINE:
             planes.straight.update(dict.fromkeys(members, (rig.chain_title(limb.triple), posed.sine)))
         found = limb_bends.of(limb, report)
