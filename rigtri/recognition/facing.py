@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from math import acos, fsum
 
 import numpy as np
@@ -55,6 +56,7 @@ _FOOT, _TOED, _PAW = 0.2, 0.1, 3
 # What denies no names of sides: arms turn about themselves at the shoulder, and take their thumbs with them.
 _THUMBS, _SAID = "the thumbs are there", "the format says so"
 UNSURE = frozenset((_THUMBS, _SAID))
+_REACH = "the arms are stretched there"
 # A thumb stands aside by this much (a sine) to count; hands that are raised beyond this may turn either way.
 _ASIDE, _RAISED = 0.3, 0.5
 # The thumb of three fingers goes so far another way (40°), and so many times as far as the others do.
@@ -68,6 +70,8 @@ _LEANS, _LIES = 0.35, 0.7
 _AHEAD = 0.5
 # Thighs that go so far ahead (a sine, 45°) are those of someone who sits: hips do not bend back so far.
 _SITS = 0.7
+# Arms of which each bone goes ahead by this (a cosine, 45°) are stretched.
+_STRETCHED = 0.7
 # The trunk of a body with one leg in line with it, up to 45° (a cosine), is upright, or not, up to the same.
 _IN_LINE = 0.7
 # A face stands so far ahead of the trunk or skull, as a part of a limb, to count in full.
@@ -155,6 +159,7 @@ def _votes(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tupl
         yield 2.0 * _thighs(tree, body, ahead), _THIGHS
     if body.arms and body.form == "biped":
         yield _thumbs(tree, body.arms, body.up, ahead), _THUMBS
+        yield 2.0 * _reach(tree, body.arms, ahead), _REACH
 
 
 def _named(tree: Tree, body: Body, ahead: Vector) -> float:
@@ -267,6 +272,14 @@ def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:
         further = (max(along) + min(along)) / max(_SOLE * legs.size, 1e-30)
         total += 0.5 * max(-1.0, min(1.0, further)) if abs(further) > 1.0 / 3.0 else 0.0
     return total
+
+
+def _reach(tree: Tree, arms: Limbs, ahead: Vector) -> float:
+    """How far both arms are stretched ahead, −1 to 1; 0 of other arms: none can be stretched back so far."""
+    joints = [[tree.at[joint] for joint in arms.joints(k)] for k in (0, 1)]
+    ways = [(b - a).unit.dot(ahead) for arm in joints for a, b in pairwise(arm)]
+    least, most = min(ways), max(ways)
+    return least if least > _STRETCHED else most if most < -_STRETCHED else 0.0
 
 
 def _thumbs(tree: Tree, arms: Limbs, up: Vector, ahead: Vector) -> float:
