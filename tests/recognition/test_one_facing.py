@@ -234,9 +234,7 @@ def test_bent_elbows_do_not_turn_a_body_with_one_leg_round(elbow: float, ahead: 
 def test_a_machine_whose_guns_point_where_its_feet_do_not_faces_nowhere_surely(toes: bool) -> None:
     """Before, thighs and feet of legs with hocks turned it round at 0.88 to 0.91."""
     body = line("hull top", "", (0, 3.0, 0), (0, 3.6, 0)) + line("cockpit", "top", (0, 3.8, 0.5))
-    leg = line(
-        "a.L b.L c.L d.L", "hull", (0.8, 2.9, 0), (0.9, 2.2, -0.8), (0.9, 1.2, 0.4), (0.9, 0.2, 0.0)
-    )
+    leg = line("a.L b.L c.L d.L", "hull", (0.8, 2.9, 0), (0.9, 2.2, -0.8), (0.9, 1.2, 0.4), (0.9, 0.2, 0.0))
     leg += line("e.L", "d.L", (0.9, 0.05, 0.4)) if toes else []
     gun = line("f.L g.L h.L", "top", (1.2, 3.6, 0.1), (1.2, 3.5, 1.0), (1.2, 3.5, 1.6))
     (machine,) = recognise(rig_with([*body, *both(leg), *both(gun)], named=False)).characters

@@ -301,6 +301,13 @@ def test_attributes_that_name_renamed_joints_are_reported(tmp_path: Path) -> Non
     assert "word" not in notice.text
 
 
+def test_attributes_whose_values_are_of_no_known_type_name_no_joints(tmp_path: Path) -> None:
+    """Before, a token whose type was misspelt ended in a traceback."""
+    more = 'def Xform "Notes" {\ntoke purpose = "guide"\n}'
+    outcome = split(save(tmp_path, usda(LIMB, more=more)), tmp_path / "out.usda")
+    assert not any(notice.code == "renamed-elsewhere" for notice in outcome.report.warnings)
+
+
 def test_a_clip_library_is_split_by_the_frames_of_its_skeleton(tmp_path: Path) -> None:
     source, out, stored = usd(tmp_path / "in.usda", LIMB), tmp_path / "out.usda", tmp_path / "f.json"
     start = usda(LIMB).index("def SkelAnimation")

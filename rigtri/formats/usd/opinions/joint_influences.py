@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from pxr import Vt
+
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, tokens_of, why_locked
@@ -233,4 +235,7 @@ def _names(attribute: Any, tokens: set[str]) -> bool:
 
 def _words(attribute: Any) -> Iterator[str]:
     value = attribute.Get(DEFAULT)
-    yield from [value] if isinstance(value, str) else map(str, value or ())
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Vt.TokenArray | Vt.StringArray):  # a damaged layer may hold anything
+        yield from value
