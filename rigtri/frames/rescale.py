@@ -181,16 +181,16 @@ def _scaling(sizes: Floats) -> Floats:
 
 
 def metadata_in_world(
-    rig: Rig, rotation: Floats, size: float, turns: Floats | None = None
+    rig: Rig, rotation: Floats, size: float, turns: Floats | None = None, sizes: Floats | None = None
 ) -> Mapping[int, Mapping[str, Any]]:
     """The metadata of a rig in a world that is turned, (4,), and ``size`` times as large: offsets and
     directions that constraints and pose readers count in it.
 
-    turns: (n, 4), how nodes are turned in their own axes besides.
+    turns: (n, 4), how nodes are turned in their own axes besides. sizes: (n,), how large they are besides.
     """
     turns = np.tile(IDENTITY, (len(rig), 1)) if turns is None else turns
     turned = replace(rig, metadata=reoriented_metadata(rig, turns, conjugate(rotation)))
-    return _rescaled_metadata(turned, np.ones(len(rig)), 1.0 / size)
+    return _rescaled_metadata(turned, np.ones(len(rig)) if sizes is None else sizes, 1.0 / size)
 
 
 def convert(rig: Rig, conversion: Conversion) -> Rig:

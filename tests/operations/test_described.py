@@ -431,13 +431,23 @@ def test_a_pole_below_the_group_rests_where_the_other_world_has_it_below_a_turne
     assert (found.scale[pole] == 1).all()
 
 
-@pytest.mark.ci
-def test_bones_of_controls_below_a_scaled_armature_have_keys_in_its_unit() -> None:
+@pytest.mark.parametrize(
+    "rule",
+    [
+        ci({}),
+        {"child": "hand_L_ik_ctl", "space": ["chest", "root", "world"]},
+        ci({"child": "hand_L_ik_ctl", "driver": ["chest"]}),
+        ci({"child": "head_ctl", "driver": ["hand_R_ik_ctl"], "type": "point"}),
+    ],
+    ids=["none", "spaces", "joint", "point"],
+)
+def test_bones_of_controls_below_a_scaled_armature_have_keys_in_its_unit(rule: dict[str, Any]) -> None:
     """As Blender exports a character below a node with a scale of 0.5: before, 0.3 of the size off."""
     plain = read(SAMPLES / "biped.glb").rig
     top = plain.find("biped")
     plain = placed(plain, top, plain.rotation[top].tolist(), 0.5)
     rig = rigtri.bake(rigtri.add_controls(plain, whole_character=True), to="controls")
+    rig = rigtri.constrain(rig, **rule) if rule else rig
     own = [n for n in range(len(rig)) if rig.type_of(n) in ("control", "offset", "poleVector")]
     parents, translation = rig.parents.copy(), rig.translation.copy()
     parents[rig.find("hips_root_ctl_offset")] = top

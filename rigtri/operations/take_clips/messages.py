@@ -194,9 +194,9 @@ def warn_shown_otherwise(rig: Rig, report: Report) -> None:
         report.warn(
             "controls-overrule",
             f"In '{timeline.name}' IN moves {list_names(names)} otherwise than its controls do ({far:.2g} of "
-            "the size); the motion of the controls was taken. An IK switch counts for whole clips, as it was "
-            "at export: was it animated? To move the controls as IN's joints: rigtri bake IN --rig RIG "
-            "--to controls --discard-motion",
+            "the size); the motion of the controls was taken. Blender shows an IK switch or a weight that a "
+            "clip has no keys of as it was last, and keys of a switch are lost: if that is meant, move the "
+            "controls as IN's joints: rigtri bake IN --rig RIG --to controls --discard-motion",
             names=names,
         )
 

@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.rescale import metadata_in_world
+from rigtri.frames.rescale import SAME_SIZE, metadata_in_world
 from rigtri.maths.matrices import decompose, inverse, multiply, nearest_rotation
 from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.similarity_fit import nearest_axis_turn
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.metadata import ConstraintRecord, GroupRecord, references
 from rigtri.model.rig import Rig
 from rigtri.operations.rigtri_nodes import add
@@ -38,7 +40,8 @@ def with_group(rig: Rig, described: Rig, both: Counterparts) -> tuple[Rig, dict[
 
 def in_world(both: Counterparts) -> Rig:
     """The first rig with what its constraints and pose readers count in the world and in objects, as the
-    other has these: exporters turn objects in their own axes where up is another there, but not bones.
+    other has these: exporters turn objects in their own axes where up is another there, but not bones, and
+    controls that were bones have the size of their armature.
     """
     rig = both.rig
     turns = np.tile(IDENTITY, (len(rig), 1))
@@ -50,10 +53,38 @@ def in_world(both: Counterparts) -> Rig:
     for node, found in zip(objects, found_turns, strict=True):
         if np.abs(found - common).max() < np.abs(found - np.eye(3)).max():
             turns[node] = from_axes(common.T)
-    if (turns == IDENTITY).all() and (both.space == np.eye(4)).all():
-        return rig
     _, rotation, scale = decompose(inverse(both.space))
-    return replace(rig, metadata=metadata_in_world(rig, rotation, float(scale[0]), turns))
+    sizes = _sizes(both, float(scale[0]))
+    if (turns == IDENTITY).all() and (both.space == np.eye(4)).all() and (sizes == 1.0).all():
+        return rig
+    return replace(rig, metadata=metadata_in_world(rig, rotation, float(scale[0]), turns, sizes))
+
+
+def _sizes(both: Counterparts, world: float) -> Floats:
+    """How large the first rig's nodes are in the other, whose world is ``world`` times as large, (n,).
+
+    Of what rigtri has added, the size of most controls there below the same root, or 1, whichever is
+    nearer: controls may rest as a frame shows them.
+    """
+    rig, other = both.rig, both.other
+    sizes = np.ones(len(rig))
+    shares: dict[int, list[float]] = {}
+    own, theirs = (length(each.world[:, 0, :3]) for each in (rig, other))
+    found = {
+        node: float(theirs[of] / (own[node] * world))
+        for node, of in both.of.items()
+        if node in rig.own and 0.0 < own[node] < np.inf and 0.0 < theirs[of] < np.inf
+    }
+    homes = {node: other.path_to_root(both.of[node])[-1] for node in found}
+    for node in rig.nodes_of("control"):
+        if node in found:
+            shares.setdefault(homes[node], []).append(found[node])
+    for node, share in found.items():
+        same = sorted(shares.get(homes[node], [1.0]))
+        usual = same[len(same) // 2]
+        if abs(usual - 1.0) > SAME_SIZE and max(share / usual, usual / share) < max(share, 1.0 / share):
+            sizes[node] = usual
+    return sizes
 
 
 def check_constraints(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> None:
