@@ -400,14 +400,16 @@ def _ending(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim
 
 
 def _tip(tree: Skeleton, joint: int) -> int | None:
-    """The bare leaf node that ends a joint: not a joint, nothing on it, nothing below it."""
+    """The bare leaf node that ends a joint, nothing on it or below it; a joint only where it is called so."""
     rig = tree.rig
-    bare = [
+    leaves = [
         k
         for k in rig.children[joint]
-        if k not in tree.above and not rig.children[k] and rig.attachment[k] < 0 and k not in rig.metadata
+        if not rig.children[k] and rig.attachment[k] < 0 and k not in rig.metadata
     ]
-    named = _ends_in_name(rig.names, joint, bare)
+    bare = [k for k in leaves if k not in tree.above]
+    ends = [k for k in leaves if k in tree.above and not tree.carries[k]]
+    named = _ends_in_name(rig.names, joint, [*bare, *ends])
     others = [k for k in bare if not _OTHER.intersection(roles_in_name(rig.names[k]))]
     one = named if len(named) == 1 else others
     return one[0] if len(one) == 1 else None

@@ -276,6 +276,17 @@ def test_an_end_joint_aims_at_its_bare_tip() -> None:
     assert report.joints[-1]["aims_at"] == "c_end"
 
 
+@pytest.mark.parametrize(("name", "aims_at"), [("c_end", "c_end"), ("c_slot", None)])
+def test_an_end_joint_aims_at_its_own_end_though_that_is_a_joint(name: str, aims_at: str | None) -> None:
+    """As of strands of hair: before, they aimed up, where the bone before them does, away from their tip."""
+    rig = rig_of([*"abc", name], [-1, 0, 1, 2], np.array([[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 1]]))
+    weights = np.array([True, True, True, False])
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world), weigh=lambda: weights),))
+    report = Report()
+    oriented(rig, report)
+    assert report.joints[2].get("aims_at") == aims_at
+
+
 def test_a_shin_of_a_flat_rig_aims_at_the_foot_that_its_limb_names() -> None:
     positions = np.array([[0, 0, 0], [0, 2, 0.1], [0, -1, 0.3], [0, 0, 0]], dtype=float)
     rig = rig_of(["root", "thigh", "shin", "foot"], [-1, 0, 1, 0], positions)
