@@ -330,3 +330,15 @@ def test_feet_of_legs_that_are_stretched_aside_turn_with_them(degrees: float, to
         hinge = np.array([np.cos(turned), np.sin(turned), 0.0])
         foot = out.world[out.find(f"foot.{side}"), 1, :3]
         assert np.degrees(np.arccos(foot @ hinge)) < (30 if degrees > 30 else 21)
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_the_topmost_bone_of_a_trunk_turns_and_what_moves_the_whole_stays(whole: bool) -> None:
+    """The spine of Rigify's animals begins behind the hips: before, its first bone kept its axes."""
+    place = (0.0, 0.0, -0.6) if whole else (0.0, 1.4, -0.8)
+    behind = [("croup", "", place), *((n, above or "croup", at) for n, above, at in HORSE)]
+    out = orient_joints(rig_with(behind), preset="maya")
+    croup, hips = out.find("croup"), out.find("pelvis")
+    assert (aim(out, croup) @ aim(out, hips) > 0.9) is not whole
+    if not whole:
+        np.testing.assert_allclose(out.world[croup, 1, :3], out.world[hips, 1, :3], atol=1e-9)

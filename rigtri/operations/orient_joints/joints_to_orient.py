@@ -11,12 +11,14 @@ import numpy as np
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton, reference, skeleton
+from rigtri.maths.angle_limits import radians_below
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import determinant, transform_directions
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length, normalise
+from rigtri.maths.vectors import angle, length, normalise
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.model.skin import moving_points
 from rigtri.operations.aim_targets import (
     Aim,
     Rules,
@@ -36,6 +38,9 @@ from rigtri.recognition import body_hinges
 from rigtri.recognition.layout import Character
 from rigtri.recognition.limbs import Limb, along, named_limbs, with_recognised
 from rigtri.recognition.recognise import recognise
+
+# A bone of a trunk is at most so many times as long as the next, and goes on into it within this.
+_AS_LONG, _GOES_ON = 2.0, radians_below(45)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,29 +121,29 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         tree = replace(tree, sockets=body_hinges.sockets(rig, characters))
     chains = [(k, chain) for k in characters for chain in k.sure_chains]
     twists = body_hinges.twists_beside_bones(rig, characters)
+    trunk = {above: k.hips for k in characters for above in _trunk_above_hips(tree, ref, k)}
     heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
     bodily = tree.joints if options.style.world else (joint for _, chain in chains for joint in chain.joints)
     before, beside = flat_joints(tree, characters)
     tree = replace(tree, before=before)
     meant = twists.intersection(rig.nodes_of("twist"))  # their weights may not be split yet
-    meant = meant.union(_standard_bones(characters, options))
     joints, skipped = select(
         tree,
         ref,
         selection,
         aimed=aim_at,
         all_named=literal or options.root is not None,
-        hips=frozenset(top for k in characters for top in _tops(k)).union(beside),
+        hips=frozenset(top for k in characters for top in _tops(k)).union(beside, trunk),
         heads=heads,
         whole=twists.union(bodily, beside),
-        meant=meant,
+        meant=meant.union(_standard_bones(characters, options)),
     )
     styles = _styles(tree, options)
     limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)), flat=True)
     bodies = None if literal else body_hinges.bodies(rig, characters, ref.world, options.facing)
     known = limb_children(tree, limbs)
     if not options.branch:  # a rule that the user names goes before what is known of a body
-        known = _children_of_bodies(tree, ref, characters) | beside | known
+        known = _children_of_bodies(tree, ref, characters) | trunk | beside | known
     rules = Rules(
         options.branch_rule,
         tuple(_branch_child(rig, name) for name in options.branch_to),
@@ -177,6 +182,23 @@ def _tops(character: Character) -> Iterator[int]:
             yield from (character.hips, *chain.joints)
         elif character.form in ("biped", "quadruped"):
             yield from chain.bend
+
+
+def _trunk_above_hips(tree: Skeleton, ref: ReferencePose, character: Character) -> Iterator[int]:
+    """The root joint of a trunk that goes on behind the hips, as of animals of Rigify.
+
+    It is a bone of that, which moves points, and no joint that moves the whole.
+    """
+    spine = next((chain.joints for chain in character.sure_chains if chain.kind == "spine"), ())
+    above = tree.above.get(character.hips, -1)
+    if not spine or above < 0 or tree.above[above] >= 0:
+        return
+    if not moving_points(tree.rig.skins, len(tree.rig))[above]:
+        return
+    at = ref.world[:, 3, :3]
+    bone, after = at[character.hips] - at[above], at[spine[0]] - at[character.hips]
+    if length(bone) <= _AS_LONG * length(after) and angle(bone, after) < _GOES_ON:
+        yield above
 
 
 def _standard_bones(characters: Iterable[Character], options: OrientJointsOptions) -> Iterator[int]:
