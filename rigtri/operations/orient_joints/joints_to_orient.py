@@ -35,6 +35,7 @@ from rigtri.operations.joint_selection import select
 from rigtri.operations.option_kinds import Selection
 from rigtri.operations.options.orient_joints import BRANCHES, OrientJointsOptions
 from rigtri.recognition import body_hinges
+from rigtri.recognition.beside_bones import sockets, twists_beside_bones
 from rigtri.recognition.layout import Character
 from rigtri.recognition.limbs import Limb, along, named_limbs, with_recognised
 from rigtri.recognition.recognise import recognise
@@ -118,9 +119,9 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     characters: Sequence[Character] = ()
     if not literal:
         characters = [k for k in recognise(rig).characters if k.gives_axes]
-        tree = replace(tree, sockets=body_hinges.sockets(rig, characters))
+        tree = replace(tree, sockets=sockets(rig, characters))
     chains = [(k, chain) for k in characters for chain in k.sure_chains]
-    twists = body_hinges.twists_beside_bones(rig, characters)
+    twists = twists_beside_bones(rig, characters)
     trunk = {above: k.hips for k in characters for above in _trunk_above_hips(tree, ref, k)}
     heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
     bodily = tree.joints if options.style.world else (joint for _, chain in chains for joint in chain.joints)
