@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 
 import numpy as np
 
-from rigtri.evaluation.timelines import Timeline, timelines
+from rigtri.evaluation.timelines import timelines
 from rigtri.maths.matrices import from_frame, inverse, multiply, nearest_rotation, transform_directions
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.similarity_fit import SAME_TURN, upright_turn
@@ -160,16 +160,10 @@ def warn_followers(start: Rig, rig: Rig, report: Report) -> None:
 def warn_overruled(start: Rig, rig: Rig, report: Report) -> None:
     """Warn of joints whose new keys the controls of ``rig`` overrule: a bake would lose that motion."""
     known = {id(track) for clip in start.clips for track in clip.tracks}
-    for timeline in timelines(rig):
-        tracks = [track for k in timeline.members for track in rig.clips[k].tracks]
-        changed = (t for t in tracks if id(t) not in known and t.path != "weights")
-        new = frozenset((t.node, t.path) for t in changed if t.node not in rig.own)
-        names, far = _overruled(rig, timeline, new)
-        if not names:
-            continue
+    for clip, names, far in _overruled(rig, known):
         report.warn(
             "controls-overrule",
-            f"In '{timeline.name}' EDITED moves {list_names(names)} otherwise than RIG's controls do "
+            f"In '{clip}' EDITED moves {list_names(names)} otherwise than RIG's controls do "
             f"({far:.2g} of the size), and 'bake --to joints' takes the motion of controls. "
             "If EDITED lacks controls, or has them under other names, export them as they are in RIG; to "
             "move the controls as EDITED's joints: rigtri bake --to controls --discard-motion",
@@ -185,15 +179,10 @@ def warn_shown_otherwise(rig: Rig, report: Report) -> None:
     """
     if not switches(rig, {node: node for node in ik_ends(rig)}).drives:
         return
-    for timeline in timelines(rig):
-        tracks = [track for k in timeline.members for track in rig.clips[k].tracks]
-        known = frozenset((t.node, t.path) for t in tracks if t.path != "weights" and t.node not in rig.own)
-        names, far = _overruled(rig, timeline, known)
-        if not names:
-            continue
+    for clip, names, far in _overruled(rig):
         report.warn(
             "controls-overrule",
-            f"In '{timeline.name}' IN moves {list_names(names)} otherwise than its controls do ({far:.2g} of "
+            f"In '{clip}' IN moves {list_names(names)} otherwise than its controls do ({far:.2g} of "
             "the size); the motion of the controls was taken. Blender shows an IK switch or a weight that a "
             "clip has no keys of as it was last, and keys of a switch are lost: if that is meant, move the "
             "controls as IN's joints: rigtri bake IN --rig RIG --to controls --discard-motion",
@@ -201,12 +190,18 @@ def warn_shown_otherwise(rig: Rig, report: Report) -> None:
         )
 
 
-def _overruled(
-    rig: Rig, timeline: Timeline, taken: frozenset[tuple[int, TrackPath]]
-) -> tuple[list[str], float]:
-    """The nodes that controls move otherwise than these keys of theirs, and how far, of the size."""
-    far = moved_otherwise(rig, timeline, taken) if taken else {}
-    return [rig.title(node) for node in far if far[node] > _OVERRULED], max(far.values(), default=0.0)
+def _overruled(rig: Rig, known: Container[int] = ()) -> Iterator[tuple[str, list[str], float]]:
+    """By clip the nodes that controls move otherwise than their own keys do, and how far, of the size.
+
+    known: the ids of tracks that do not count.
+    """
+    for timeline in timelines(rig):
+        tracks = [track for k in timeline.members for track in rig.clips[k].tracks]
+        counted = (t for t in tracks if id(t) not in known and t.path != "weights")
+        keys = frozenset((t.node, t.path) for t in counted if t.node not in rig.own)
+        far = moved_otherwise(rig, timeline, keys) if keys else {}
+        if names := [rig.title(node) for node in far if far[node] > _OVERRULED]:
+            yield timeline.name, names, max(far.values())
 
 
 def _followers(rig: Rig) -> Iterator[tuple[int, set[int]]]:
