@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from math import acos, fsum
 
@@ -247,12 +247,8 @@ def _thighs(tree: Tree, body: Body, ahead: Vector) -> float:
     assert body.legs is not None
     if body.form != "biped" or body.arms is None:
         return 0.0
-    ways = [
-        (tree.at[path[body.legs.at[1]]] - tree.at[path[body.legs.at[0]]]).unit.dot(ahead)
-        for path in body.legs.pair.paths
-    ]
-    least, most = min(ways), max(ways)
-    return least if least > _SITS else most if most < -_SITS else 0.0
+    thighs = (body.legs.joints(k)[:2] for k in (0, 1))
+    return _all_ahead(tree, thighs, ahead, _SITS)
 
 
 def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:
@@ -276,10 +272,14 @@ def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:
 
 def _reach(tree: Tree, arms: Limbs, ahead: Vector) -> float:
     """How far both arms are stretched ahead, −1 to 1; 0 of other arms: none can be stretched back so far."""
-    joints = [[tree.at[joint] for joint in arms.joints(k)] for k in (0, 1)]
-    ways = [(b - a).unit.dot(ahead) for arm in joints for a, b in pairwise(arm)]
+    return _all_ahead(tree, (arms.joints(k) for k in (0, 1)), ahead, _STRETCHED)
+
+
+def _all_ahead(tree: Tree, chains: Iterable[Sequence[int]], ahead: Vector, far: float) -> float:
+    """How far all bones of some chains go ahead, −1 to 1, as that which goes least; 0 unless each by more."""
+    ways = [(tree.at[b] - tree.at[a]).unit.dot(ahead) for chain in chains for a, b in pairwise(chain)]
     least, most = min(ways), max(ways)
-    return least if least > _STRETCHED else most if most < -_STRETCHED else 0.0
+    return least if least > far else most if most < -far else 0.0
 
 
 def _thumbs(tree: Tree, arms: Limbs, up: Vector, ahead: Vector) -> float:
