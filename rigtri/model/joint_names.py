@@ -26,6 +26,8 @@ _GLUED = re.compile(
     r"|humerus|radius|elbow|wrist|hand|fingers?|thumb|index|mid|middle|ring|little|pinky|palm|hip|hipjoint|buttock|thigh|femur|knee"
     r"|shin|calf|tibia|ankle|foot|heel|toes?)(?![a-z]))"
 )
+# What may say a side: one that is glued, or else a word.
+_SIDED = re.compile(f"{_GLUED.pattern}|{_WORD.pattern}")
 # Rear and no side, in names that end with that: ``r_toe.L`` of Rigify's cat and horse, beside ``f_toe.L``.
 _REAR = re.compile(r"(?<![^\W\d_])r(?=[\W_].*[\W_][lLrR](?:[\W_]*\d+)*$)")
 _LEFT = frozenset({"l", "left", "lft", "lf", "左"})
@@ -109,11 +111,7 @@ def twin(name: str) -> str:
     """
     if rear := _REAR.search(name):
         return twin(name[: rear.start()]) + rear.group() + twin(name[rear.end() :])
-    done, at = "", 0
-    for glued in _GLUED.finditer(name):
-        done += _WORD.sub(_other_side, name[at : glued.start()]) + _other_side(glued)
-        at = glued.end()
-    return (done + _WORD.sub(_other_side, name[at:])).translate({0x5DE6: "右", 0x53F3: "左"})
+    return _SIDED.sub(_other_side, name).translate({0x5DE6: "右", 0x53F3: "左"})
 
 
 def _other_side(found: re.Match[str]) -> str:
