@@ -105,8 +105,8 @@ def _used_limbs(rig: Rig, kept: frozenset[int], report: Report) -> frozenset[int
     skins = [k for k, skin in enumerate(rig.skins) if not limbs.keys().isdisjoint(skin.joints.tolist())]
     weighted = [node for k in skins for node in rig.skins[k].joints[_weighted(rig, k)].tolist()]
     bound = sorted(limbs.keys() & {*weighted})
-    held = [(node, child) for node in limbs for child in rig.children[node] if child not in rig.own]
-    held = [(node, child) for node, child in held if node not in kept]
+    going = [node for node in limbs if node not in kept]
+    held = [(node, child) for node in going for child in rig.children[node] if child not in rig.own]
     found, rest = set[int](), bound + [node for node, _ in held]
     while rest:
         node = rest.pop()
