@@ -80,7 +80,8 @@ def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) 
 def _sampled(xformable: Any, local: Floats, tracks: Mapping[Path, Track]) -> list[Path]:
     """What of a prim new ops have samples of, and no default, so that without time it stands as before.
 
-    Ops without a default count for nothing there, and the prim rests at their first samples.
+    Ops without a default count for nothing there, and the prim rests at the first samples of all its ops.
+    None where one of them would still stand elsewhere: half of its old place is no place.
     """
     without_time = np.array(xformable.GetLocalTransformation(Usd.TimeCode.Default()))
     if skew(without_time) >= SKEW:
@@ -88,15 +89,19 @@ def _sampled(xformable: Any, local: Floats, tracks: Mapping[Path, Track]) -> lis
     found: list[Path] = []
     for path, stands, rests in zip(OPS, decompose(without_time), decompose(local), strict=True):
         track = tracks.get(path)
-        if track is None or not _is_same(path, stands, NOTHING[path]) or _is_same(path, stands, rests):
+        if track is not None and not _is_same(path, track.values[0], rests):
+            return []
+        if _is_same(path, stands, rests):
             continue
         stated = xformable.GetPrim().GetAttribute(OPS[path])  # an op that is out of use
-        if _is_same(path, track.values[0], rests) and (not stated or stated.Get() is None):
-            found.append(path)
-    # With one op without a default a prim rests at the first samples of all ops.
-    rest = dict(zip(OPS, decompose(local), strict=True))
-    starts = all(_is_same(t.path, t.values[0], rest[t.path]) for t in tracks.values() if t.path in OPS)
-    return found if starts else []
+        if (
+            track is None
+            or not _is_same(path, stands, NOTHING[path])
+            or (stated and stated.Get() is not None)
+        ):
+            return []
+        found.append(path)
+    return found
 
 
 def _is_same(path: Path, one: Floats, other: Floats) -> bool:
