@@ -294,7 +294,8 @@ def judge_closely(found: Found, source: Path, target: Path, place: Path, content
     options = _options(found)
     try:
         with np.errstate(all="ignore"):  # as the program does
-            other = read(target, options)
+            # A limb can have been the only skeleton of a stage of prims.
+            other = read(target, replace(options, empty=True) if found.command[0] == "strip" else options)
             one = other if changing else read(source, options)  # make-limb also takes what is no rig yet
             result = verify(_Linear(one, one.rig), _Linear(other, other.rig))
     except RigtriError as error:

@@ -59,7 +59,8 @@ class _Sides:
         if isinstance(was, Reference) and isinstance(now, Reference):
             return now.node == (self.m.showing(was.node) if was.shows else int(self.m.node[was.node]))
         if isinstance(was, float | int) and isinstance(now, float | int):
-            return was == now or abs(was - now) <= max(self.share * max(abs(was), abs(now)), self.apart)
+            near = was == now or abs(was - now) <= max(self.share * max(abs(was), abs(now)), self.apart)
+            return near or (was != was and now != now)
         if isinstance(was, list | tuple) and isinstance(now, list | tuple):
             return len(was) == len(now) and all(map(self.equal, was, now))
         return bool(was == now)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
+from places import SAMPLES
+from program import cli
 from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
 from rigtri.formats.usd.reading.scene_facts import BINDING, read_scene_facts
@@ -30,3 +34,18 @@ def test_one_sample_is_what_shows_at_all_times() -> None:
     shown = read_scene_facts(stage, {0: "/Body"}).nodes[0]["visibility"]
     mesh.CreateVisibilityAttr().Set("invisible", 5.0)
     assert "invisible" in read_scene_facts(stage, {0: "/Body"}).nodes[0]["visibility"] != shown
+
+
+def test_a_number_that_is_none_is_the_same_number(tmp_path: Path) -> None:
+    """Found by mutations: nothing could be edited beside a camera with an aperture of NaN."""
+    source = tmp_path / "camera.usda"
+    source.write_bytes((SAMPLES / "biped.usda").read_bytes())
+    stage = Usd.Stage.Open(str(source))
+    UsdGeom.Camera.Define(stage, "/Camera").CreateVerticalApertureAttr(float("nan"))
+    stage.Save()
+    ran = cli("orient-joints", source, "-o", tmp_path / "out.usda")
+    assert ran.exit_code == 0, ran.stderr
+    stage.GetPrimAtPath("/Camera").GetAttribute("verticalAperture").Set(3.0)
+    stage.Save()
+    ran = cli("verify", tmp_path / "out.usda", source)
+    assert "verticalAperture of Camera is 3, was nan" in str(ran.stdout)
