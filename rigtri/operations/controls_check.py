@@ -150,16 +150,12 @@ def _refuse_moved(rig: Rig, after: Rig, control: int, joints: Sequence[int], mov
             )
 
 
-def seen_below(rig: Rig, nodes: Collection[int]) -> list[int]:
-    """What others have put right below nodes of rigtri and is seen, or shows what is below it: joints too."""
-    seen = rig.is_joint | (rig.attachment >= 0)
-    hung = (node for k in nodes for node in rig.children[k] if node not in rig.own)
-    return sorted(node for node in hung if seen[[node, *rig.below(node)]].any())
-
-
 def refuse_carried(rig: Rig, offset: int, control: int) -> None:
     """GeometryError where others have put what is seen below a control, whose offset gets another place."""
-    for node in seen_below(rig, (offset, control)):
+    seen = rig.is_joint | (rig.attachment >= 0)
+    for node in (*rig.children[offset], *rig.children[control]):
+        if node in rig.own or not seen[[node, *rig.below(node)]].any():
+            continue
         mine, theirs, above = (rig.title(k) for k in (control, node, int(rig.parents[node])))
         raise GeometryError(
             f"'{mine}' would get another place, and '{theirs}', which is not from rigtri, is a child of "

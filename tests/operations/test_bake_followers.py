@@ -206,18 +206,18 @@ def test_keys_of_a_corrective_joint_s_own_say_when_what_follows_it_jumps() -> No
     assert [warning.code for warning in report.warnings] == []
 
 
-@pytest.mark.parametrize("skinned", [False, True])
+@pytest.mark.parametrize("sword", ["joint", "mesh", "bare"])
 def test_what_others_have_put_below_a_control_is_named_where_a_bake_would_move_it(
-    tmp_path: Path, skinned: bool
+    tmp_path: Path, sword: str
 ) -> None:
-    """A mesh, or a joint. Before, with 6: "The result would look different"; `strip` has always said it."""
+    """A mesh, a joint, or a bare node. Before, with 6: "The result would look different"; `strip` has always said it."""
     built, path, out = (tmp_path / name for name in ("built.glb", "in.glb", "out.glb"))
     cli("add-controls", SAMPLES / "biped.glb", "-o", built, "--joints", "forearm_L", code=0)
     gltf, binary = glb_parts(built)
     (control,) = (node for node in gltf["nodes"] if node["name"] == "forearm_L_ctl")
     control["children"] = [*control.get("children", []), len(gltf["nodes"])]
-    gltf["nodes"].append({"name": "sword"} if skinned else {"name": "sword", "mesh": 0})
-    if skinned:  # it holds what the head does
+    gltf["nodes"].append({"name": "sword", "mesh": 0} if sword == "mesh" else {"name": "sword"})
+    if sword == "joint":  # it holds what the head does
         (head,) = (k for k, node in enumerate(gltf["nodes"]) if node["name"] == "head")
         joints = gltf["skins"][0]["joints"]
         joints[joints.index(head)] = len(gltf["nodes"]) - 1

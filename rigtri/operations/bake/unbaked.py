@@ -27,7 +27,6 @@ from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.controls_check import seen_below
 from rigtri.operations.options.bake import BETWEEN
 from rigtri.recognition.joint_tree import helpers
 from rigtri.recognition.one_character import about
@@ -199,14 +198,15 @@ def refuse_replaced(
 def _refuse_carried(
     before: Rig, after: Rig, timelines: tuple[Timeline, Timeline], times: Floats, size: float
 ) -> None:
-    """GeometryError where what others have put below a control is seen to move with its new keys."""
-    if not (shown := seen_below(before, before.own)):
+    """GeometryError where what others have put below a control moves with its new keys, as bare nodes too."""
+    hung = [node for k in sorted(before.own) for node in before.children[k] if node not in before.own]
+    if not hung:
         return
     was, now = (
         PoseCache(rig, sample_parts(rig, each.clip, times))
         for rig, each in zip((before, after), timelines, strict=True)
     )
-    for node in shown:
+    for node in hung:
         if _deviation(was, now, node, size) > TOLERANCE:
             control = int(before.parents[node])
             joint = getattr(before.record(control), "joint", None)
