@@ -68,7 +68,8 @@ class TwistJoint:
 def twist_joints(rig: Rig) -> list[TwistJoint]:
     """The twist joints of a rig's metadata, in the order of the nodes.
 
-    Raises GeometryError for a joint that is no longer there, or several, and for a bone without length.
+    Raises GeometryError for a joint that is no longer there, or several, for one that is not the parent, and
+    for a bone without length.
     """
     return [twist_of(rig, node, record) for node, record in sorted(rig.records(TwistRecord).items())]
 
@@ -81,6 +82,7 @@ def twist_of(rig: Rig, node: int, record: TwistRecord) -> TwistJoint:
             "is called so: was it renamed, or is there another of that name? Give the joint that name again"
         )
     joint, to, driver = map(rig.find, (record.joint, record.to, record.driver))
+    refuse_parted(rig, node, record)
     own_axis = _own_axis(rig, joint, to, record.axis)
     upper = driver == joint
     path = driver_path(rig, driver, -1 if upper else joint)
@@ -102,6 +104,16 @@ def twist_of(rig: Rig, node: int, record: TwistRecord) -> TwistJoint:
         weight=sign * record.weight,
         standing=np.asarray(standing),
     )
+
+
+def refuse_parted(rig: Rig, node: int, record: TwistRecord) -> None:
+    """GeometryError for a twist joint that is no child of its joint: another one, or parented elsewhere."""
+    if rig.find(record.joint) != rig.parents[node]:
+        raise GeometryError(
+            f"'{rig.title(node)}' has the metadata of a twist joint of '{record.joint}', and is not its "
+            f"child: was it parented elsewhere, or was metadata copied? Parent it to '{record.joint}' again, "
+            "or remove that metadata"
+        )
 
 
 def with_stored_rest(rig: Rig, before: Rig) -> Rig:

@@ -210,7 +210,7 @@ def test_keys_of_a_corrective_joint_s_own_say_when_what_follows_it_jumps() -> No
 def test_what_others_have_put_below_a_control_is_named_where_a_bake_would_move_it(
     tmp_path: Path, sword: str
 ) -> None:
-    """A mesh, a joint, or a bare node. Before, with 6: "The result would look different"; `strip` has always said it."""
+    """A mesh, a joint, or a bare node. Before, with 6: "The result would look different"."""
     built, path, out = (tmp_path / name for name in ("built.glb", "in.glb", "out.glb"))
     cli("add-controls", SAMPLES / "biped.glb", "-o", built, "--joints", "forearm_L", code=0)
     gltf, binary = glb_parts(built)

@@ -219,3 +219,20 @@ def test_twist_joints_come_between_nodes_of_a_plain_hierarchy_and_none_of_them_m
         said = cli(words[0], source, "-o", target, *words[1:], *root, code=0).output
         source = target
     assert "largest vertex movement: 0 of the model's size" in said
+
+
+@pytest.mark.parametrize("command", [("add-twist", "--limbs", "auto", "--no-keys"), ("bake",)])
+def test_a_joint_with_the_metadata_of_a_twist_joint_elsewhere_stays(
+    tmp_path: Path, command: tuple[str, ...]
+) -> None:
+    """Metadata that a copy brought to the head. Before, it was put into the thigh, and the result refused."""
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    cli("add-twist", SAMPLES / "biped.glb", "-o", source, "--limbs", "auto", code=0)
+    gltf, data = glb_parts(source)
+    nodes = {node["name"]: node for node in gltf["nodes"]}
+    nodes["head"]["extras"] = nodes["thigh_L_twist_2"]["extras"]
+    del nodes["thigh_L_twist_2"]["extras"]
+    source.write_bytes(glb_bytes(gltf, data))
+    ran = cli(command[0], source, "-o", out, *command[1:], code=5)
+    assert "'head' has the metadata of a twist joint of 'thigh_L', and is not its child" in ran.stderr
+    assert not out.exists()

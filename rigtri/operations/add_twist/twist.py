@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, NoLimbError, UsageError
-from rigtri.evaluation.twist_joints import bone, driver_path, twist_of
+from rigtri.evaluation.twist_joints import bone, driver_path, refuse_parted, twist_of
 from rigtri.frames.skeleton import ZERO_LENGTH
 from rigtri.maths.matrices import nearest_rotation, transform_points
 from rigtri.maths.trigonometry import Floats
@@ -224,6 +224,8 @@ def _joint(
     line: as `_line` has it. above: where the bone's joint stands while controls are zero, (4, 4).
     """
     was = None if node is None else rig.records(TwistRecord)[node]
+    if node is not None and was is not None:
+        refuse_parted(rig, node, was)
     record = _record(rig, of, number, options, was)
     place = transform_points(line * record.at, rig.world[of.joint])
     axes = nearest_rotation(rig.world[of.joint])
