@@ -577,14 +577,28 @@ def test_a_scene_that_lacks_something_is_left_alone(rigged: dict[str, Path], tmp
 
 
 @pytest.mark.slow
-def test_two_characters_of_one_file_are_set_up_together(tmp_path: Path) -> None:
-    """Bones of one name are told apart by what the armatures are below, also where they have other axes."""
-    turned, rigged = tmp_path / "turned.gltf", tmp_path / "rigged.gltf"
-    cli("orient-joints", pair(SAMPLES, tmp_path, "gltf"), "-o", turned, "--character", "A", code=0)
+@pytest.mark.parametrize("suffix", ["gltf", "usda"])
+def test_two_characters_of_one_file_are_set_up_together(suffix: str, tmp_path: Path) -> None:
+    """Bones of one name are told apart by what the armatures are below, also where they have other axes, and
+    each armature has the controls of its own character."""
+    turned, rigged = tmp_path / f"turned.{suffix}", tmp_path / f"rigged.{suffix}"
+    cli("orient-joints", pair(SAMPLES, tmp_path, suffix), "-o", turned, "--character", "A", code=0)
     cli("add-controls", turned, "-o", rigged, "--whole-character", code=0)
-    job = {"source": str(rigged), "script": str(script_for(rigged, tmp_path)), "poses": [{}]}
+    script = tmp_path / "setup.py"
+    script.write_text(exported(read(rigged).rig, gltf=suffix == "gltf", file=rigged.name).script, "utf-8")
+    # The script's own import of USD keeps the Xforms of controls apart from what they draw.
+    job = {"source": str(rigged), "script": str(script), "poses": [{}], "alone": suffix == "usda"}
     (found,) = blender_setup(job, folder=tmp_path)
-    checked(found)
+    if suffix == "gltf":
+        checked(found)
+    made = [str(line).split("/") for line in found["controls|set up"]]
+    bones: dict[str, list[str]] = {}
+    for armature, bone in made:
+        bones.setdefault(armature, []).append(bone)
+    first, second = bones.values()
+    assert len(first) == len(second) == len(made) // 2
+    assert found["controls|set up"].tolist() == found["controls|again"].tolist()
+    assert np.abs(found["moved"]).max() < STILL
 
 
 @pytest.mark.slow
@@ -962,7 +976,20 @@ def test_controls_that_do_not_move_with_the_armature_get_one_of_their_own(tmp_pa
     assert not exported(carried, gltf=True).plan["apart"]
     bare = replace(carried, skins=())
     plan = exported(bare, gltf=True).plan
-    assert plan["nodes"][int(plan["carrier"][1:])]["name"] == "Armature"
+    (about,) = plan["groups"]
+    assert plan["nodes"][int(about["carrier"][1:])]["name"] == "Armature"
+
+
+@pytest.mark.parametrize("suffix", ["gltf", "usda"])
+def test_controls_say_a_joint_of_their_own_character(suffix: str, tmp_path: Path) -> None:
+    """Each has a group of its own, too, in whose axes its controls stand."""
+    rig = rigtri.add_controls(read(pair(SAMPLES, tmp_path, suffix)).rig, whole_character=True)
+    plan = exported(rig, gltf=suffix == "gltf").plan
+    places = {"A": set[int](), "B": set[int]()}
+    for each in plan["controls"]:
+        (top,) = {"A", "B"} & set(plan["nodes"][int(each["joint"][1:])]["above"])
+        places[top].add(each["group"])
+    assert places == {"A": {0}, "B": {1}}
 
 
 def test_a_jump_takes_a_time_that_blender_does_not_merge() -> None:

@@ -33,6 +33,7 @@ from rigtri.model.metadata import (
     RivetRecord,
 )
 from rigtri.model.rig import Rig
+from rigtri.recognition.one_character import about
 from rigtri.recognition.recognise import sure_limbs
 from rigtri.report import Report
 
@@ -54,9 +55,9 @@ _KINDS = {PoleVectorRecord.type: "pole", ControlRecord.type: "fk"}
 @dataclass(eq=False)
 class Plan:
     """The lists, as they grow. limbs: the IK ends by name, in the order of their switches. weights: those of
-    weight nodes at rest. values: numbers that drivers compute; drivers: what such a number drives. group: the
-    node above all controls; carrier: the one that it is a child of, where controls are bones of an armature
-    of their own; apart: clips move the armature, and not the controls, which so are bones of another.
+    weight nodes at rest. values: numbers that drivers compute; drivers: what such a number drives. groups:
+    each a node above controls, and its carrier, the one that it is a child of, where controls are bones of an
+    armature of their own; apart: clips move an armature, and not the controls, which so are bones of another.
     """
 
     rig: Rig
@@ -71,8 +72,7 @@ class Plan:
     weights: dict[str, float] = field(default_factory=dict)
     values: list[dict[str, Any]] = field(default_factory=list)
     drivers: list[dict[str, Any]] = field(default_factory=list)
-    group: str = ""
-    carrier: str = ""
+    groups: list[dict[str, str]] = field(default_factory=list)
     apart: bool = False
     _words: dict[int, str] = field(default_factory=dict)
 
@@ -160,16 +160,28 @@ class Plan:
             look: dict[str, Any] = {"color": [], "size": None}
             if isinstance(note, ControlRecord | PoleVectorRecord):
                 look = {"color": list(note.color or ()), "size": note.size}
-            about = {"node": self.node(node), "above": numbers.get(above, -1), "kind": kind}
-            self.controls.append(about | look | {"locked": _LOCKED.get(kind, "")})
-        group = next((node for node in self.rig.nodes_of("group") if numbers), -1)
-        self.group = self.node(group)
+            words = {"node": self.node(node), "joint": self._joint_of(node), "kind": kind}
+            places = {"above": numbers.get(above, -1), "group": self._group_of(node)}
+            self.controls.append(words | places | look | {"locked": _LOCKED.get(kind, "")})
+        groups = self.rig.nodes_of("group") if numbers else []
         keyed = {t.node for clip in self.rig.clips for t in clip.tracks if _leaves_rest(self.rig, t)}
-        still = set(self.rig.path_to_root(group)) if group >= 0 else set[int]()
+        still = {node for group in groups for node in self.rig.path_to_root(group)}
         tops = {armature_of(self.rig, joint) for joint in np.flatnonzero(self.rig.is_joint).tolist()} - {-1}
         self.apart = any(keyed.intersection(self.rig.path_to_root(top)) - still for top in tops)
-        if group >= 0 and (self.apart or not tops):
-            self.carrier = self.node(int(self.rig.parents[group]))
+        for group in groups:
+            carried = self.apart or not tops
+            carrier = self.node(int(self.rig.parents[group])) if carried else ""
+            self.groups.append({"node": self.node(group), "carrier": carrier})
+
+    def _joint_of(self, control: int) -> str:
+        """A joint that a control is about, which tells whose armature it belongs to; "" for none."""
+        joints = about(self.rig, control)
+        return self.node(min(joints)) if joints else ""
+
+    def _group_of(self, control: int) -> int:
+        """The number of the group that a control is below, else of the first; −1 where there is none."""
+        groups, path = self.rig.nodes_of("group"), self.rig.path_to_root(control)
+        return next((k for k, group in enumerate(groups) if group in path), 0 if groups else -1)
 
     def socket(
         self, name: str, on: str, stand: Floats, *, bone: bool, leads: bool = False, child: int = -1
@@ -253,8 +265,7 @@ class Plan:
             "weights": self.weights,
             "values": self.values,
             "drivers": self.drivers,
-            "group": self.group,
-            "carrier": self.carrier,
+            "groups": self.groups,
             "apart": self.apart,
         }
 

@@ -226,7 +226,8 @@ def may_be_left_out(number: int, about: dict[str, Any]) -> bool:
     Blender's exporter adds one above all, and its importer leaves that out.
     """
     word = f"n{number}"
-    alone = word == RIG["carrier"] and repr(RIG).count(repr(word)) == 1
+    carried = sum(group["carrier"] == word for group in RIG["groups"])
+    alone = 0 < carried == repr(RIG).count(repr(word))
     return alone and not RIG["gltf"] and not about["above"]
 
 
@@ -309,8 +310,9 @@ def remove(nodes: list[Any], owner: Any) -> int:
     made = {thing for thing in every if MARK in thing}
     for thing in made:
         release(thing)
-    count = len(made) + (remove_bones(owner) if owner in {thing for thing, _ in filter(None, nodes)} else 0)
-    for thing in {thing for thing, _ in filter(None, nodes)}:
+    things = {thing for thing, _ in filter(None, nodes)}
+    count = len(made) + (sum(map(remove_bones, things)) if owner in things else 0)
+    for thing in things:
         for constrained in (thing, *(thing.pose.bones if thing.pose else ())):
             for constraint in [one for one in constrained.constraints if is_ours(one, thing)]:
                 thing.driver_remove(f"{constraint.path_from_id()}.influence")
@@ -449,12 +451,13 @@ def build_bones(armature: Any, bones: list[tuple[str, int, Matrix, float]]) -> l
         return [bone.name for bone in made]
 
 
-def in_parent(bone: Any) -> Matrix:
-    """Where a bone rests, seen from its parent; of one at the top, in the axes of the file's group."""
+def in_parent(bone: Any, about: dict[str, Any]) -> Matrix:
+    """Where a control's bone rests, seen from its parent; of one at the top, in the axes of its group."""
     own = bone.bone.matrix_local
     if bone.parent:
         return bone.parent.bone.matrix_local.inverted() @ own
-    group = stand(RIG["nodes"][int(RIG["group"][1:])], True) if RIG["group"] else from_file()
+    word = RIG["groups"][about["group"]]["node"] if about["group"] >= 0 else ""
+    group = stand(RIG["nodes"][int(word[1:])], True) if word else from_file()
     place, turn, _ = (bone.id_data.matrix_world.inverted() @ group).decompose()
     return Matrix.LocRotScale(place, turn, None).inverted() @ own
 
@@ -495,11 +498,12 @@ def lines_of(thing: Any) -> Any:
 class Keys:
     """The keys of an imported control, as those of its bone."""
 
-    def __init__(self, bone: Any, thing: Any) -> None:
+    def __init__(self, bone: Any, thing: Any, about: dict[str, Any]) -> None:
         self.bone, self.thing = bone, thing
+        above = in_parent(bone, about).inverted()
         axes = np.array(object_axes().to_3x3())
-        _, turn, _ = in_parent(bone).inverted().decompose()
-        rest = np.array(in_parent(bone).inverted())
+        _, turn, _ = above.decompose()
+        rest = np.array(above)
         signed = np.array(object_axes().to_quaternion())
         self.maps = {
             "location": (unit_of(bone) * rest[:3, :3] @ axes, rest[:3, 3], np.zeros(3)),
@@ -596,10 +600,10 @@ def uses_of(thing: Any) -> list[tuple[Any, Any, Any]]:
 
 
 class Kept:
-    """What animators have done with controls: before the set-up at objects, after it at bones."""
+    """What animators have done with the controls of an armature: before the set-up at objects, after it at
+    bones."""
 
-    def __init__(self, nodes: list[Any]) -> None:
-        rig = rig_of(character(nodes))
+    def __init__(self, rig: Any) -> None:
         bones = [bone for bone in rig.pose.bones if MARK in bone.bone] if rig else []
         self.again = bool(bones)
         self.switches = {bone.name: float(bone[SWITCH]) for bone in bones if SWITCH in bone}
@@ -614,28 +618,28 @@ class Kept:
             if strip.action
         ]
 
-    def give(self, setup: "Setup") -> None:
+    def give(self, setup: "Setup", rig: Any) -> None:
         """Let the bones of controls have it. What follows a limb does so by constraints."""
         for name, pose in self.poses.items():
-            if name in setup.rig.pose.bones:
-                setup.rig.pose.bones[name].matrix_basis = pose
+            if name in rig.pose.bones:
+                rig.pose.bones[name].matrix_basis = pose
         for action, slot, numbers, mute in self.strips:
-            put_strip(setup.rig, action, slot, numbers, mute)
+            put_strip(rig, action, slot, numbers, mute)
         if self.playing is not None:
-            data = setup.rig.animation_data_create()
+            data = rig.animation_data_create()
             data.action, data.action_slot = self.playing
         if self.again:
             return
-        slots = {action: slot for action, slot, _ in uses_of(setup.rig)}
+        slots = {action: slot for action, slot, _ in uses_of(rig)}
         for about in RIG["controls"]:
             number = int(about["node"][1:])
-            thing, bone = setup.imported[number][0], setup.rig.pose.bones[setup.nodes[number][1]]
-            if about["kind"] == "offset":
+            thing, (own, name) = setup.imported[number][0], setup.nodes[number]
+            if about["kind"] == "offset" or own is not rig:
                 continue
-            keys = Keys(bone, thing)
+            keys = Keys(rig.pose.bones[name], thing, about)
             for action, slot, strip in uses_of(thing):
                 if action not in slots:
-                    slots[action] = play(setup.rig, action, strip)
+                    slots[action] = play(rig, action, strip)
                 source = channels(action, slot)
                 if source is not None:
                     keys.carry(source, channels(action, slots[action], make=True))
@@ -670,16 +674,20 @@ def put_strip(rig: Any, action: Any, slot: Any, numbers: dict[str, Any], mute: b
 def give_keys(nodes: list[Any]) -> None:
     """Give imported controls the curves that glTF's import gives them: of samples in USD, caches are made."""
     curves = [(nodes[int(about["node"][1:])][0], about) for about in RIG["keys"].get("curves", ())]
-    if not curves:
-        return
-    data = character(nodes).animation_data
-    action = (data.action if data else None) or bpy.data.actions.new(RIG["keys"]["name"])
+    owner_of = {about["node"]: owner for about, owner in zip(RIG["controls"], owners(nodes), strict=True)}
+    actions: dict[Any, Any] = {}
     for thing, about in curves:
+        owner = owner_of.get(about["node"], character(nodes))
+        if owner not in actions:
+            data = owner.animation_data
+            actions[owner] = (data.action if data else None) or bpy.data.actions.new(RIG["keys"]["name"])
+        action = actions[owner]
         for cache in [one for one in thing.constraints if one.type == "TRANSFORM_CACHE"]:
             thing.constraints.remove(cache)
         bag = channels(action, slot_of(thing, action), make=True)
         put_curves(bag, about, thing)
-    bpy.context.view_layer.update()
+    if curves:
+        bpy.context.view_layer.update()
 
 
 def slot_of(thing: Any, action: Any) -> Any:
@@ -712,18 +720,30 @@ def has_controls(owner: Any) -> bool:
     return bool(owner.type == "ARMATURE" and not RIG["apart"])
 
 
-def rig_of(owner: Any) -> Any:
-    """The armature that a character's controls are bones of; None for none."""
+def owners(nodes: list[Any]) -> list[Any]:
+    """Of each control the armature that it moves joints of, so that each character has its own controls; the
+    object that most nodes are in where there is none."""
+    found: list[Any] = []
+    for about in RIG["controls"]:
+        joint = nodes[int(about["joint"][1:])] if about["joint"] else None
+        own = joint[0] if joint and joint[1] else character(nodes)
+        found.append(found[about["above"]] if about["above"] >= 0 else own)
+    return found
+
+
+def rig_of(owner: Any, master: Any) -> Any:
+    """The armature that the controls of an owner are bones of; None for none."""
     if owner is None or has_controls(owner):
         return owner
-    made = (thing for collection in made_for(owner) for thing in collection.objects)
-    return next((thing for thing in made if thing.pose and thing.name.startswith(f"{PREFIX}controls")), None)
+    made = [thing for collection in made_for(master) for thing in collection.objects]
+    rigs = [thing for thing in made if thing.pose and thing.name.startswith(f"{PREFIX}controls")]
+    return next((rig for rig in rigs if rig.get(CHARACTER, owner) == owner), None)
 
 
 class Setup:
     """One run: the scene's nodes, and what is made of sockets and bones. Words are those of the plan."""
 
-    def __init__(self, nodes: list[Any], drive: float, kept: "Kept") -> None:
+    def __init__(self, nodes: list[Any], drive: float, kept: dict[Any, "Kept"]) -> None:
         self.master = character(nodes)
         self.collection = bpy.data.collections.new("rigtri setup")
         self.collection[MARK] = 1
@@ -733,15 +753,18 @@ class Setup:
         self.imported = nodes
         self.nodes: list[Any] = [node or (None, "") for node in nodes]
         self.scales: dict[str, Matrix] = {}
-        self.rig: Any = self.add_controls() if RIG["controls"] else None
-        if self.rig:
-            kept.give(self)
+        self.rigs: list[Any] = []
+        switches: dict[Any, dict[str, float]] = {}
+        for owner, rig in self.add_controls().items():
+            self.rigs.append(rig)
+            kept[owner].give(self, rig)
+            switches[rig] = kept[owner].switches
         for word in RIG["limbs"]:
             rig, bone = self.target(word)
-            value = kept.switches.get(bone, 1.0)
+            value = switches[rig].get(bone, 1.0)
             property_of(rig.pose.bones[bone], SWITCH, value, "1: IK moves the limb; 0: its FK controls")
             rig.update_tag()
-            self.add_switch(bone)
+            self.add_switch(rig, bone)
         self.names: list[str] = []
         self.frames: list[Matrix] = []
         self.solver: Any = None
@@ -758,7 +781,7 @@ class Setup:
         if RIG["values"]:
             self.compute()
             if not RIG["limbs"]:
-                self.add_switch()
+                self.add_switch(self.master)
         if self.solver:
             self.settle()
 
@@ -769,7 +792,7 @@ class Setup:
         thing.hide_viewport = thing.hide_render = thing.hide_select = True
         return thing
 
-    def add_switch(self, bone: str = "") -> None:
+    def add_switch(self, rig: Any, bone: str = "") -> None:
         """A visible empty below an IK end, whose scale says in what is exported whether IK moves the limb.
 
         Half or one and a half: IK is off or on; one: nothing drives. ``rigtri bake --rig`` reads it. It has
@@ -780,16 +803,15 @@ class Setup:
         switch.name = f"{SWITCH}_{bone}" if bone else DRIVE
         switch.hide_viewport = switch.hide_render = False
         switch.empty_display_size = 1e-4
+        switch.parent = rig
         if bone:
-            switch.parent, switch.parent_type, switch.parent_bone = self.rig, "BONE", bone
-        else:
-            switch.parent = self.master
+            switch.parent_type, switch.parent_bone = "BONE", bone
         for curve in switch.driver_add("scale"):
             self.by_switches(curve.driver, [("drive", self.master, f'["{DRIVE}"]')])
             curve.driver.expression = "1 + 0.5 * drive"
             if bone:
                 path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"]["{SWITCH}"]'
-                self.by_switches(curve.driver, [("ik", self.rig, path)])
+                self.by_switches(curve.driver, [("ik", rig, path)])
                 curve.driver.expression = "1 + drive * (ik - 0.5)"
 
     def empty(self, about: dict[str, Any]) -> Any:
@@ -816,43 +838,55 @@ class Setup:
 
     # -- the controls
 
-    def add_controls(self) -> Any:
-        """Bones for all controls, in the character's armature or a new one; what was imported is hidden."""
+    def add_controls(self) -> dict[Any, Any]:
+        """Bones for all controls, in the armature of each character or a new one, by its owner; what was
+        imported is hidden."""
+        of = owners(self.imported)
         things = [self.target(about["node"])[0] for about in RIG["controls"]]
-        rig = self.master if has_controls(self.master) else None
-        if rig is None:
-            rig = self.added("controls", bpy.data.armatures.new(PREFIX + "controls"))
-            rig.hide_viewport = rig.hide_select = rig.hide_render = False
         drawn = [
             one for thing in things for one in thing.children if one.type == "CURVES" and one not in things
         ]
         # The group is the armature itself where a limb has no joint above it.
-        group = [self.target(RIG["group"])[0]] if RIG["group"] else []
-        for thing in [*things, *drawn, *(one for one in group if one.type != "ARMATURE")]:
+        groups = [self.target(group["node"])[0] for group in RIG["groups"]]
+        rigs = {one: one if has_controls(one) else self.own_armature(one) for one in dict.fromkeys(of)}
+        for thing in [*things, *drawn, *(one for one in groups if one.type != "ARMATURE")]:
             self.hide(thing)
+        for owner, rig in rigs.items():
+            self.add_bones(rig, [k for k, each in enumerate(of) if each is owner], things)
+        return rigs
+
+    def own_armature(self, owner: Any) -> Any:
+        rig = self.added("controls", bpy.data.armatures.new(PREFIX + "controls"))
+        rig.hide_viewport = rig.hide_select = rig.hide_render = False
+        rig[CHARACTER] = owner
+        return rig
+
+    def add_bones(self, rig: Any, numbers: list[int], things: list[Any]) -> None:
+        """Bones for some of the controls, in one armature; things: what was imported, of all controls."""
         back = rig.matrix_world.inverted()
-        size = max((about["size"] or 0.0 for about in RIG["controls"]), default=0.0) or 0.1
+        controls = [RIG["controls"][k] for k in numbers]
+        size = max((about["size"] or 0.0 for about in controls), default=0.0) or 0.1
         made = [
             (
                 node["name"],
-                about["above"],
+                numbers.index(about["above"]) if about["above"] >= 0 else -1,
                 back @ stand(node, True),
                 (about["size"] or size / 2.0) * RIG["meters"] / rig.matrix_world.median_scale,
             )
-            for about in RIG["controls"]
+            for about in controls
             for node in [RIG["nodes"][int(about["node"][1:])]]
         ]
-        for about, thing, bone in zip(RIG["controls"], things, build_bones(rig, made), strict=True):
+        for k, about, bone in zip(numbers, controls, build_bones(rig, made), strict=True):
             node = int(about["node"][1:])
             self.nodes[node] = (rig, bone)
             own = stand(RIG["nodes"][node], True).median_scale
             self.scales[about["node"]] = Matrix.Scale(rig.matrix_world.median_scale / own, 4)
             rig.data.bones[bone][MARK] = 1
             rig.data.bones[bone].use_deform = False
-            self.dress(rig.pose.bones[bone], about, thing)
-        if rig is not self.master and RIG["carrier"] and self.target(RIG["carrier"])[0]:
-            self.ride(rig, RIG["carrier"], Matrix.Identity(4))
-        return rig
+            self.dress(rig.pose.bones[bone], about, things[k])
+        carrier = next((RIG["groups"][about["group"]]["carrier"] for about in controls if RIG["groups"]), "")
+        if MARK in rig and carrier and self.target(carrier)[0]:
+            self.ride(rig, carrier, Matrix.Identity(4))
 
     def hide(self, thing: Any) -> None:
         """Put an imported control aside: its bone takes its name, and draws its lines."""
@@ -885,7 +919,7 @@ class Setup:
             bone.custom_shape_rotation_euler = object_axes().to_euler()
             bone.custom_shape_scale_xyz = [unit_of(bone)] * 3
         if about["kind"] != "offset":
-            bone.matrix_basis = in_parent(bone).inverted() @ in_bone_axes(bone, thing.matrix_local)
+            bone.matrix_basis = in_parent(bone, about).inverted() @ in_bone_axes(bone, thing.matrix_local)
 
     def settle(self) -> None:
         """Let what hangs on the bones that solve IK stand in its place while controls are zero.
@@ -895,7 +929,7 @@ class Setup:
         bend as they do at rest.
         """
         weights = [self.target(word)[0] for word in RIG["weights"]]
-        with still([self.rig, *weights]):
+        with still([*self.rigs, *weights]):
             shares = [thing.location.copy() for thing in weights]
             for thing, share in zip(weights, RIG["weights"].values(), strict=True):
                 thing.location = (share, 0.0, 0.0)
@@ -905,7 +939,8 @@ class Setup:
 
     def settle_at_rest(self) -> None:
         """The same, while nothing plays and weights are what they are at rest."""
-        bones = [self.rig.pose.bones[self.target(about["node"])[1]] for about in RIG["controls"]]
+        controls = [self.target(about["node"]) for about in RIG["controls"]]
+        bones = [rig.pose.bones[bone] for rig, bone in controls]
         poses = [bone.matrix_basis.copy() for bone in bones]
         switches = [(self.master, DRIVE), *((bone, SWITCH) for bone in bones if SWITCH in bone)]
         values = [thing[name] for thing, name in switches]
@@ -954,8 +989,8 @@ class Setup:
     def switch(self, switches: list[tuple[Any, str]], values: list[float]) -> None:
         for (thing, name), value in zip(switches, values, strict=True):
             thing[name] = value
-        self.master.update_tag()
-        self.rig.update_tag()
+        for thing in (self.master, *self.rigs):
+            thing.update_tag()
 
     def triangle(self, about: dict[str, Any], target: tuple[Any, str], pole: tuple[Any, str]) -> None:
         """Let a limb's bones point at the target, bend to the pole, and reach as far as the target is.
@@ -1265,9 +1300,9 @@ def set_up(given: str | None = None, drive: float | None = None) -> int:
     if not RIG["apart"] and (text := elsewhere(nodes)):
         print(f"rigtri: warning: {text}", file=sys.stderr)
     before = float(master.get(DRIVE, 1.0))
-    kept = Kept(nodes)
+    kept = {owner: Kept(rig_of(owner, master)) for owner in owners(nodes)}
     remove(nodes, master)
-    if not kept.again:
+    if not any(one.again for one in kept.values()):
         give_keys(nodes)
         if not RIG["gltf"]:
             play_at(RIG["keys"]["rate"])

@@ -4,6 +4,7 @@ JOBS is a list of objects. ``source`` is imported (with ``alone`` the script doe
 twice, each of ``poses`` gives controls their channels as the file has them (translation, rotation xyzw,
 scale; IK is off in those of ``only_fk``), and what the script has made is taken out. The .npz ``target`` gets
 ``points|WORD``, the vertices of all meshes in the world as imported, set up, set up again and removed;
+``controls|WORD``, ``ARMATURE/BONE`` of each control, and ``moved``, how far they are from zero once set up;
 ``joints|POSE``, world matrices of the bones, posed, and ``joints|rest``, while IK is off; ``names`` of the
 bones; ``counts`` of things after each;
 ``objects|POSE``, world matrices of the objects that are named by ``objects``, and ``weights|POSE``, of each
@@ -154,6 +155,12 @@ def switch(value):
     skeleton().update_tag()
 
 
+def made_bones():
+    """The bones that the script has made, with their armatures."""
+    rigs = [thing for thing in bpy.data.objects if thing.pose]
+    return [(thing, bone) for thing in rigs for bone in thing.pose.bones if not is_joint(bone)]
+
+
 def count():
     bones = [bone for thing in bpy.data.objects if thing.pose for bone in thing.pose.bones]
     drivers = [len(t.animation_data.drivers) for t in bpy.data.objects if t.animation_data]
@@ -174,6 +181,9 @@ def work(job):
         counts.append(count())
     for word in ("set up", "again"):
         run(job["script"])
+        made = made_bones()
+        found[f"controls|{word}"] = np.array(sorted(f"{thing.name}/{bone.name}" for thing, bone in made))
+        found["moved"] = np.array([np.array(bone.matrix_basis) - np.eye(4) for _, bone in made])
         silence()
         found[f"points|{word}"] = vertices()
         counts.append(count())
