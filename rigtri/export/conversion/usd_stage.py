@@ -328,13 +328,16 @@ class _Writer:
             def sampled(times: Floats) -> Floats:
                 return worlds(small, motion.locals_at(times))[:, place[node]]
 
-            times = frame_times(sampled, key_times(clip), BAKED, self._judged_by[node])
+            def looking(times: Floats) -> Floats:
+                return looking_frames(sampled(times))
+
+            # Where keys are sheared, what lies between them is not looked at as it is first.
+            times, within = key_times(clip), (BAKED, self._judged_by[node])
+            if not (skew(sampled(times)) > _SHEARED).any():
+                times = frame_times(sampled, times, *within)
+            if (skew(sampled(times)) > _SHEARED).any():
+                times = frame_times(looking, times, *within)
             frames = sampled(times)
-            if (skew(frames) > _SHEARED).any():
-                times = frame_times(
-                    lambda times: looking_frames(sampled(times)), times, BAKED, self._judged_by[node]
-                )
-                frames = sampled(times)
         rest = rig.normalised_world[node]
         # Shear comes of a scale and a rotation below it, and neither a camera nor a light has a size.
         if (skew(np.concatenate([frames, rest[np.newaxis]])) > _SHEARED).any():
