@@ -45,6 +45,7 @@ from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.names_of_several import named_twice, one_of_several
 from rigtri.recognition.naming_schemes import limb_kind_in_name, roles_in_name
+from rigtri.recognition.rival_joints import beside_end, earlier_start, later_end, other_middle
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
     arm_as_leg,
@@ -365,6 +366,10 @@ _OF_SHAPES = (
         middle_bone,
         reaches_further,
         other_end,
+        beside_end,
+        other_middle,
+        later_end,
+        earlier_start,
     ),
     *_alone(
         points_ahead,
