@@ -183,6 +183,14 @@ def of_character(rig: Rig, name: str) -> Rig:
     return replace(rig, names=tuple(names))
 
 
+def without_others(rig: Rig, nodes: Nodes) -> Rig:
+    """A rig without what rigtri has built for other characters than one; nodes: those of the character."""
+    hidden = _of_others(rig, nodes)
+    return replace(
+        rig, metadata={node: stored for node, stored in rig.metadata.items() if node not in hidden}
+    )
+
+
 def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:
     """The metadata that are about joints of other characters alone, and those of groups of such."""
     hidden: dict[int, Mapping[str, Any]] = {}

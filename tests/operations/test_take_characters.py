@@ -177,6 +177,19 @@ def stored_at_a_frame(rig: Rig) -> Rig:
     return replace(rig, **parts)
 
 
+@pytest.mark.parametrize("suffix", ["gltf", "usda"])
+def test_a_rig_of_two_characters_describes_the_named_one_alone(suffix: str, tmp_path: Path) -> None:
+    """Nothing is said of the other's controls, which keep what they have."""
+    rigged = rigtri.add_controls(rigtri.read(pair(SAMPLES, tmp_path, suffix)), whole_character=True)
+    keyed = bake(rigged, to="controls")
+    bare = replace(keyed, metadata={})
+    report = Report()
+    made = bake(bare, to="joints", rig_=keyed, character="B", report=report)
+    assert not report.warnings
+    joints = {made.path(made.find(record.joint)) for record in made.records(ControlRecord).values()}
+    assert {path.split("/")[1] for path in joints} == {"B"}
+
+
 def test_numbered_characters_whose_rest_a_dcc_has_changed_bake_as_before(shot: Rig) -> None:
     """What stands above a control is known by what it is, not by the number in its name."""
     report = Report()

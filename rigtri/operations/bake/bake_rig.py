@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from rigtri.model.characters import characters
 from rigtri.model.rig import Rig
 from rigtri.operations.options.bake import BakeOptions
 from rigtri.operations.rigtri_nodes import readdressed
 from rigtri.operations.take_clips.messages import warn_shown_otherwise
+from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
-from rigtri.recognition.one_character import of_character
+from rigtri.recognition.one_character import of_character, without_others
 from rigtri.report import Report
 
 
@@ -18,6 +20,7 @@ def with_rig(rig: Rig, rigged: Rig, options: BakeOptions, report: Report) -> Rig
     """The edited rig with the metadata of RIG, and in unedited clips RIG's keys between frames."""
     names = rig.names
     if options.character is not None:
+        rigged = _same_character(rig, rigged, options.character)
         rig = of_character(rig, options.character)
     shown, rig = rig, joined(rig, rigged, names=options.as_, between=options.between, report=report)
     seen = as_described(rig, rigged, report=report)
@@ -27,3 +30,11 @@ def with_rig(rig: Rig, rigged: Rig, options: BakeOptions, report: Report) -> Rig
     rig = replace(seen, names=(*names, *seen.names[len(names) :]))
     # A name that other characters have, too, means one of them only by its path.
     return readdressed(seen, rig, range(len(rig))) if options.character is not None else rig
+
+
+def _same_character(rig: Rig, rigged: Rig, name: str) -> Rig:
+    """RIG with the controls of that of its characters alone that has this name in the edited rig."""
+    mine = set(rig.below(rig.find(name, "character")))
+    of = pairs(rigged, rig).of
+    same = [nodes for nodes in characters(rigged) if any(of.get(node) in mine for node in nodes)]
+    return without_others(rigged, frozenset[int]().union(*same)) if same else rigged
