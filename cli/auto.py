@@ -2,7 +2,8 @@
 
 The rig has new axes, twist joints, controls, IK ends and pole vectors. The spec of the build is written
 beside OUT, for `rigtri build` with the next character of the same kind. If a limb is
-uncertain, nothing is built, and the spec has null where you name its joints.
+uncertain, nothing is built, and the spec has null where you name its joints. Of several
+characters in a file each gets a rig, or with --character one.
 
 \b
 Examples:
@@ -29,6 +30,7 @@ from .given_options import given_options
 from .help_format import Command, option
 from .option_types import FilePath
 from .shared_options import (
+    character_option,
     dry_run_option,
     output_options,
     preset_option,
@@ -64,6 +66,7 @@ SUFFIX = ".rig.yaml"
 )
 @option("--no-spec", is_flag=True, help="Write no spec.", group="output")
 @scheme_option
+@character_option
 @option(
     "--picture",
     metavar="FILE.svg",
@@ -127,6 +130,7 @@ class _Job:
                 preset=values["preset"] or "",
                 scheme=values["scheme"],
                 spec_out=values["spec_out"],
+                character=values["character"],
                 seen=self._seen,
             )
         except GeometryError:

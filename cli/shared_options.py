@@ -18,6 +18,7 @@ import click
 
 from rigtri.model.edit_options import EditOptions
 from rigtri.model.options import options_of
+from rigtri.operations.option_kinds import OneCharacter
 
 from . import failures
 from .help_format import Option, option
@@ -100,6 +101,12 @@ def reading_options(command: F) -> F:
     """How a difficult file is read."""
     for name in ("root", "lenient", "allow_external_paths", "allow_missing"):
         command = shared(name)(command)
+    return command
+
+
+def character_option(command: F) -> F:
+    """One character of several, as the edits have it that take one."""
+    add_option(command, click_option(options_of(OneCharacter)["character"]))
     return command
 
 

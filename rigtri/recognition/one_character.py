@@ -117,9 +117,15 @@ def _title(rig: Rig, group: Nodes, groups: Collection[Nodes]) -> str:
     return rig.address(node)
 
 
-def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
-    """The rig with an edit of one character; nodes: those of the character."""
-    others, hidden = _other_skins(rig, nodes), _of_others(rig, nodes)
+def alone(rig: Rig, nodes: Nodes) -> Rig:
+    """The rig as an edit of one character sees it: others have no joints, and nothing that rigtri has built.
+
+    nodes: those of the character.
+    """
+    return _alone(rig, nodes, _other_skins(rig, nodes), _of_others(rig, nodes))
+
+
+def _alone(rig: Rig, nodes: Nodes, others: Mapping[int, Skin], hidden: Mapping[int, Any]) -> Rig:
     seen = {node: stored for node, stored in rig.metadata.items() if node not in hidden}
     skins = tuple(
         replace(skin, joints=skin.joints[:0], inverse_bind=skin.inverse_bind[:0], weigh=None, drawn=False)
@@ -133,7 +139,13 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
     parent = top if rig.rules.group_parent >= 0 else -1
     rules = replace(rig.rules, group_parent=parent, others=_not_meant(nodes, others, hidden))
     content = rig.content.without_skins(others)
-    small = replace(rig, skins=skins, metadata=seen, rules=rules, content=content)
+    return replace(rig, skins=skins, metadata=seen, rules=rules, content=content)
+
+
+def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
+    """The rig with an edit of one character; nodes: those of the character."""
+    others, hidden = _other_skins(rig, nodes), _of_others(rig, nodes)
+    small = _alone(rig, nodes, others, hidden)
     made = edit(small)
     if made is small:
         return rig
@@ -181,14 +193,6 @@ def of_character(rig: Rig, name: str) -> Rig:
     inside, counts = set(rig.below(rig.find(name, "character"))), Counter(rig.names)
     names = ("" if counts[n] > 1 and k not in inside else n for k, n in enumerate(rig.names))
     return replace(rig, names=tuple(names))
-
-
-def without_others(rig: Rig, nodes: Nodes) -> Rig:
-    """A rig without what rigtri has built for other characters than one; nodes: those of the character."""
-    hidden = _of_others(rig, nodes)
-    return replace(
-        rig, metadata={node: stored for node, stored in rig.metadata.items() if node not in hidden}
-    )
 
 
 def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:

@@ -15,6 +15,7 @@ from tempfile import gettempdir
 import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_parts
+from pairs import pair
 from places import SAMPLES, slow
 from recognition_bodies.bodies import Body
 from recognition_bodies.creatures import crane, two_characters, vehicle
@@ -25,6 +26,7 @@ from rigtri import auto, read
 from rigtri.files import temp_dirs
 from rigtri.formats import read as document
 from rigtri.formats.document import ReadOptions
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.pipeline.rigspec.spec_init import _quoted, plain_values, recognised_lines, starter
 from rigtri.recognition.layout import Character, Layout
@@ -258,6 +260,28 @@ def test_two_characters_of_a_file_get_a_rig_each(tmp_path: Path) -> None:
     remark = "left out: a root control for each of the 2 characters; add-controls puts one over all of them"
     assert remark in result.stderr
     assert f"# {remark}" in out.with_suffix(".rig.yaml").read_text("utf-8")
+
+
+@pytest.mark.parametrize("suffix", ["gltf", "usda"])
+def test_one_of_two_characters_gets_a_rig_and_the_other_stays(suffix: str, tmp_path: Path) -> None:
+    source, out = pair(SAMPLES, tmp_path, suffix), tmp_path / f"out.{suffix}"
+    run("auto", source, "-o", out, "--character", "B")
+    before, after = read(source), read(out)
+    joints = {after.path(after.find(each.joint)) for each in after.records(ControlRecord).values()}
+    assert {path.split("/")[1] for path in joints} == {"B"}
+    theirs = [before.find(path) for path in map(before.path, range(len(before))) if path.startswith("/A/")]
+    assert theirs
+    for node in theirs:
+        same = after.find(before.labels[node])
+        assert np.array_equal(before.local[node], after.local[same])
+    spec = plain_values(out.with_suffix(".rig.yaml").read_text("utf-8"))
+    assert {step["character"] for step in spec["steps"]} == {"B"}
+    assert spec["steps"][0]["limb"][0] == ["upper_arm_L", "forearm_L", "hand_L"]
+    made = out.read_bytes()
+    run("build", source, "--spec", out.with_suffix(".rig.yaml"), "-o", out, "--overwrite")
+    assert out.read_bytes() == made
+    told = run("auto", source, "-o", out, "--character", "C", "--overwrite", code=4).stderr
+    assert "There are 'A', 'B'" in told
 
 
 def test_no_root_control_is_left_out_for_characters_with_skins_of_their_own(tmp_path: Path) -> None:

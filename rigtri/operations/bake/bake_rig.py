@@ -12,7 +12,7 @@ from rigtri.operations.take_clips.messages import warn_shown_otherwise
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
-from rigtri.recognition.one_character import of_character, without_others
+from rigtri.recognition.one_character import alone, of_character
 from rigtri.report import Report
 
 
@@ -33,8 +33,8 @@ def with_rig(rig: Rig, rigged: Rig, options: BakeOptions, report: Report) -> Rig
 
 
 def _same_character(rig: Rig, rigged: Rig, name: str) -> Rig:
-    """RIG with the controls of that of its characters alone that has this name in the edited rig."""
+    """RIG as an edit sees that of its characters that has this name in the edited rig."""
     mine = set(rig.below(rig.find(name, "character")))
     of = pairs(rigged, rig).of
     same = [nodes for nodes in characters(rigged) if any(of.get(node) in mine for node in nodes)]
-    return without_others(rigged, frozenset[int]().union(*same)) if same else rigged
+    return alone(rigged, frozenset[int]().union(*same)) if same else rigged

@@ -29,6 +29,7 @@ from rigtri.pipeline.rigspec.spec_init import starter, unsure
 from rigtri.progress import begin_stage
 from rigtri.recognition.layout import Chain, Layout
 from rigtri.recognition.naming_schemes import Scheme
+from rigtri.recognition.one_character import alone, named
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import a
@@ -44,8 +45,8 @@ _SEAL = "# Written by rigtri auto, which replaces it while it is unchanged: "
 class Proposal:
     """What was recognised in a file, and the spec that belongs to it, as YAML with open places.
 
-    root: below which its joints are. without_twist: the same spec without twist joints, and why. checked:
-    what the controls move, once they are built.
+    root: below which its joints are. character: of several, the only one that is meant. without_twist: the
+    same spec without twist joints, and why. checked: what the controls move, once they are built.
     """
 
     source: Path
@@ -53,6 +54,7 @@ class Proposal:
     layout: Layout
     text: str
     root: str | None = None
+    character: str | None = None
     without_twist: Callable[[str], str] = str
     checked: list[CheckedControl] = field(default_factory=list)
 
@@ -77,7 +79,7 @@ class Proposal:
 
     def check(self, rig: Rig) -> None:
         """GeometryError where a control that was built does not do what it is for."""
-        self.checked[:] = check_controls(rig, self.root)
+        self.checked[:] = check_controls(_seen(rig, self.character), self.root)
         refuse_idle_controls(self.checked)
 
     def missing(self) -> str:
@@ -90,16 +92,34 @@ class Proposal:
         )
 
 
+def _seen(rig: Rig, character: str | None) -> Rig:
+    """A rig as steps see it that edit one character of several alone; None for all."""
+    return rig if character is None else alone(rig, named(rig, character))
+
+
 def _proposal(
-    at: Path, source: Path, preset: str, scheme: Sequence[Path | str | Scheme], options: ReadOptions
+    at: Path,
+    source: Path,
+    *,
+    preset: str,
+    scheme: Sequence[Path | str | Scheme],
+    options: ReadOptions,
+    character: str | None,
 ) -> Proposal:
     need_libraries()
     rig = read(at, options).rig
-    layout = recognise(rig, scheme=scheme)
-    found = Proposal(source, rig, layout, "", options.root)
+    seen = _seen(rig, character)
+    layout = recognise(seen, scheme=scheme)
+    found = Proposal(source, rig, layout, "", options.root, character)
     if not found.is_character:
         return found
-    make = partial(starter, rig, title(source), layout, preset=preset, open_places=True, options=options)
+    given: dict[str, Any] = {
+        "preset": preset,
+        "open_places": True,
+        "options": options,
+        "character": character,
+    }
+    make = partial(starter, seen, title(source), layout, **given)
     return replace(found, text=make(), without_twist=lambda why: make(fixed_weights=why))
 
 
@@ -111,6 +131,7 @@ def auto(
     preset: str = "",
     scheme: Sequence[Path | str | Scheme] = (),
     spec_out: Path | str | None = None,
+    character: str | None = None,
     options: ReadOptions | None = None,
     report: Report | None = None,
     **given: Any,
@@ -118,12 +139,14 @@ def auto(
     """Give a character the rig that was recognised to belong to it; ``target`` appears whole or not at all.
 
     preset: the axes of its joints, as `orient_joints` has them. scheme: naming schemes that are tried first.
-    spec_out: where the spec goes by which it was built, None for nowhere. options: how the source is read.
-    Raises as `auto_file`.
+    spec_out: where the spec goes by which it was built, None for nowhere. character: of several, only the one
+    at or below this node; without it, each gets its rig. options: how the source is read. Raises as
+    `auto_file`.
     """
     request = requested("auto", source, target, options=options, **given)
     report = Report() if report is None else report
-    return auto_file(request, report, preset=preset, scheme=scheme, spec_out=spec_out)
+    words: dict[str, Any] = {"preset": preset, "scheme": scheme, "spec_out": spec_out}
+    return auto_file(request, report, character=character, **words)
 
 
 def auto_file(
@@ -133,20 +156,29 @@ def auto_file(
     preset: str = "",
     scheme: Sequence[Path | str | Scheme] = (),
     spec_out: Path | str | None = None,
+    character: str | None = None,
     seen: Callable[[Proposal], None] = lambda proposal: None,
 ) -> Built:
     """Give a character the rig that was recognised to belong to it; the output appears whole or not at all.
 
     scheme: naming schemes that are tried first. spec_out: where the spec goes by which it was built, None for
-    nowhere. seen: is called with what is proposed, before anything is built.
-    Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
-    places in the spec then; else as `build_file`, with the last step for controls that do not do what they
-    are for. Then a spec is left that says that nothing was built by it, over no other than such a one.
+    nowhere. character: of several, only the one at or below this node. seen: is called with what is proposed,
+    before anything is built.
+    Raises NameNotFoundError where there is no such character, GeometryError for what is no character, and
+    for a limb that is not sure, whose joints are open places in the spec then; else as `build_file`, with the
+    last step for controls that do not do what they are for. Then a spec is left that says that nothing was
+    built by it, over no other than such a one.
     """
     place = None if spec_out is None or request.dry_run else path_of(spec_out)
     with opened(request.source) as at, temp_dirs.folder() as folder:
         begin_stage("recognise")
-        found = _proposal(at, Path(request.source), preset, scheme, request.options)
+        of: dict[str, Any] = {
+            "preset": preset,
+            "scheme": scheme,
+            "options": request.options,
+            "character": character,
+        }
+        found = _proposal(at, Path(request.source), **of)
         seen(found)
         if not found.is_character:
             raise GeometryError(found.missing())

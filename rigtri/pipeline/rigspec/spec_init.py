@@ -59,19 +59,21 @@ def starter(
     open_places: bool = False,
     fixed_weights: str = "",
     options: ReadOptions | None = None,
+    character: str | None = None,
 ) -> str:
     """A spec in YAML for ``rig``, with its joints as a comment; what is uncertain is commented out.
 
     layout: what was recognised in it, if that is known already. preset: of its axes. open_places: what is
     uncertain stands in it as null, which `build` refuses until a joint is named there. fixed_weights: why
-    skin weights cannot be split, so that twist joints are left out. options: how the file was read. Raises
-    FileError for a file without joints.
+    skin weights cannot be split, so that twist joints are left out. options: how the file was read.
+    character: what the one of several is called whose steps these are; ``rig`` is as an edit of it alone sees
+    it. Raises FileError for a file without joints.
     """
     options = options or ReadOptions()
     tree = skeleton(rig, options.root)
     layout = recognise(rig) if layout is None else layout
     toes = rolling_toes(tree, recognised_limbs(rig))
-    limbs = _Limbs(rig, layout, open_places, tree, fixed_weights, toes)
+    limbs = _Limbs(rig, layout, open_places, tree, fixed_weights, toes, character)
     lines = [
         f"# A rig spec to start from, for {_quoted(file)}.",
         *(f"# {_visible(line)}" for line in recognised_lines(rig, layout)),
@@ -83,7 +85,7 @@ def starter(
         "steps:",
         "  # New axes for all joints that carry weight; nothing that can be seen moves. Other presets:",
         "  # maya, unreal-editor, mgear, cmt, blender, rigify, talk, article, openxr, three-ik, vrm.",
-        "  - do: orient-joints",
+        *limbs.step("orient-joints"),
         f"    preset: {preset or ('vrm' if rig.rules.orient_locked else 'article')}",
         *limbs.steps(),
         *_fingers(rig, layout),
@@ -162,7 +164,7 @@ class _Limbs:
     """The steps for limbs. open_places: limbs that are not sure stand in them as null.
 
     fixed_weights: why the file's skin weights cannot be split; "" where they can. toes: as `rolling_toes`
-    has them.
+    has them. character: of several in the file, the only one that is edited.
     """
 
     rig: Rig
@@ -171,6 +173,13 @@ class _Limbs:
     tree: Skeleton
     fixed_weights: str
     toes: Mapping[Limb, int | str]
+    character: str | None
+
+    def step(self, name: str) -> Iterator[str]:
+        """The first lines of a step."""
+        yield f"  - do: {name}"
+        if self.character is not None:
+            yield f"    character: {_quoted(self.character)}"
 
     @property
     def rolls(self) -> bool:
@@ -256,7 +265,7 @@ class _Limbs:
             if which in groups:
                 yield "  # Twist joints with weight of the skin, which avoid the candy-wrapper effect on"
                 yield "  # these limbs."
-                yield "  - do: add-twist"
+                yield from self.step("add-twist")
                 yield "    limb:"
                 yield from (f"      - [{self._names(chain)}]" for chain in groups[which])
                 if which != "both":
@@ -281,7 +290,7 @@ class _Limbs:
 
     def _controls(self, has_limbs: bool) -> Iterator[str]:
         yield "  # A root control, an FK control for each joint, IK ends and pole vectors for these limbs."
-        yield "  - do: add-controls"
+        yield from self.step("add-controls")
         yield "    whole-character: true"
         if has_limbs:
             yield "    ik: *limbs"
@@ -295,8 +304,7 @@ class _Limbs:
             yield f"    exclude: [{_names(self.rig, left)}]"
         yield ""
         yield "  # The motion of the clips on the controls too, for animators."
-        yield "  # - do: bake"
-        yield "  #   to: controls"
+        yield from (f"  # {line[2:]}" for line in (*self.step("bake"), "    to: controls"))
         yield ""
 
     def _followers(self) -> Iterator[Part]:
@@ -322,7 +330,8 @@ def _names(rig: Rig, nodes: Iterable[int]) -> str:
 
 def _name(rig: Rig, node: int) -> str:
     """What finds a node, as YAML has it."""
-    ways = (rig.address(node), rig.path(node), rig.labels[node])
+    # Of one character of several, names mean its own joints.
+    ways = (rig.names[node], rig.address(node), rig.path(node), rig.labels[node])
     return _quoted(next((way for way in ways if _plain(way) and rig.known(way) == node), rig.labels[node]))
 
 
