@@ -6,6 +6,7 @@ Source: glTF 2.0 §3.11; KHR_animation_pointer.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
@@ -57,7 +58,7 @@ def target_of(channel: dict[str, Any]) -> tuple[int, str] | None:
     return node, path
 
 
-def pointer_of(target: dict[str, Any]) -> str | None:
+def pointer_of(target: Mapping[str, Any]) -> str | None:
     """The pointer of a channel's target, None where there is none."""
     extensions = target.get("extensions")
     found = extensions.get(POINTER) if isinstance(extensions, dict) else None

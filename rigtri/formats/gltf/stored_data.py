@@ -49,7 +49,7 @@ class StoredData:
         for number, animation in enumerate(self._gltf.get("animations") or ()):
             samplers = animation.get("samplers")
             for channel in animation.get("channels") or ():
-                pointer = pointer_of(channel.get("target") or {})
+                pointer = pointer_of(object_in(channel, "target"))
                 if pointer is None or target_of(channel) is not None:
                     continue
                 sampler = object_at(samplers, channel.get("sampler")) or {}
