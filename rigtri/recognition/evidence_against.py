@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+from rigtri.recognition import rival_joints
 from rigtri.recognition.arms_legs import AGREED
 from rigtri.recognition.arms_on_the_ground import (
     arm_as_front_leg,
@@ -45,7 +46,6 @@ from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.names_of_several import named_twice, one_of_several
 from rigtri.recognition.naming_schemes import limb_kind_in_name, roles_in_name
-from rigtri.recognition.rival_joints import beside_end, earlier_start, later_end, other_middle
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
     arm_as_leg,
@@ -332,6 +332,7 @@ _OF_JOINTS = (other_bend, ankle_as_knee, later_start, goes_on, middle_bone, reac
 # single words tell: each gives what speaks against a limb, in words, or "". What is plainer comes first.
 _OF_ANY = (
     *_alone(_other_limb, _trunk_aside, _other_side, turned_in_file, _against_the_tree, folded),
+    *_alone(*rival_joints.OF_ANY),
     miscounted,
     _no_trunk,
     _no_body,
@@ -340,7 +341,7 @@ _OF_TWINS = (unlike_twin, joint_more)
 _OF_NAMES = (
     *_alone(_unnamed_between),
     called_end,
-    *_alone(_counted, one_of_several, split_bone),
+    *_alone(_counted, one_of_several, split_bone, *rival_joints.OF_NAMES),
     named_twice,
     arm_below_a_lying_trunk,
     arm_as_front_leg,
@@ -366,10 +367,7 @@ _OF_SHAPES = (
         middle_bone,
         reaches_further,
         other_end,
-        beside_end,
-        other_middle,
-        later_end,
-        earlier_start,
+        *rival_joints.OF_SHAPES,
     ),
     *_alone(
         points_ahead,

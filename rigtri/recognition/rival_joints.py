@@ -12,9 +12,11 @@ from rigtri.recognition.doubled_chains import moves_nothing
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_ends import HAND, branches
-from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import CLAVICLES, SAME_PLACE
-from rigtri.recognition.shape_doubts import GOES_ON
+from rigtri.recognition.limb_words import NO_WORDS, Level, limb_words
+from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.naming_schemes import BESIDE, roles_in_name
+from rigtri.recognition.shape_doubts import CALLED, GOES_ON
 
 # Both bones of a limb are as long as this part of each other; what parts it so may be its middle.
 _BALANCED = 0.6
@@ -34,15 +36,17 @@ def beside_end(draft: Draft, each: Found) -> str:
     The longest chain is no evidence that it is the limb's. Fingers are: at its end, or beside it, of a palm.
     """
     tree = draft.tree
-    if _is_known(each.pair) or _ends_in_fingers(tree, each):
+    if not _is_whole(each) or _ends_in_fingers(tree, each):
         return ""
     bones = list(pairwise(each.joints))
     sizes = [(tree.at[end] - tree.at[start]).length for start, end in bones]
-    for (start, end), far, other in zip(bones, sizes, reversed(sizes), strict=True):
-        for over, on in pairwise(tree.way(start, end)) if tree.is_below(end, start) else ():
+    levels: tuple[Level, Level] = ("lower", "end")
+    for (start, end), far, other, level in zip(bones, sizes, reversed(sizes), levels, strict=True):
+        open_to_doubt = tree.is_below(end, start) and not _is_called(draft, end, level)
+        for over, on in pairwise(tree.way(start, end)) if open_to_doubt else ():
             least = _AS_FAR * far if on == end else _BALANCED * other
             found = [k for k in tree.below[over] if (tree.at[k] - tree.at[start]).length > least]
-            found = [k for k in found if k != on and not moves_nothing(draft, tree.branch(k))]
+            found = [k for k in found if k != on and not _is_beside(draft, k)]
             if 0 < len(found) < HAND - 1:
                 return f"'{tree.rig.title(found[0])}' beside it may be its end, or its middle, as well"
     return ""
@@ -53,9 +57,11 @@ def other_middle(draft: Draft, each: Found) -> str:
 
     It may be the end of an arm that goes on in line as far as a forearm does.
     """
-    mine, tree = each.pair, draft.tree
+    tree = draft.tree
     start, middle, end = each.joints
-    if _is_known(mine) or not (tree.is_below(middle, start) and tree.is_below(end, middle)):
+    if not _is_whole(each) or _is_called(draft, middle, "lower"):
+        return ""
+    if not (tree.is_below(middle, start) and tree.is_below(end, middle)):
         return ""
     way = [*tree.way(start, end), *(_in_line(tree, end) if each.kind == "arm" else ())]
     bent = {node: _bend(tree, over, node, on) for over, node, on in zip(way, way[1:], way[2:], strict=False)}
@@ -74,10 +80,12 @@ def later_end(draft: Draft, each: Found) -> str:
 
     It may lead from a twist joint to the hand, or from the hand to its tip. Fingers at the end tell it.
     """
-    mine, tree = each.pair, draft.tree
+    tree = draft.tree
     start, middle, end = each.joints
     below = tree.below[end]
-    if each.kind != "arm" or _is_known(mine) or len(below) > 1 or not tree.is_below(end, middle):
+    if each.kind != "arm" or not _is_whole(each) or _is_called(draft, end, "end"):
+        return ""
+    if len(below) > 1 or not tree.is_below(end, middle):
         return ""
     upper, lower = tree.way(start, middle), [*tree.way(middle, end), *below]
     if not tree.is_below(middle, start) or len(upper) < 3 or len(lower) < 3:
@@ -91,18 +99,51 @@ def later_end(draft: Draft, each: Found) -> str:
 
 
 def earlier_start(draft: Draft, each: Found) -> str:
-    """An arm below a bone in line with its upper one that begins further aside than clavicles do."""
+    """An arm below a bone in line with its upper one that begins further aside than clavicles do.
+
+    Where names have led to its start, ``Humerus``, that bone may be short.
+    """
     mine, tree = each.pair, draft.tree
-    if each.kind != "arm" or _is_known(mine) or mine is None or mine.at[0] < 1:
+    if each.kind != "arm" or mine is None or mine.named > CALLED or len(mine.at) < 3 or mine.at[0] < 1:
         return ""
     one, other = (path[mine.at[0] - 1] for path in mine.pair.paths)
     start, middle, _ = mine.joints(0)
     if (tree.at[one] - tree.at[other]).length < CLAVICLES * mine.size:
         return ""
     before, upper = tree.at[start] - tree.at[one], tree.at[middle] - tree.at[start]
-    if before.length < _LONG * upper.length or before.unit.dot(upper.unit) < GOES_ON:
+    least = 0.0 if mine.named > 0.0 else _LONG
+    if before.length <= least * upper.length or before.unit.dot(upper.unit) < GOES_ON:
         return ""
     return f"'{tree.rig.title(one)}' may be where it begins, for its bone goes on into the upper one"
+
+
+def called_muscle(draft: Draft, each: Found) -> str:
+    """A joint that is called as muscles or helpers are, and not as a bone: ``Soleus``."""
+    for node in each.joints:
+        roles = roles_in_name(draft.tree.rig.names[node])
+        if "helper" in roles and not draft.words.get(node, NO_WORDS).levels:
+            return f"'{draft.tree.rig.title(node)}' has the name of a muscle or a helper"
+    return ""
+
+
+def end_called_lower(draft: Draft, each: Found) -> str:
+    """An arm by its names that ends at a joint called as lower bones are, ``Radius``: the hand is another."""
+    levels = limb_words(draft.tree.rig.names[each.joints[2]]).levels
+    if each.kind != "arm" or levels.keys() != {"lower"}:
+        return ""
+    return f"'{draft.tree.rig.title(each.joints[2])}', where it ends, is called as a lower bone is"
+
+
+def within_bone(draft: Draft, each: Found) -> str:
+    """A start that hangs beside the middle at a joint of its side, on the bone between both: ``Femur``."""
+    tree, (start, middle, _) = draft.tree, each.joints
+    above, other = (int(tree.rig.parents[node]) for node in (start, middle))
+    if above < 0 or above != other or not parse_name(tree.rig.names[above]).side:
+        return ""
+    before, upper = tree.at[start] - tree.at[above], tree.at[middle] - tree.at[start]
+    if before.unit.dot(upper.unit) < GOES_ON:
+        return ""
+    return f"'{tree.rig.title(start)}' is beside the bone from '{tree.rig.title(above)}', where it may begin"
 
 
 def _in_line(tree: Tree, end: int) -> list[int]:
@@ -117,9 +158,20 @@ def _in_line(tree: Tree, end: int) -> list[int]:
     return found
 
 
-def _is_known(mine: Limbs | None) -> bool:
-    """Whether names tell a limb, or it has no twin or middle by its shape."""
-    return mine is None or mine.named > 0.0 or len(mine.at) < 3
+def _is_whole(each: Found) -> bool:
+    """Whether a limb has a twin by its shape, and a middle."""
+    return each.pair is not None and len(each.pair.at) > 2
+
+
+def _is_called(draft: Draft, node: int, level: Level) -> bool:
+    """Whether a joint is called what it is taken for: no other may be that."""
+    return level in draft.words.get(node, NO_WORDS).levels
+
+
+def _is_beside(draft: Draft, node: int) -> bool:
+    """Whether a joint is none of the body: it and all below it move nothing, or its name says so."""
+    beside = not BESIDE.isdisjoint(roles_in_name(draft.tree.rig.names[node]))
+    return beside or moves_nothing(draft, draft.tree.branch(node))
 
 
 def _ends_in_fingers(tree: Tree, each: Found) -> bool:
@@ -130,3 +182,9 @@ def _ends_in_fingers(tree: Tree, each: Found) -> bool:
 def _bend(tree: Tree, over: int, node: int, on: int) -> float:
     one, other = tree.at[node] - tree.at[over], tree.at[on] - tree.at[node]
     return acos(max(-1.0, min(1.0, Vector.dot(one.unit, other.unit))))
+
+
+# The doubts of any limb, of those whose three joints a naming scheme knows, and of those that shape tells.
+OF_ANY = (called_muscle, within_bone)
+OF_NAMES = (beside_end, later_end, end_called_lower)
+OF_SHAPES = (beside_end, other_middle, later_end, earlier_start)

@@ -59,7 +59,7 @@ _SOLE = 0.5
 ZIGZAG = 0.08
 _THREE: tuple[Level, Level, Level] = ("upper", "lower", "end")
 # Names that say so far which three joints bend: those of all three, one of them vague.
-_CALLED = 0.8
+CALLED = 0.8
 
 
 def of_twin(each: Found, found: Sequence[Found], doubts: Mapping[int, str]) -> str:
@@ -104,7 +104,7 @@ def arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     arms = body.arms if body is not None and body.form == "biped" else None
     if each.kind != "leg" or mine is None or arms is None or arms is mine or arms.fingers >= 2:
         return ""
-    if mine.kind == "leg" and mine.named > _CALLED:
+    if mine.kind == "leg" and mine.named > CALLED:
         return ""
     at, _ = branches(tree, mine.pair.paths[0])
     hand = mine.pair.paths[0][at]
@@ -274,7 +274,7 @@ def rival(draft: Draft, each: Found) -> str:
     """What else the arms may be where shape alone tells: wings beside them, the next joints of the chain."""
     mine, tree, body = each.pair, draft.tree, draft.shape.body
     front = body is not None and body.form == "quadruped" and mine is body.arms
-    if mine is None or not (each.kind == "arm" or front) or len(mine.at) < 3 or mine.named > _CALLED:
+    if mine is None or not (each.kind == "arm" or front) or len(mine.at) < 3 or mine.named > CALLED:
         return ""
     path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
     a, b, c = (tree.at[k] for k in mine.joints(0))
@@ -360,7 +360,7 @@ def _beside(draft: Draft, mine: Limbs) -> list[int]:
 def ankle_as_knee(draft: Draft, each: Found) -> str:
     """Legs that stand straight down to what is taken for knees, and end with what may be long feet."""
     mine, body = each.pair, draft.shape.body
-    if each.kind != "leg" or mine is None or body is None or mine is not body.legs or mine.named > _CALLED:
+    if each.kind != "leg" or mine is None or body is None or mine is not body.legs or mine.named > CALLED:
         return ""
     feet = long_feet(draft.tree, mine, body.up, draft.facing) if body.form == "biped" else 0.0
     return "its knee may be the ankle of a long foot" if feet else ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from recognition_bodies.skeletons import LEG, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import LEG, MAN, TRUNK, Joint, both, line, renamed, rig_with
 
 from rigtri.recognition.recognise import recognise
 
@@ -76,3 +76,69 @@ def test_hands_with_fingers_stay_sure_beside_cloth_and_after_twist_joints() -> N
         [joints[k][0] for k in each.bend] for each in layout.chains if each.is_sure and each.kind == "arm"
     ]
     assert sorted(arms) == [[f"{bone}.{side}" for bone in ("upper_arm", "forearm", "hand")] for side in "LR"]
+
+
+# German, the words of which name a limb but for what a place leaves unknown; helpers have names of anatomy.
+_GERMAN = {"UpperArm": "Oberarm", "Forearm": "Unterarm", "Hand": "Hand", "Thigh": "Oberschenkel"}
+_GERMAN |= {"Shin": "Unterschenkel", "Foot": "Fuss"}
+_TRUNK = {"hips": "Becken", "spine": "Wirbelsaeule", "chest": "Brust", "neck": "Hals", "head": "Kopf"}
+
+
+def _german(unknown: str, helpers: list[Joint]) -> list[Joint]:
+    bones = {"upper_arm": "UpperArm", "forearm": "Forearm", "hand": "Hand"}
+    bones |= {"thigh": "Thigh", "shin": "Shin", "foot": "Foot"}
+    words = {bone: "Xq" if part == unknown else _GERMAN[part] for bone, part in bones.items()}
+    joints = [*TRUNK, *both([*_arm(bend=0.1), *LEG, *helpers])]
+    return renamed(joints, {**_TRUNK, **words, "clavicle": "Schulter", "toe": "Zehen"}, ("_L", "_R"))
+
+
+_HELPERS: dict[str, tuple[str, list[Joint]]] = {
+    "a muscle in the place of the ankle": (
+        "Foot",
+        [
+            ("Calf.L", "shin.L", (0.1, 0.3, 0.0)),
+            *line("Soleus.L End.L", "shin.L", (0.1, 0.1, 0), (0.1, -0.1, 0)),
+        ],
+    ),
+    "a muscle in the place of the wrist": (
+        "Hand",
+        [
+            ("Ulna.L", "forearm.L", (0.5, 1.45, 0.0)),
+            *line("Brachioradialis.L End.L", "forearm.L", (0.66, 1.45, 0), (0.7, 1.45, 0)),
+        ],
+    ),
+}
+# The bone of a forearm, in line, before a hand that is called by an unknown word.
+_IN_LINE = [("Radius.L", "forearm.L", (0.64, 1.45, 0.02)), ("hand.L", "Radius.L", (0.66, 1.45, 0.02))]
+
+
+def test_an_arm_that_ends_at_a_joint_called_as_a_bone_of_the_forearm_is_not_sure() -> None:
+    joints = [joint for joint in _german("Hand", []) if not joint[0].startswith("Xq")]
+    hands = renamed(both(_IN_LINE), {"hand": "Xq", "forearm": "Unterarm"}, ("_L", "_R"))
+    layout = recognise(rig_with([*joints, *hands]))
+    assert not [one for one in layout.chains if one.kind == "arm" and one.is_sure]
+
+
+@pytest.mark.parametrize("helper", _HELPERS)
+def test_a_helper_with_a_name_of_anatomy_is_no_joint_of_a_sure_limb(helper: str) -> None:
+    joints = _german(*_HELPERS[helper])
+    layout = recognise(rig_with(joints))
+    used = {
+        joints[k][0] for one in layout.chains if one.kind in ("arm", "leg") and one.is_sure for k in one.bend
+    }
+    assert used.isdisjoint({f"{word}_{s}" for word in ("Soleus", "Brachioradialis") for s in "LR"})
+
+
+def test_named_limbs_stay_sure_beside_helpers_with_names_of_anatomy() -> None:
+    helpers = [joint for _, each in _HELPERS.values() for joint in each if not joint[0].startswith("End")]
+    joints = _german("", helpers)
+    sure = [one for one in recognise(rig_with(joints)).chains if one.kind in ("arm", "leg") and one.is_sure]
+    assert sorted(joints[one.bend[2]][0] for one in sure) == ["Fuss_L", "Fuss_R", "Hand_L", "Hand_R"]
+
+
+def test_a_bone_of_the_thigh_that_hangs_beside_the_shin_is_not_surely_where_a_leg_begins() -> None:
+    joints = [*MAN, *both([("femur.L", "thigh.L", (0.1, 0.85, 0.002))])]
+    joints = renamed(joints, {"thigh": "xq", "upper_arm": "upperarm", "toe": "toes"}, ("_L", "_R"))
+    layout = recognise(rig_with(joints))
+    starts = [joints[one.bend[0]][0] for one in layout.chains if one.kind == "leg" and one.is_sure]
+    assert sorted(starts) in ([], ["xq_L", "xq_R"])
