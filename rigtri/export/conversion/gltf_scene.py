@@ -197,6 +197,9 @@ class _Reader:
         strength = float(self._object(more, "KHR_materials_emissive_strength").get("emissiveStrength", 1.0))
         coat = self._object(more, "KHR_materials_clearcoat")
         name = name_in(raw) or f"material_{number}"
+        alpha, cutoff = raw.get("alphaMode", "OPAQUE"), float(raw.get("alphaCutoff", 0.5))
+        if alpha == "MASK" and cutoff <= 0.0:  # it hides nothing; an opacityThreshold of 0 blends in USD
+            alpha = "OPAQUE"
         if "clearcoatNormalTexture" in coat:
             self.scene.lose(f"the normal texture of the clear coat of material '{name}'")
         return Material(
@@ -205,8 +208,8 @@ class _Reader:
             float(plain.get("metallicFactor", 1.0)),
             float(plain.get("roughnessFactor", 1.0)),
             tuple(strength * float(x) for x in raw.get("emissiveFactor", (0.0,) * 3)),  # type: ignore[arg-type]
-            raw.get("alphaMode", "OPAQUE"),
-            float(raw.get("alphaCutoff", 0.5)),
+            alpha,
+            cutoff,
             raw.get("doubleSided") is True,
             isinstance(more, dict) and "KHR_materials_unlit" in more,
             float(self._object(raw, "normalTexture").get("scale", 1.0)),

@@ -302,6 +302,21 @@ def test_corners_subsets_and_instances_become_points_primitives_and_nodes(tmp_pa
     assert colours == [[1, 0, 0, 1], [0, 0, 1, 1]]
 
 
+def test_a_mask_that_hides_nothing_comes_home_as_opaque(tmp_path: Path) -> None:
+    """An opacityThreshold of 0 means blending in USD."""
+    gltf, binary = read_glb(write_everything(tmp_path / "in.glb"))
+    (masked,) = (each for each in gltf["materials"] if each.get("alphaMode") == "MASK")
+    masked["alphaCutoff"] = 0.0
+    (tmp_path / "in.glb").write_bytes(glb_bytes(gltf, binary))
+    rigtri.convert(tmp_path / "in.glb", tmp_path / "there.usda")
+    rigtri.convert(tmp_path / "there.usda", tmp_path / "home.glb")
+    (home,) = (
+        each for each in glb_json(tmp_path / "home.glb")["materials"] if each["name"] == masked["name"]
+    )
+    assert "alphaMode" not in home
+    assert "alphaCutoff" not in home
+
+
 def test_names_that_several_have_become_distinct_and_come_home(tmp_path: Path) -> None:
     gltf, binary = read_glb(write_everything(tmp_path / "in.glb"))
     first, second, *_ = gltf["skins"][0]["joints"]
