@@ -72,6 +72,11 @@ def without_instances(document: UsdDocument) -> tuple[UsdDocument, list[str]]:
     return expanded, list(_lost(rounded))
 
 
+def is_made_instance(prim: Any) -> bool:
+    """Whether `without_instances` has made a prim for an instance of a point instancer."""
+    return any(spec.typeName == "PointInstancer" for spec in prim.GetParent().GetPrimStack())
+
+
 def _lost(rounded: dict[str, float]) -> Iterator[str]:
     coarse = sorted(path for path, off in rounded.items() if off > EVEN)
     if coarse:

@@ -20,6 +20,7 @@ from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.bind_pose import unit_rotations
 from rigtri.evaluation.sampling import between_keys, sorted_unique
 from rigtri.export.conversion.usd_clips import EVEN, unevenness
+from rigtri.export.conversion.usd_instances import is_made_instance
 from rigtri.export.conversion.usd_samples import PARTS, parts_apart
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.reading.sampled_xforms import along_arcs, matrices_at, turning_ops
@@ -61,7 +62,8 @@ class PrimMotion:
             mine = [track for track in tracks if track.node == node]
             if mine[0].interpolation != "STEP":
                 self.prims[node] = prim
-                turning = _turning(prim)
+                # OpenUSD plays no op of an instance, but the arrays of its instancer.
+                turning = () if is_made_instance(prim) else _turning(prim)
                 halves = [op for op in turning if op.GetPrecision() == UsdGeom.XformOp.PrecisionHalf]
                 self.uneven[node] = max((_unevenness(op) for op in turning if op not in halves), default=0.0)
                 self.rounded[node] = max(map(_rounding, halves), default=0.0)

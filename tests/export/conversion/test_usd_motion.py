@@ -82,6 +82,24 @@ def test_rotations_that_openusd_plays_unevenly_go_along_arcs_and_are_listed(
     assert angles == pytest.approx([0.25 * degrees, 1.75 * degrees], abs=1e-5)
 
 
+def test_slow_turns_of_instances_of_a_point_instancer_are_not_listed(tmp_path: Path) -> None:
+    """OpenUSD plays these by the arrays of the instancer, not by the ops that they are here."""
+    stage, _ = _stage(tmp_path / "in.usda")
+    rocks = UsdGeom.PointInstancer.Define(stage, "/set/rocks")
+    rocks.CreatePrototypesRel().SetTargets(["/set/moved"])
+    rocks.CreateProtoIndicesAttr([0, 0])
+    rocks.CreatePositionsAttr([(0, 0, 0), (2, 0, 0)])
+    turns = rocks.CreateOrientationsfAttr()
+    for k in range(3):
+        turns.Set([Gf.Quatf(Gf.Rotation(Gf.Vec3d(0, 1, 0), k * 0.4).GetQuat())] * 2, 24 * k)
+    stage.Save()
+    outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
+    assert not [notice.text for notice in outcome.report.warnings if "slow rotations" in notice.text]
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-5
+    assert any(track.path == "rotation" for track in rigtri.read(tmp_path / "out.glb").clips[0].tracks)
+
+
 def test_half_float_rotations_go_along_the_arcs_of_what_they_mean_and_are_listed(tmp_path: Path) -> None:
     """Before, refused with 6: OpenUSD rounds what lies between samples to half floats, which are not unit."""
     stage, moved = _stage(tmp_path / "in.usda")
