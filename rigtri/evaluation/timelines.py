@@ -128,7 +128,7 @@ def chosen_timelines(rig: Rig, patterns: Sequence[str]) -> list[Timeline]:
         matching = matching_clips(rig, pattern)
         hits = [t for t in every if not matching.isdisjoint(t.members)]
         if not hits:
-            raise NameNotFoundError("clip", pattern, [clip.name for clip in rig.shown_clips])
+            raise NameNotFoundError("clip", pattern, rig.clip_titles)
         found += [t for t in hits if t not in found]
     return found if patterns else every
 

@@ -318,7 +318,7 @@ class Rig(NodeNames):
         for number, clip in enumerate(self.shown_clips):
             if name in (clip.name, f"#{number}") and clip in self.clips:  # or its joints stand still
                 return clip
-        raise NameNotFoundError("clip", name, [clip.name for clip in self.shown_clips])
+        raise NameNotFoundError("clip", name, self.clip_titles)
 
     def clip_name(self, name: str) -> str:
         """The name of the clip whose path ends so, where one alone that moves joints at hand does."""
@@ -330,6 +330,16 @@ class Rig(NodeNames):
             and any(self.is_joint[track.node] for track in clip.tracks)
         ]
         return ends[0] if len(ends) == 1 else name
+
+    @property
+    def clip_titles(self) -> list[str]:
+        """What clips are called in a message; of a character that is edited alone its own, by the ends of
+        their paths where `clip_name` knows them so."""
+        shown = self.shown_clips
+        if self.rules.others:
+            shown = tuple(clip for clip in shown if any(self.is_joint[track.node] for track in clip.tracks))
+        ends = {clip.name: clip.name.rpartition("/")[2] for clip in shown}
+        return [end if self.clip_name(end) == name else name for name, end in ends.items()]
 
     @cached_property
     def shown_clips(self) -> tuple[Clip, ...]:

@@ -50,6 +50,7 @@ from rigtri.operations.options.snap import SnapOptions as SnapOptions
 from rigtri.operations.pose import at_rest, warn_outside_clip
 from rigtri.progress import counted
 from rigtri.recognition.limbs import given
+from rigtri.recognition.one_character import alone
 from rigtri.report import Report
 from rigtri.text import and_more
 
@@ -60,7 +61,8 @@ SAME = 1e-5
 
 
 def _refuse_alone(rig: Rig, nodes: frozenset[int], name: str, options: SnapOptions) -> None:
-    refuse_followed(rig, nodes, name, [timeline_and_time(rig, text)[0] for text in options.at])
+    seen = alone(rig, nodes)  # which knows clips by shorter names
+    refuse_followed(rig, nodes, name, [timeline_and_time(seen, text)[0] for text in options.at])
     refuse_leading(rig, nodes, name)
 
 

@@ -19,7 +19,7 @@ from rigs import rig_of
 from usd_files import MESH, animation, deviation, save, scene, skeleton
 
 from rigtri import add_controls, bake, constrain, mirror, orient_joints, snap, strip, take_clips
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.timelines import put_tracks, timelines
 from rigtri.formats import Document, read
 from rigtri.maths.quaternions import from_axis_angle, multiply
@@ -462,6 +462,21 @@ def test_a_character_that_follows_one_with_motion_on_its_controls_is_not_baked_a
         with pytest.raises(GeometryError, match="which controls of another character move in clip 'walk'"):
             edit(moved, character="A")
     assert len(still.clips) == len(bake(moved, character="B", fps=24).clips) == 1
+
+
+def test_clips_of_a_character_are_known_and_listed_by_the_ends_of_their_paths(
+    samples: Path, tmp_path: Path
+) -> None:
+    rig = add_controls(read(pair(samples, tmp_path, "usda")).rig, whole_character=True)
+    told = r"No clip is named 'swim'\. There are 'walk', 'walk@default'\."
+    with pytest.raises(NameNotFoundError, match=told):
+        snap(rig, to="fk", at=("swim@2",), limbs="auto", character="A")
+    with pytest.raises(NameNotFoundError, match=told):
+        bake(rig, clip=("swim",), character="B")
+    with pytest.raises(NameNotFoundError, match="'/A/walk', '/A/walk@default', '/B/walk'"):
+        bake(rig, clip=("swim",))
+    assert bake(rig, clip=("walk",), to="controls", character="B").clips != rig.clips
+    snap(rig, to="fk", at=("walk@2",), limbs="auto", character="A")
 
 
 def test_a_constraint_of_a_character_is_not_measured_from_stale_keys_of_another(

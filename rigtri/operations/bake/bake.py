@@ -85,6 +85,7 @@ from rigtri.operations.solver_warnings import (
 )
 from rigtri.operations.take_clips.ik_switches import ik_ends
 from rigtri.progress import as_share, count_done, counted
+from rigtri.recognition.one_character import alone
 from rigtri.report import Report
 
 # Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
@@ -96,7 +97,7 @@ _SAMPLED = 0.7
 
 
 def _refuse_alone(rig: Rig, nodes: frozenset[int], name: str, options: BakeOptions) -> None:
-    refuse_followed(rig, nodes, name, chosen_timelines(rig, options.clip))
+    refuse_followed(rig, nodes, name, chosen_timelines(alone(rig, nodes), options.clip))
     if options.to == "controls":
         refuse_leading(rig, nodes, name, every=True)
 

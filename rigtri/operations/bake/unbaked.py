@@ -224,9 +224,10 @@ def refuse_followed(
     """GeometryError where a character follows another one, which controls move as its own keys do not.
 
     nodes: those of the character, called ``name``, that is to be evaluated alone. moments: in which clips,
-    and None for the rest pose. child: only what moves this node.
+    whole or as that character has them, and None for the rest pose. child: only what moves this node.
     """
-    size, every = skeleton_size(rig), list(moments)
+    size, whole = skeleton_size(rig), {member: each for each in timelines(rig) for member in each.members}
+    every = [None if each is None else whole.get(each.members[0], each) for each in moments]
     line = None if child is None else rig.path_to_root(child)
     for rule in constraints_of(rig).values():
         if not _within(rig, rule.child, nodes) or not (line is None or rule.child in line):
