@@ -2,7 +2,7 @@
 
 A correct program practically never refuses its own result, so each refusal (exit 6)
 is a finding unless the source explains it: new axes give new numbers, rounded to float32 like
-the old ones. Three things in a source explain one:
+the old ones. Four things in a source explain one:
 
 * Scales or numbers far beyond the size of what is seen blow those last bits up to a good part of the
   tolerance: no program could write the file exactly enough.
@@ -10,6 +10,8 @@ the old ones. Three things in a source explain one:
   on such a joint, that noise is seen.
 * A scale that is next to nothing beside the others of its joint: what is turned out of that direction
   is lost in the last bits of the others.
+* Rotations of USD that are off unit length: OpenUSD makes scaled and sheared axes of them, which no
+  rotation in other axes has.
 
 And strip gives the weight of twist joints back to their bones, which moves points elsewhere where a skin
 binds the two otherwise than they stand: no weights look the same there.
@@ -52,7 +54,7 @@ def explains(document: Document, *, off: float = 0.0, own_nodes: bool = False) -
     off: how far off the result was that was refused; inf where it was otherwise than by a distance.
     own_nodes: also the bits of what rigtri has added, which is compared where a command moves joints.
     """
-    if _flat(document.rig):
+    if _flat(document.rig) or ENOUGH < off <= ROOM * _not_unit(document.rig):
         return True
     for draw in range(DRAWS):
         shaken = _Shaken(document, np.random.default_rng(draw))
@@ -99,6 +101,15 @@ def _flat(rig: Rig) -> bool:
     scales = [rig.scale, *(track.values.reshape(-1, 3) for track in tracks)]
     rows = np.abs(np.concatenate(scales))
     return bool(((rows > 0.0) & (rows < STEP * rows.max(axis=1, keepdims=True))).any())
+
+
+def _not_unit(rig: Rig) -> float:
+    """How far lengths of rotations are from 1 in a format that plays them as stored, at rest or keyed."""
+    if not rig.rules.raw_quaternions:
+        return 0.0
+    keyed = [track.values for clip in rig.clips for track in clip.tracks if track.path == "rotation"]
+    rows = np.concatenate([rig.rotation, *(values.reshape(-1, 4) for values in keyed)])
+    return float(np.abs(np.linalg.norm(rows, axis=1) - 1.0).max(initial=0.0))
 
 
 def _shaken(rig: Rig, random: np.random.Generator) -> Rig:
