@@ -42,7 +42,7 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
             raise GeometryError("--still: this file has no clips, so nothing says which joints move")
         report.warn("no-clips", "This file has no clips: vertices were compared in the rest pose alone")
     merging = _Merging(rig, options.exclude)
-    named = sorted({node for glob in options.joints for node in rig.match(glob)})
+    named = sorted({node for glob in options.joints for node in _meant(rig, glob)})
     if options.keep_children:
         merging.spare_sockets(named)
     for node in reversed(named):  # those below first: what is left below the others stays
@@ -68,6 +68,12 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
     less = without_nodes(reparented(rig, gone), gone, _folds(rig, merging))
     warn_lost_clips(rig, less, report)
     return less
+
+
+def _meant(rig: Rig, glob: str) -> list[int]:
+    """The nodes that match, without the controls among joints: '*hand*' is no name of hand_ctl."""
+    found = rig.match(glob)
+    return [node for node in found if rig.is_joint[node] or node not in rig.own] or list(found)
 
 
 def _lacking(rig: Rig, lod: Rig) -> list[int]:

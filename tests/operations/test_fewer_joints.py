@@ -304,6 +304,16 @@ def test_a_joint_that_something_names_is_not_merged() -> None:
     assert why_named(rig)[named] == "is a poleVector of rigtri"
 
 
+def test_a_pattern_of_joints_names_no_controls() -> None:
+    """Before, '*toe*' was refused for the controls of hands beside it that it matched, for their meshes."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), joints=["spine"], name="toe_{joint}_ctl")
+    assert len(rig.match("*toe_?")) == 2
+    less = rigtri.merge_joints(rig, joints=("*toe_*",))
+    assert np.count_nonzero(rig.is_joint) - np.count_nonzero(less.is_joint) == 2
+    with pytest.raises(GeometryError, match="'toe_spine_ctl' cannot be merged: it is a control of rigtri"):
+        rigtri.merge_joints(rig, joints=("toe_spine_ctl",))
+
+
 def test_a_bone_of_the_humanoid_is_not_merged(tmp_path: Path) -> None:
     rig = rigtri.read(vrm_1().glb(tmp_path / "in.vrm"))
     with pytest.raises(GeometryError, match="cannot be merged: it is the humanoid's head"):
