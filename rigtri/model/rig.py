@@ -16,7 +16,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError
 from rigtri.maths.arrays import Booleans, Integers
-from rigtri.maths.matrices import compose, decompose, multiply
+from rigtri.maths.matrices import compose, decompose, identity, multiply
 from rigtri.maths.quaternions import normalise
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Tracks
@@ -214,10 +214,11 @@ class Rig(NodeNames):
     def shared(self, values: Floats) -> Floats:
         """Values of frames, (n, …), with one for all that share it: instances; a group and what it is in.
 
-        A group of rigtri has no transform of its own in USD.
+        A group of rigtri has no transform of its own in USD: what has one is none, whatever its metadata say.
         """
         found = self.rules.shared(values)
-        if groups := [node for node in self.nodes_of("group") if self.parents[node] >= 0]:
+        at_parent = [node for node in self.nodes_of("group") if (self.local[node] == identity()).all()]
+        if groups := [node for node in at_parent if self.parents[node] >= 0]:
             found = found.copy()
             found[groups] = found[self.parents[groups]]
         return found

@@ -62,6 +62,13 @@ def test_a_group_shares_what_its_frame_is_given_with_what_it_is_in() -> None:
     assert given[2, 0] == 4.0
 
 
+def test_a_joint_with_the_metadata_of_a_group_shares_nothing() -> None:
+    """Found by mutations: a twist joint got the axes of the arm, against its constraint."""
+    rig = rig_of(["arm", "twist"], [-1, 0], np.array([[0.0, 1.0, 0.0], [0.2, 0.0, 0.0]]))
+    rig = replace(rig, metadata={1: {"type": "group"}})
+    assert rig.shared(np.array([[1.0], [2.0]])).tolist() == [[1.0], [2.0]]
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_worlds_are_locals_times_the_parents_world(seed: int) -> None:
     rig = random_rig(seed)
