@@ -48,6 +48,7 @@ class FormatRules:
     elsewhere: nodes of rigtri, or with its metadata, that no edit of this file can take out, and which other
     file has them. overlaid: those of them, nodes of rigtri all, of which this file says more.
     rigid: nodes that show a mesh which a child of theirs could show instead, so that they may be joints.
+    lines: nodes with metadata of rigtri that show lines and nothing else, as controls do.
     others: nodes of other characters while one is edited: a name that several nodes share does not mean them.
     per_second: units of clips' time in a second. valid_name: a name as this format can have it; `str`: any.
     """
@@ -78,6 +79,7 @@ class FormatRules:
     elsewhere: Mapping[int, str] = field(default_factory=dict)
     overlaid: frozenset[int] = frozenset()
     rigid: frozenset[int] = frozenset()
+    lines: frozenset[int] = frozenset()
     others: frozenset[int] = frozenset()
     valid_name: Callable[[str], str] = str
 
@@ -97,6 +99,7 @@ class FormatRules:
             elsewhere={new[k]: name for k, name in self.elsewhere.items()},
             overlaid=frozenset(new[k] for k in self.overlaid),
             rigid=frozenset(new[k] for k in self.rigid),
+            lines=frozenset(new[k] for k in self.lines),
             others=frozenset(new[k] for k in self.others),
             instances={new[k]: new[first] for k, first in self.instances.items()},
             played={new[k]: played for k, played in self.played.items()},

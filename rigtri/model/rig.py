@@ -284,6 +284,12 @@ class Rig(NodeNames):
             and not self.children[child]
         )
 
+    @cached_property
+    def showing(self) -> frozenset[int]:
+        """Nodes of `own` that show what others have made: metadata was copied there, or a mesh given."""
+        shown = np.flatnonzero(self.attachment == np.arange(len(self))).tolist()
+        return self.own.intersection(shown) - self.drawings - self.rules.lines
+
     def subset(self, nodes: Sequence[int]) -> tuple[Rig, dict[int, int]]:
         """Some nodes alone, parents first as here, with the tracks that drive them; and their new indices.
 

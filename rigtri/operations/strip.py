@@ -226,7 +226,7 @@ def _of_others(rig: Rig) -> frozenset[int]:
 
 
 def _gone(rig: Rig, kept: frozenset[int]) -> frozenset[int]:
-    """The nodes that go. GeometryError where one that stays would lose its parent."""
+    """The nodes that go. GeometryError where one that stays would lose its parent, or others' things go."""
     gone = rig.own - kept
     for node in sorted(gone):
         for child in rig.children[node]:
@@ -239,6 +239,12 @@ def _gone(rig: Rig, kept: frozenset[int]) -> frozenset[int]:
                     "it; then "
                     "strip again"
                 )
+    for node in sorted(gone & rig.showing):
+        raise GeometryError(
+            f"'{rig.title(node)}' shows a mesh, a camera or a light that is not from rigtri, and strip would "
+            "remove it by the metadata there: was that copied? In the program that put it there, remove that "
+            "metadata, or show this with a node that stays; then strip again"
+        )
     return gone
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import pytest
 from gltf_files import glb_bytes, glb_parts
 from places import SAMPLES, USD, files_of_all_kinds, leave_out_refused
 from program import cli
-from pxr import Usd, UsdGeom, UsdSkel, Vt
+from pxr import Sdf, Usd, UsdGeom, UsdSkel, Vt
 from second_opinions import khronos_errors
 from vrm_files import vrm_1
 
@@ -102,6 +103,47 @@ def test_a_node_of_someone_else_below_ours_is_named_and_nothing_is_done(
     with pytest.raises(GeometryError, match=r"'Sword' is a child of 'hand_L_ctl'.* parent it to 'hand_L' or"):
         edit(tmp_path / "used.glb", tmp_path / "bare.glb", stripped)
     assert not (tmp_path / "bare.glb").exists()
+
+
+@pytest.mark.parametrize("what", ["mesh", "skinned mesh", "camera", "light"])
+def test_what_others_show_with_a_node_of_ours_is_named_and_nothing_is_done(
+    what: str, samples: Path, tmp_path: Path
+) -> None:
+    """As where the custom properties of a control were copied to it: strip took it for a control."""
+    edit(samples / "biped.glb", tmp_path / "built.glb", controls)
+    gltf, binary = glb_parts(tmp_path / "built.glb")
+    named = {node["name"]: node for node in gltf["nodes"]}
+    node = named["body" if what == "skinned mesh" else "hand_L_ctl"]
+    if what == "mesh":
+        node["mesh"] = named["staff"]["mesh"]
+    elif what == "camera":
+        node["camera"] = 0
+    elif what == "light":
+        node["extensions"] = {"KHR_lights_punctual": {"light": 0}}
+        gltf["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "point"}]}}
+        gltf["extensionsUsed"] = ["KHR_lights_punctual"]
+    else:
+        node["extras"] = named["hand_L_ctl"]["extras"]
+    (tmp_path / "used.glb").write_bytes(glb_bytes(gltf, binary))
+    with pytest.raises(GeometryError, match=rf"'{node['name']}' shows a mesh, a camera or a light"):
+        edit(tmp_path / "used.glb", tmp_path / "bare.glb", stripped)
+    assert not (tmp_path / "bare.glb").exists()
+    rigtri.convert(tmp_path / "used.glb", tmp_path / "used.usda")
+    stage = Usd.Stage.Open(str(tmp_path / "used.usda"))
+    kinds = Counter(str(prim.GetTypeName()) for prim in stage.Traverse())
+    # Those of the sample are a body, a staff and a camera.
+    assert kinds["Mesh"] + kinds["Camera"] + kinds["SphereLight"] == 3 + (what != "skinned mesh")
+
+
+def test_a_mesh_of_someone_else_on_a_prim_of_ours_is_named(samples: Path, tmp_path: Path) -> None:
+    edit(samples / "biped.usda", tmp_path / "used.usda", controls)
+    stage = Usd.Stage.Open(str(tmp_path / "used.usda"))
+    body = stage.GetPrimAtPath("/biped/figure/body")
+    for name, kind, value in (("type", "Token", "group"), ("v", "Int", 1)):
+        body.CreateAttribute(f"rigtri:{name}", getattr(Sdf.ValueTypeNames, kind), custom=True).Set(value)
+    stage.Save()
+    with pytest.raises(GeometryError, match=r"'body' shows a mesh, a camera or a light"):
+        edit(tmp_path / "used.usda", tmp_path / "bare.usda", stripped)
 
 
 def test_a_prim_below_ours_that_does_not_follow_it_is_named(samples: Path, tmp_path: Path) -> None:

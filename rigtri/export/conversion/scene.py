@@ -156,12 +156,16 @@ class Scene:
             self.lost.append(what)
 
     def omit_built(self) -> None:
-        """Leave out what rigtri has added to the rig, but joints, and note what goes with it."""
+        """Leave out what rigtri has added to the rig, but joints, and note what goes with it.
+
+        What others have put below it stays, and what that stands below.
+        """
         rig = self.rig
-        own = [node for node in rig.own if not rig.is_joint[node]]
-        for node in own:
-            self.omitted.update([node, *rig.below(node)])
-        self.omitted -= rig.with_ancestors(np.flatnonzero(rig.is_joint).tolist())
+        joints = {*np.flatnonzero(rig.is_joint).tolist(), *(k for s in rig.skins for k in s.joints.tolist())}
+        own = rig.own - joints
+        others = {below for node in own for below in rig.below(node)} - own | rig.showing
+        own -= rig.with_ancestors(joints | others)
+        self.omitted.update(own)
         if own:
             self.lose(f"the rig that rigtri has added ({len(own)} nodes): build it again on the output")
         if motion := unbaked(rig) if own else "":

@@ -39,6 +39,7 @@ from rigtri.formats.gltf.structure import (
     extension_in_axes,
     referred_frames,
     shows,
+    shows_lines,
     unread_extensions,
 )
 from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_data, missing, relink
@@ -266,7 +267,6 @@ class GltfDocument:
         tree, rest, options = self.tree, self.rest, self.options
         nodes = gltf.object().get("nodes", [])
         ordered = [nodes[index] for index in tree.order]
-        extras = [node.get("extras") for node in ordered]
         skins = read_skins(
             gltf, self.accessors, tree, self.notices, self._reader.weighted, lenient=options.lenient
         )
@@ -280,6 +280,8 @@ class GltfDocument:
         self.notices += bindings.notices
         self._pointers = [pointer for _, _, pointer in bindings.bound]
         fixed = {tree.place[node]: reason for node, reason in bindings.fixed.items()}
+        notes = self._notes([node.get("extras") for node in ordered])
+        meshes = list(gltf.each("meshes")) if notes else []
         rig = Rig(
             names=tuple(map(name_in, ordered)),
             parents=np.array([_place(tree.place, tree.above[k]) for k in tree.order], dtype=np.int64),
@@ -302,7 +304,7 @@ class GltfDocument:
                 for c in bindings.constraints
             ),
             humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},
-            metadata=self._notes(extras),
+            metadata=notes,
             rules=FormatRules(
                 fixed=fixed,
                 orient_locked=bindings.orient_locked,
@@ -314,6 +316,7 @@ class GltfDocument:
                 facing=bindings.facing,
                 unread_extensions=self._unread_extensions(),
                 rigid=frozenset(k for k, n in enumerate(ordered) if "mesh" in n and "skin" not in n),
+                lines=frozenset(k for k in notes if shows_lines(ordered[k], meshes)),
             ),
             # Not of the document: a rig that held it would keep the file open in a ring.
             content=Content(partial(_lines, gltf, self.accessors), self._drawn.outlines, self._drawn.meshes),

@@ -29,6 +29,7 @@ LISTS = (
 # What a node shows and hands over when its axes turn.
 LIGHT, INSTANCING = "KHR_lights_punctual", "EXT_mesh_gpu_instancing"
 SHOWN_EXTENSIONS = (LIGHT, INSTANCING)
+_LINES = (1, 2, 3)  # the modes LINES, LINE_LOOP and LINE_STRIP of glTF 2.0 §3.7.2.1
 # Required extensions that change how things look or are stored, never how joints move.
 _HARMLESS_REQUIRED = (
     "EXT_lights",
@@ -231,3 +232,12 @@ def shows(node: Mapping[str, Any]) -> bool:
     """Whether a node itself shows a mesh, camera, light or instances."""
     used = node.get("extensions") or {}
     return "mesh" in node or "camera" in node or any(name in used for name in SHOWN_EXTENSIONS)
+
+
+def shows_lines(node: Mapping[str, Any], meshes: Sequence[Value]) -> bool:
+    """Whether a node itself shows lines and nothing else."""
+    used = node.get("extensions") or {}
+    mesh = index_of(node.get("mesh"), len(meshes))
+    if mesh is None or {"camera", "skin"} & node.keys() or any(name in used for name in SHOWN_EXTENSIONS):
+        return False
+    return all(primitive.natural("mode", 4) in _LINES for primitive in meshes[mesh].each("primitives"))

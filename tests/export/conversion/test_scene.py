@@ -32,7 +32,7 @@ def test_all_that_was_built_is_left_out_and_its_nodes_are_counted(rig: Rig) -> N
     assert scene.lost == [BUILT]
 
 
-def test_what_hangs_below_goes_along_but_joints_and_what_is_above_them_stay(rig: Rig) -> None:
+def test_what_others_have_put_below_stays_as_do_joints_and_what_is_above_them(rig: Rig) -> None:
     control = rig.find("b_ctl")
     more = rig.with_nodes(["prop", "hook"], [control, control], np.zeros((2, 3)), np.tile(IDENTITY, (2, 1)))
     hook = more.find("hook")
@@ -45,7 +45,7 @@ def test_what_hangs_below_goes_along_but_joints_and_what_is_above_them_stay(rig:
     scene = Scene(replace(more, skins=(joined,)), "scene")
     scene.omit_built()
     names = {more.names[node] for node in scene.omitted}
-    assert names == {"c_ctl_offset", "c_ctl", "prop"}
+    assert names == {"c_ctl_offset", "c_ctl"}
 
 
 def test_motion_that_only_controls_have_is_named_and_what_is_stored_on_joints(rig: Rig) -> None:
