@@ -197,11 +197,10 @@ class StagedOutput:
             with suppress(OSError):
                 recover(self.final, self._followers)
             return
-        for place, backup in reversed(self.placed):
-            if backup is not None:
-                _put_back(backup, place)
-            else:
-                place.unlink(missing_ok=True)
+        # What cannot be put back keeps the part, too, by which the next run knows; the others are put back.
+        stuck = [one for one in reversed(self.placed) if not _restored(*one)]
+        if stuck:
+            return
         for folder in [] if self._shared else reversed(self._folders):
             with suppress(OSError):  # somebody else has put something there
                 folder.rmdir()
@@ -231,6 +230,20 @@ def _link(place: Path, backup: Path) -> None:
         import shutil
 
         shutil.copy2(place, backup)
+
+
+def _restored(place: Path, backup: Path | None) -> bool:
+    """Put back what was there, or nothing; whether that is there now. A locked file never went."""
+    try:
+        if backup is None:
+            place.unlink(missing_ok=True)
+        elif place.exists() and _same(backup, place):
+            backup.unlink()
+        else:
+            _put_back(backup, place)
+    except OSError:
+        return False
+    return True
 
 
 def _put_back(backup: Path, place: Path) -> None:

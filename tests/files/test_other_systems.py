@@ -11,6 +11,7 @@ import shutil
 import signal
 import tempfile
 import weakref
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -204,3 +205,31 @@ def test_a_library_can_be_imported_and_used_without_what_windows_lacks(
 ) -> None:
     rig = rigtri.orient_joints(rigtri.read(SAMPLES / "biped.glb"))
     assert rigtri.write(rig, tmp_path / "out.glb").verification.passes()
+
+
+@pytest.mark.parametrize("locked", ["out.gltf", "biped.bin", "out.rig.yaml", "p.svg"])
+def test_a_file_that_the_system_has_locked_costs_no_other(
+    locked: str, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As macOS locks files, sticky folders those of others, and a mount of a single file itself."""
+    words = "auto", samples / "biped.gltf", "-o", tmp_path / "out.gltf", "--picture", tmp_path / "p.svg"
+    cli(*words)
+    for name in ("p.svg", "biped.bin"):
+        (tmp_path / name).write_bytes((tmp_path / name).read_bytes() + b" ")
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def refusing(name: str) -> Callable[..., object]:
+        real = getattr(os, name)
+
+        def call(*given: Any, **options: Any) -> object:
+            if tmp_path / locked in (Path(path) for path in given if isinstance(path, str | Path)):
+                raise PermissionError(errno.EPERM, os.strerror(errno.EPERM), str(given[0]))
+            return real(*given, **options)
+
+        return call
+
+    for name in ("link", "unlink", "rename", "replace"):
+        monkeypatch.setattr(os, name, refusing(name))
+    result = cli(*words, "--preset", "blender", "--overwrite", code=3)
+    assert "cannot be written: Operation not permitted" in result.stderr.splitlines()[-1]
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
