@@ -132,8 +132,17 @@ def rows_of(path: Path | str, what: str = "") -> list[dict[str, str]]:
     import csv  # few runs read any
 
     try:
-        table = csv.DictReader(text_of(path, what).splitlines(), strict=True)
-        columns = [column for column in table.fieldnames or () if column]
+        lines = text_of(path, what).splitlines()
+        # As a spreadsheet writes it where the comma is the decimal point, or as a table that was copied.
+        mark = next((mark for mark in ";\t" if lines and mark in lines[0] and "," not in lines[0]), None)
+        if mark is not None:
+            name = "tabs" if mark == "\t" else "semicolons"
+            raise FileError(
+                f"{path} has {name} between its columns; save it with commas, and points in numbers"
+            )
+        table = csv.DictReader(lines, strict=True, skipinitialspace=True)
+        table.fieldnames = [column.strip() for column in table.fieldnames or ()]
+        columns = [column for column in table.fieldnames if column]
         twice = next((column for column in columns if columns.count(column) > 1), None)
         if twice is not None:
             raise FileError(f"{path} has two columns '{twice}'; give each column one name")

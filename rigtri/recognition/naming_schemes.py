@@ -165,7 +165,7 @@ def own_table(
         raise FileError(f"{path} cannot be read: {system_reason(error)}") from error
     except UnicodeDecodeError as error:
         raise FileError(f"{path} is not a naming scheme: it is not UTF-8 at offset {error.start}") from error
-    except ValueError as error:  # of TOML, and of whole numbers of too many digits
+    except (ValueError, RecursionError) as error:  # of TOML, too many digits, lists in lists
         raise FileError(f"{path} is not a naming scheme: this is not TOML: {error}") from error
     if found := [*_faults(table), *more(table)]:
         raise FileError(f"{path} is not a naming scheme: {'; '.join(found)}. Example: docs/recognise.md")

@@ -99,7 +99,7 @@ def _words(table: Mapping[str, Any]) -> dict[str, Any]:
     """The written word of each bone, and ``sided``."""
     base = dict(_words(scheme_tables()[table["like"]])) if "like" in table else {}
     words = [each for part in ("middle", "sides") for each in table.get(part, {}).items()]
-    read = {bone: text.split()[0] for bone, text in words}
+    read = {bone: text.split()[0] for bone, text in words if text.split()}
     if "write" not in table:
         return base | read
     own = dict(table["write"])

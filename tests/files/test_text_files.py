@@ -31,6 +31,7 @@ from rigtri.files.text_files import (
         ("name,bone\narm,left,\n", [{"name": "arm", "bone": "left"}]),  # a spreadsheet's last comma
         ("name,bone\narm,left,,\n", [{"name": "arm", "bone": "left"}]),
         ('name,bone\n"a,rm","le""ft"\n', [{"name": "a,rm", "bone": 'le"ft'}]),
+        ('name , bone\narm, "left"\n', [{"name": "arm", "bone": "left"}]),
     ],
 )
 def test_rows_of_a_table_have_the_names_of_its_columns(
@@ -47,6 +48,8 @@ def test_rows_of_a_table_have_the_names_of_its_columns(
         ("name,bone\narm,left\narm,left,wrist\n", "row 2: it has more cells than the header"),
         ("name,bone,name\narm,left,leg\n", "has two columns 'name'; give each column one name"),
         ('name,bone\n"arm"x,left\n', "is not valid CSV"),
+        ("name;bone\narm;left\n", "has semicolons between its columns; save it with commas"),
+        ("name\tbone\narm\tleft\n", "has tabs between its columns"),
     ],
 )
 def test_a_table_that_is_ambiguous_is_refused(text: str, words: str, tmp_path: Path) -> None:

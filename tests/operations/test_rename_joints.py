@@ -307,6 +307,14 @@ def test_a_scheme_of_ones_own_is_written_as_its_file_says(tmp_path: Path) -> Non
     assert (names["hips"], names["leftUpperLeg"]) == ("pelvis", "L_thigh"), "others as in what it is like"
 
 
+def test_a_bone_without_a_word_in_a_scheme_of_ones_own_has_no_new_name(tmp_path: Path) -> None:
+    scheme = tmp_path / "studio.toml"
+    scheme.write_text('title = "Studio"\n[middle]\nhips = ""\nspine = "s1"\n')
+    names = written_names(str(scheme))
+    assert names["spine"] == "s1"
+    assert "hips" not in names
+
+
 def test_prefix_and_side_style_go_before_the_schemes_own(tmp_path: Path) -> None:
     rig = rigtri.rename_joints(
         rigtri.read(SAMPLES / "biped.glb"), to="mixamo", prefix="hero_", side_style="_L"

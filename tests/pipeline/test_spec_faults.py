@@ -115,6 +115,11 @@ def test_json_is_what_python_takes_for_it(value: Any, cut: int, what: str) -> No
         ("name: a\nsteps: " + "[" * 500, {(2, 71): "deeper, than a spec can have"}),
         ("tolerance: " + "1" * 5000, {(1, 12): "a number of 5,000 characters"}),
         ("name: a\x07\n", {(1, 8): "a character that cannot be seen (U+0007)"}),
+        ('steps: [{do: orient-joints, preset: "\\ud800"}]', {(1, 37): "half of a surrogate pair (U+D800)"}),
+        (
+            '{"steps": [{"do": "orient-joints", "\\udfff": 1}]}',
+            {(1, 36): "half of a surrogate pair (U+DFFF)"},
+        ),
     ],
 )
 def test_what_is_no_yaml_is_reported_at_its_place(

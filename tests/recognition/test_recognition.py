@@ -575,6 +575,7 @@ def test_a_scheme_of_ones_own_comes_first(tmp_path: Path, monkeypatch: pytest.Mo
     ("text", "words"),
     [
         ("title = 3 3", "this is not TOML: .*line 1"),
+        ("title = " + "[" * 3000, "this is not TOML: "),
         ('[sides]\nHand = "h"', "'title' is missing"),
         ("title = 3", "'title' is a number: give a text"),
         ('title = "A"\nside = 1', "there is no 'side'. Did you mean 'sides'"),

@@ -77,7 +77,10 @@ def _json_value(
         spots.check_number(word, at)
         if word.lstrip("-") in ("NaN", "Infinity"):
             raise _not_json(spots, at, f"{word} is not a valid JSON number")
-        return json.loads(word), spot
+        value = json.loads(word)
+        if isinstance(value, str):
+            spots.check_text(value, at)
+        return value, spot
     found: dict[str | int, Any] = {}
     for one in tokens:
         if one[0] in ("}", "]"):
@@ -86,7 +89,8 @@ def _json_value(
             continue
         key: str | int = len(found)
         if word == "{":
-            key = json.loads(one[0])
+            key = str(json.loads(one[0]))
+            spots.check_text(key, one.start())
             if key in found:
                 raise _not_json(spots, one.start(), f"duplicate key '{key}'")
             next(tokens)  # the colon
@@ -182,6 +186,7 @@ class _Yaml:
         for key, item in node.value:
             if key.id != "scalar":
                 raise self._wrong(key, "a key is a word")
+            self._spots.check_text(key.value, self._position(key))
             if key.tag == f"{_OWN}merge":
                 merged += item.value if item.id == "sequence" else [item]
             elif key.value in own:
@@ -201,7 +206,10 @@ class _Yaml:
         if node.tag in _NUMBERS:
             self._spots.check_number(node.value, self._position(node))
             return self._yaml.constructor.construct_object(node)
-        return None if node.tag == f"{_OWN}null" else str(node.value)
+        if node.tag == f"{_OWN}null":
+            return None
+        self._spots.check_text(str(node.value), self._position(node))
+        return str(node.value)
 
     def _position(self, node: Any) -> Place:
         mark = node.start_mark

@@ -106,6 +106,14 @@ class Spots:
             text = f"a number of {len(word):,} characters; a spec has none of more than {MOST_DIGITS}"
             raise SpecError([Fault(place, "", text)])
 
+    def check_text(self, text: str, place: Place | int) -> None:
+        """SpecError for half of a surrogate pair, which an escape can write and no text of a file has."""
+        if (half := next((each for each in text if "\ud800" <= each <= "\udfff"), None)) is not None:
+            place = self.place(place) if isinstance(place, int) else place
+            raise SpecError(
+                [Fault(place, "", f"half of a surrogate pair (U+{ord(half):04X}) is no character")]
+            )
+
     def spot(self, place: Place | int, depth: int) -> Spot:
         """A spot for one more value. SpecError when there are too many."""
         self._left -= 1
