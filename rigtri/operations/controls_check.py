@@ -151,17 +151,31 @@ def _refuse_moved(rig: Rig, after: Rig, control: int, joints: Sequence[int], mov
 
 
 def refuse_carried(rig: Rig, offset: int, control: int) -> None:
-    """GeometryError where others have put what is seen below a control, whose offset gets another place."""
+    """GeometryError where others have put what is seen on or below a control that gets another place."""
     seen = rig.is_joint | (rig.attachment >= 0)
-    for node in (*rig.children[offset], *rig.children[control]):
-        if node in rig.own or not seen[[node, *rig.below(node)]].any():
-            continue
-        mine, theirs, above = (rig.title(k) for k in (control, node, int(rig.parents[node])))
+    hung = [node for node in (*rig.children[offset], *rig.children[control]) if node not in rig.own]
+    carried = [node for node in hung if seen[[node, *rig.below(node)]].any()]
+    for node in (*rig.showing.intersection((offset, control)), *carried):
         raise GeometryError(
-            f"'{mine}' would get another place, and '{theirs}', which is not from rigtri, is a child of "
-            f"'{above}', with which it would move. In the program that put it there, parent it to a "
-            "node that is not from rigtri; then run this again"
+            f"'{rig.title(control)}' would get another place, and {why_carried(rig, node)}: that would move "
+            f"with it. In the program that put it there, {where_else(rig, node)}; then run this again"
         )
+
+
+def why_carried(rig: Rig, node: int) -> str:
+    """What of others moves with a node of rigtri: what is its child, or what it shows."""
+    if node in rig.own:
+        return f"'{rig.title(node)}' shows a mesh, a camera or a light that is not from rigtri"
+    return (
+        f"'{rig.title(node)}', which is not from rigtri, is a child of '{rig.title(int(rig.parents[node]))}'"
+    )
+
+
+def where_else(rig: Rig, node: int) -> str:
+    """What to do with it in the program that put it there."""
+    joint = getattr(rig.record(node if node in rig.own else int(rig.parents[node])), "joint", None)
+    where = f"'{joint}' or another node" if joint else "a node"
+    return f"{'show this with' if node in rig.own else 'parent it to'} {where} that is not from rigtri"
 
 
 def _refuse_other_motion(

@@ -206,27 +206,36 @@ def test_keys_of_a_corrective_joint_s_own_say_when_what_follows_it_jumps() -> No
     assert [warning.code for warning in report.warnings] == []
 
 
-@pytest.mark.parametrize("sword", ["joint", "mesh", "bare"])
-def test_what_others_have_put_below_a_control_is_named_where_a_bake_would_move_it(
+@pytest.mark.parametrize("sword", ["joint", "mesh", "bare", "control"])
+def test_what_others_have_put_on_or_below_a_control_is_named_where_a_bake_would_move_it(
     tmp_path: Path, sword: str
 ) -> None:
-    """A mesh, a joint, or a bare node. Before, with 6: "The result would look different"."""
+    """A mesh, a joint, a bare node, or a mesh of the control itself, which moved without a word before."""
     built, path, out = (tmp_path / name for name in ("built.glb", "in.glb", "out.glb"))
     cli("add-controls", SAMPLES / "biped.glb", "-o", built, "--joints", "forearm_L", code=0)
     gltf, binary = glb_parts(built)
     (control,) = (node for node in gltf["nodes"] if node["name"] == "forearm_L_ctl")
-    control["children"] = [*control.get("children", []), len(gltf["nodes"])]
-    gltf["nodes"].append({"name": "sword", "mesh": 0} if sword == "mesh" else {"name": "sword"})
+    told, do = "'sword', which is not from rigtri, is a child of 'forearm_L_ctl'", "parent it to"
+    if sword == "control":
+        control["mesh"] = 0
+        told, do = (
+            "'forearm_L_ctl' shows a mesh, a camera or a light that is not from rigtri",
+            "show this with",
+        )
+    else:
+        control["children"] = [*control.get("children", []), len(gltf["nodes"])]
+        gltf["nodes"].append({"name": "sword", "mesh": 0} if sword == "mesh" else {"name": "sword"})
     if sword == "joint":  # it holds what the head does
         (head,) = (k for k, node in enumerate(gltf["nodes"]) if node["name"] == "head")
         joints = gltf["skins"][0]["joints"]
         joints[joints.index(head)] = len(gltf["nodes"]) - 1
     path.write_bytes(glb_bytes(json.dumps(gltf).encode(), binary))
     printed = " ".join(cli("bake", path, "-o", out, "--to", "controls", code=5).stderr.split())
-    assert (
-        "'sword' is a child of 'forearm_L_ctl', with which it would move otherwise in clip 'walk'" in printed
-    )
-    assert "parent it to 'forearm_L'" in printed
+    assert f"{told}, and that would move otherwise in clip 'walk'" in printed
+    assert f"{do} 'forearm_L'" in printed
+    if sword == "control":
+        printed = cli("add-controls", path, "-o", out, "--joints", "forearm_L", "--up", "z", code=5).stderr
+        assert f"'forearm_L_ctl' would get another place, and {told}: that would move with it" in printed
 
 
 @pytest.mark.parametrize(("far", "told"), [(0.05, False), (2.0, True)])

@@ -27,6 +27,7 @@ from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.controls_check import where_else, why_carried
 from rigtri.operations.options.bake import BETWEEN
 from rigtri.recognition.joint_tree import helpers
 from rigtri.recognition.one_character import about
@@ -198,23 +199,20 @@ def refuse_replaced(
 def _refuse_carried(
     before: Rig, after: Rig, timelines: tuple[Timeline, Timeline], times: Floats, size: float
 ) -> None:
-    """GeometryError where what others have put below a control moves with its new keys, as bare nodes too."""
-    hung = [node for k in sorted(before.own) for node in before.children[k] if node not in before.own]
-    if not hung:
+    """GeometryError where what others have put on or below a control moves with its new keys."""
+    hung = [node for k in before.own for node in before.children[k] if node not in before.own]
+    if not (carried := sorted({*hung, *before.showing})):
         return
     was, now = (
         PoseCache(rig, sample_parts(rig, each.clip, times))
         for rig, each in zip((before, after), timelines, strict=True)
     )
-    for node in hung:
+    for node in carried:
         if _deviation(was, now, node, size) > TOLERANCE:
-            control = int(before.parents[node])
-            joint = getattr(before.record(control), "joint", None)
-            where = f"'{joint}' or another node" if joint else "a node"
             raise GeometryError(
-                f"'{before.title(node)}' is a child of '{before.title(control)}', with which it would move "
-                f"otherwise in clip '{timelines[0].name}', and is not from rigtri. In the program that put "
-                f"it there, parent it to {where} that is not from rigtri; then bake again"
+                f"{why_carried(before, node)}, and that would move otherwise in clip "
+                f"'{timelines[0].name}'. In the program that put it there, {where_else(before, node)}; then "
+                "bake again"
             )
 
 

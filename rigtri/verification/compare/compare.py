@@ -216,14 +216,15 @@ def _mesh_probes(
 def _measurable(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh]:
     """The meshes that can be evaluated; none where they cannot be read.
 
-    Not the lines of controls: what rigtri itself has added may move.
+    Not the lines of controls: what rigtri itself has added may move; but what others show with its nodes.
     """
     try:
         meshes = read()
     except FileError:
         return []
     rig = source.rig
-    drawn = (mesh for mesh in meshes if mesh.skin is not None or mesh.node not in rig.own)
+    unseen = rig.own - rig.showing
+    drawn = (mesh for mesh in meshes if mesh.skin is not None or mesh.node not in unseen)
     return [mesh for mesh in drawn if mesh.fits(rig.skins)]
 
 
