@@ -25,9 +25,9 @@ class Draft:
     reading: what names say, None where nothing. words: what single words of names say of limbs.
     certain: bones of a humanoid map, bones: those found so far, both by their names. controls: joints that
     are known to be none of the body. segments: joints that are parts of the bones above them, and none of
-    the tree. up, facing, left: unit directions of
-    the world, zero where unknown. hips, chest: where legs and arms hang, −1 where unknown. four: whether it
-    stands on four legs. remarks: sentences for users.
+    the tree. worn: joints of chains along known limbs, none of the tree either. up, facing, left: unit
+    directions of the world, zero where unknown. hips, chest: where legs and arms hang, −1 where unknown.
+    four: whether it stands on four legs. remarks: sentences for users.
     """
 
     shape: Shape
@@ -37,6 +37,7 @@ class Draft:
     words: Mapping[int, LimbWords] = field(default_factory=dict)
     controls: frozenset[int] = frozenset()
     segments: frozenset[int] = frozenset()
+    worn: frozenset[int] = frozenset()
     up: Vector = field(default_factory=Vector)
     facing: Vector = field(default_factory=Vector)
     left: Vector = field(default_factory=Vector)

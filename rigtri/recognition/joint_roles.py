@@ -26,7 +26,7 @@ def parts_of(draft: Draft) -> tuple[Part, ...]:
     nodes = {k for k in tree.nodes if rig.is_joint[k] or not rig.is_joint.any() or k in bones}
     children = {k for node in nodes for k in rig.children[node] if k not in rig.own} - nodes
     found = {}
-    for node in sorted(nodes | children | draft.controls | draft.segments):
+    for node in sorted(nodes | children | draft.controls | draft.segments | draft.worn):
         role, sure, why = _role(body, node)
         side = _side_of(body, node)
         found[node] = Part(node, bones.get(node, ""), role, side, round(sure, 2), tuple(why))
@@ -100,6 +100,8 @@ def _role(body: _Body, node: int) -> tuple[Role, float, list[str]]:
         return "deform", 0.9, [f"{bones[node]}: its name, or its place in the body"]
     if names:
         return names[0], 0.9, [f"its name says {names[0]}"]
+    if node in draft.worn:
+        return "attachment", 0.8, ["stands along the bones of a limb, as what is worn does"]
     bone = int(rig.parents[node])
     while bone in draft.segments:
         bone = int(rig.parents[bone])

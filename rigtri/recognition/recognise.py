@@ -42,6 +42,7 @@ from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_alone import agreed
 from rigtri.recognition.shape_analysis import MOST, shape_of, tree_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
+from rigtri.recognition.worn_chains import worn_in
 
 # What the legs of a side are called that are no three, from the front on; the last one is behind.
 _IN_A_ROW = ("front", "second", "third", "fourth", "fifth", "sixth", "seventh")
@@ -113,9 +114,11 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
         poses.after.update(after)
         poses.measured.clear()
         reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
+    worn = worn_in(own_tree, poses, reading, certain)
+    body = [node for node in body if node not in worn]
     words = limb_names(rig, body, reading)
     shape = shape_of(body, poses, words)
-    draft = Draft(shape, poses, reading, certain, words, controls, segments)
+    draft = Draft(shape, poses, reading, certain, words, controls, segments, worn)
     if not (reading is not None and reading.limbs) and not certain and lay_hands(draft):
         return draft
     found = find_limbs(draft)

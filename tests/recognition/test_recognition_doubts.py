@@ -140,7 +140,7 @@ def test_joints_of_a_wing_deform_and_are_no_twist_joints_of_it() -> None:
 
 
 def test_further_limbs_that_are_not_sure_are_reported_without_a_question() -> None:
-    more = line("x.L y.L z.L", "hips", (0.13, 0.95, 0), (0.13, 0.5, 0.01), (0.13, 0.1, -0.02))
+    more = line("x.L y.L z.L", "hips", (0.33, 0.95, 0), (0.33, 0.5, 0.01), (0.33, 0.1, -0.02))
     joints = [*MAN, *both(more)]
     layout = recognise(rig_with(joints))
     assert [chain.name for chain in layout.chains if chain.bend and not chain.is_sure] != []

@@ -1,0 +1,77 @@
+"""Trousers, armour and sleeves that have bones of their own along the limbs of a body with names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from recognition_bodies.skeletons import FINGERS, MAN, Joint, both, rig_with
+
+from rigtri import add_polevector, recognise
+from rigtri.model.rig import Rig
+
+BONES = [*MAN, *FINGERS]
+LEG, ARM = "thigh.L shin.L foot.L", "upper_arm.L forearm.L hand.L"
+WORN = {
+    "trousers": (LEG, "hips", "pants_thigh.L pants_knee.L pants_foot.L"),
+    "greaves": (LEG, "hips", "armor_thigh.L armor_knee.L armor_shin.L"),
+    "legs": (LEG, "hips", "trouser_leg_1.L trouser_leg_2.L trouser_leg_3.L"),
+    "armour": (ARM, "chest", "armor_shoulder.L armor_elbow.L armor_wrist.L"),
+    "sleeve": (ARM, "chest", "sleeve_upper_arm.L sleeve_forearm.L sleeve_hand.L"),
+}
+LIMBS = {"left arm", "right arm", "left leg", "right leg"}
+
+
+def worn_by_a_man(what: str, up: str = "y") -> Rig:
+    """A man in what has a joint two centimetres beside each of three of his own, in a file with this up."""
+    limb, over, names = WORN[what]
+    at = {name: place for name, _, place in BONES}
+    chain: list[Joint] = []
+    for name, bone in zip(names.split(), limb.split(), strict=True):
+        x, y, z = at[bone]
+        chain.append((name, chain[-1][0] if chain else over, (x + 0.01, y - 0.02, z - 0.02)))
+    joints = [*BONES, *both(chain)]
+    if up == "z":  # as many exporters have it that turn nothing
+        joints = [(name, above, (x, -z, y)) for name, above, (x, y, z) in joints]
+    return rig_with(joints)
+
+
+@pytest.mark.parametrize("up", ["y", "z"])
+@pytest.mark.parametrize("what", WORN)
+def test_what_is_worn_along_a_named_limb_is_no_limb(what: str, up: str) -> None:
+    """Before, legs were front legs, trousers hind ones, and the man looked up in a file with another up."""
+    (man,) = recognise(worn_by_a_man(what, up)).characters
+    assert man.form == "biped"
+    assert {chain.name for chain in man.limbs} == LIMBS
+    assert all(chain.is_sure for chain in man.limbs)
+    assert man.facing == pytest.approx((0, 0, 1) if up == "y" else (0, -1, 0), abs=1e-3)
+    words = WORN[what][2].split()
+    rig = worn_by_a_man(what, up)
+    assert {part.role for part in man.parts if rig.names[part.joint] in words} == {"attachment"}
+
+
+def test_the_knees_of_a_man_in_armour_point_ahead() -> None:
+    """Before, his legs were front legs of an animal, so poles stood behind the knees."""
+    rig = add_polevector(worn_by_a_man("greaves"), limbs="auto")
+    pole, knee = (rig.world[rig.names.index(name), 3, :3] for name in ("shin.L_pole", "shin.L"))
+    assert (pole - knee)[2] > 0.1
+
+
+def test_a_second_pair_of_arms_below_the_first_stays_one() -> None:
+    x_y_z = {name: place for name, _, place in BONES}
+    lower: list[Joint] = []
+    for bone in ARM.split():
+        x, y, z = x_y_z[bone]
+        lower.append((f"lower_{bone}", lower[-1][0] if lower else "chest", (x, y - 0.2, z)))
+    (man,) = recognise(rig_with([*BONES, *both(lower)])).characters
+    assert sum(chain.kind == "arm" for chain in man.limbs) == 4
+
+
+def test_a_skin_on_the_chain_beside_the_named_one_keeps_both() -> None:
+    """MMD's models have such legs: the named ones are controls of those that move the mesh."""
+    rig = worn_by_a_man("trousers")
+    moved = np.array([name not in LEG and name not in LEG.replace(".L", ".R") for name in rig.names])
+    rig = replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moved),))
+    (man,) = recognise(rig).characters
+    assert sum(chain.kind == "leg" for chain in man.limbs) == 4
