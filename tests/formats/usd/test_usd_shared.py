@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from places import SAMPLES
 from program import cli
 from pxr import Usd, UsdSkel
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, turned, write
@@ -180,3 +181,24 @@ def test_joints_of_each_skeleton_have_names_of_their_own(
     joints = [stage.GetPrimAtPath(f"/Root/{name}").GetAttribute("joints").Get() for name in ("Skel", "Twin")]
     assert joint in joints[0]
     assert joints[0] == joints[1]
+
+
+@pytest.mark.parametrize("words", [["orient-joints", "--aim", "x"], ["add-twist", "--limbs", "auto"]])
+def test_agents_that_face_elsewhere_share_their_clips_as_before(words: list[str], tmp_path: Path) -> None:
+    """References of one character, turned, and two clips, one of which nobody plays."""
+    (tmp_path / "hero.usda").write_bytes((SAMPLES / "biped.usda").read_bytes())
+    clip = "references = @hero.usda@</biped/walk>"
+    clips = "".join(f'def "{name}" ({clip}) {{\n}}\n' for name in ("Run", "Idle"))
+    agents = "".join(_agent(k, turn) for k, turn in enumerate((0.0, 37.0, 211.3, 304.9)))
+    source, out = save(tmp_path, f"#usda 1.0\n{clips}{agents}", "shot.usda"), tmp_path / "out.usda"
+    text = cli(*words, source, "-o", out, code=0).output
+    assert "got a copy" not in text
+    assert "SkelAnimation" not in out.read_text()
+    assert deviation(source, out) < 1e-6
+
+
+def _agent(number: int, turn: float) -> str:
+    ops = f"float xformOp:rotateY = {turn}\ndouble3 xformOp:translate = ({number * 2.7}, 0, {turn})\n"
+    order = 'uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateY"]\n'
+    below = '    over "figure" {\nover "skeleton" {\nrel skel:animationSource = </Run>\n}\n}\n'
+    return f'def "A{number}" (references = @hero.usda@) {{\n{ops}{order}{below}}}\n'
