@@ -107,6 +107,9 @@ class _Partners:
         for k, paths in self.written.primitives.items():
             if k in lenses and paths:
                 shown[k] = self.prims.get(paths[-1], -1)
+        # Of a mesh that cannot be read nothing is written, so the scale above it may be elsewhere.
+        meshless = set(np.flatnonzero(self.rig.attachment >= 0).tolist()) - lenses - {*self.scene.primitives}
+        shown[sorted(meshless)] = -1
         baked = frozenset(k for k in lenses if len(self.written.nodes.get(k, ())) == 2)
         lost = [
             f"node {self.rig.title(k)}"

@@ -424,6 +424,27 @@ def test_a_steady_scale_that_half_floats_do_not_hold_is_in_what_is_below(
     samples: Path, tmp_path: Path
 ) -> None:
     """An armature of 0.01 with keys, a mesh on a joint, a skin: exact, and told as nothing."""
+    _write_small_armature(samples, tmp_path / "in.glb", {})
+    outcome = rigtri.convert(tmp_path / "in.glb", tmp_path / "out.usda")
+    assert not any("half floats" in notice.text for notice in outcome.report.warnings)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= 1e-6
+    assert outcome.verification.motion is None
+    assert rigtri.verify(tmp_path / "in.glb", tmp_path / "out.usda").deviation <= 1e-6
+
+
+def test_a_mesh_that_cannot_be_read_below_such_a_scale_is_lost_and_no_deviation(
+    samples: Path, tmp_path: Path
+) -> None:
+    draco = {"extensions": {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {}}}}
+    _write_small_armature(samples, tmp_path / "in.glb", draco)
+    outcome = rigtri.convert(tmp_path / "in.glb", tmp_path / "out.usda")
+    assert any("a mesh that cannot be read" in notice.text for notice in outcome.report.warnings)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= 1e-6
+
+
+def _write_small_armature(samples: Path, path: Path, more: dict[str, Any]) -> None:
     gltf, binary = glb_parts(samples / "biped.glb")
     del gltf["animations"][1:]
     moved = {channel["target"]["node"] for channel in gltf["animations"][0]["channels"]}
@@ -433,16 +454,10 @@ def test_a_steady_scale_that_half_floats_do_not_hold_is_in_what_is_below(
     top["scale"] = [0.01] * 3
     for node in (n for n in top.get("children", []) if "translation" in gltf["nodes"][n]):
         gltf["nodes"][node]["translation"] = [100 * x for x in gltf["nodes"][node]["translation"]]
-    gltf["meshes"].append({"primitives": [{"attributes": {"POSITION": _positions(gltf)}}]})
+    gltf["meshes"].append({"primitives": [{"attributes": {"POSITION": _positions(gltf)}, **more}]})
     gltf["nodes"][max(moved)].setdefault("children", []).append(len(gltf["nodes"]))
     gltf["nodes"].append({"name": "prop", "mesh": len(gltf["meshes"]) - 1, "translation": [0, 0.5, 0]})
-    (tmp_path / "in.glb").write_bytes(glb_bytes(gltf, binary))
-    outcome = rigtri.convert(tmp_path / "in.glb", tmp_path / "out.usda")
-    assert not any("half floats" in notice.text for notice in outcome.report.warnings)
-    assert outcome.verification is not None
-    assert outcome.verification.deviation <= 1e-6
-    assert outcome.verification.motion is None
-    assert rigtri.verify(tmp_path / "in.glb", tmp_path / "out.usda").deviation <= 1e-6
+    path.write_bytes(glb_bytes(gltf, binary))
 
 
 def _positions(gltf: dict[str, Any]) -> int:
