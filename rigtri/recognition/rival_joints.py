@@ -17,6 +17,7 @@ from rigtri.recognition.limb_words import NO_WORDS, Level, limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import BESIDE, roles_in_name
 from rigtri.recognition.shape_doubts import CALLED, GOES_ON
+from rigtri.recognition.worn_chains import runs_along
 
 # Both bones of a limb are as long as this part of each other; what parts it so may be its middle.
 _BALANCED = 0.6
@@ -117,6 +118,22 @@ def earlier_start(draft: Draft, each: Found) -> str:
     return f"'{tree.rig.title(one)}' may be where it begins, for its bone goes on into the upper one"
 
 
+def beside_another(draft: Draft, each: Found) -> str:
+    """A limb along which another chain runs, three joints near three: one of the two is worn on the other.
+
+    Words of limbs do not tell which: ``armor_forearm`` is one, and the bone below may be called by a code.
+    """
+    tree, mine = draft.tree, set(each.joints)
+    if each.pair is not None:
+        mine.update(*each.pair.pair.paths)
+    for child in (child for over in tree.way(-1, each.joints[0])[:-1] for child in tree.below[over]):
+        if not mine.isdisjoint(tree.branch(child)) or _is_beside(draft, child):
+            continue
+        if runs_along(tree, child, each.joints):
+            return f"the joints from '{tree.rig.title(child)}' on run along it: one of both may be worn"
+    return ""
+
+
 def called_muscle(draft: Draft, each: Found) -> str:
     """A joint that is called as muscles or helpers are, and not as a bone: ``Soleus``."""
     for node in each.joints:
@@ -187,4 +204,4 @@ def _bend(tree: Tree, over: int, node: int, on: int) -> float:
 # The doubts of any limb, of those whose three joints a naming scheme knows, and of those that shape tells.
 OF_ANY = (called_muscle, within_bone)
 OF_NAMES = (beside_end, later_end, end_called_lower)
-OF_SHAPES = (beside_end, other_middle, later_end, earlier_start)
+OF_SHAPES = (beside_another, beside_end, other_middle, later_end, earlier_start)

@@ -28,7 +28,7 @@ def worn_in(tree: Tree, poses: Poses, reading: Reading | None, certain: Mapping[
         for over in tree.way(-1, limb[0])[:-1]:
             for child in tree.below[over]:
                 branch = {child, *tree.branch(child)}
-                if not branch & own and _runs_along(tree, child, limb):
+                if not branch & own and runs_along(tree, child, limb):
                     found |= branch
     return frozenset(found)
 
@@ -45,11 +45,11 @@ def _limbs(reading: Reading | None, certain: Mapping[str, int]) -> Iterator[tupl
         yield from reading.limbs.values()
 
 
-def _runs_along(tree: Tree, start: int, limb: Collection[int]) -> bool:
-    """Whether joints of one chain from ``start`` on stand near those of a limb, one after another."""
+def runs_along(tree: Tree, start: int, limb: Collection[int]) -> bool:
+    """Whether joints of one chain at or below ``start`` stand near those of a limb, one after another."""
     places = [tree.at[node] for node in limb]
     near = _ALONG * sum((b - a).length for a, b in pairwise(places))
-    reached = [start]
+    reached = tree.branch(start)
     for place in places:
         reached = [node for node in reached if (tree.at[node] - place).length <= near]
         if place is not places[-1]:

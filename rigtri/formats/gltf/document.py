@@ -281,7 +281,6 @@ class GltfDocument:
         self._pointers = [pointer for _, _, pointer in bindings.bound]
         fixed = {tree.place[node]: reason for node, reason in bindings.fixed.items()}
         notes = self._notes([node.get("extras") for node in ordered])
-        meshes = list(gltf.each("meshes")) if notes else []
         rig = Rig(
             names=tuple(map(name_in, ordered)),
             parents=np.array([_place(tree.place, tree.above[k]) for k in tree.order], dtype=np.int64),
@@ -316,7 +315,9 @@ class GltfDocument:
                 facing=bindings.facing,
                 unread_extensions=self._unread_extensions(),
                 rigid=frozenset(k for k, n in enumerate(ordered) if "mesh" in n and "skin" not in n),
-                lines=frozenset(k for k in notes if shows_lines(ordered[k], meshes)),
+                lines=frozenset(
+                    k for k in notes if shows_lines(ordered[k], self.container.gltf.get("meshes"))
+                ),
             ),
             # Not of the document: a rig that held it would keep the file open in a ring.
             content=Content(partial(_lines, gltf, self.accessors), self._drawn.outlines, self._drawn.meshes),

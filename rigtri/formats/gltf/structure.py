@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from rigtri.formats.json_values import Value, index_of
+from rigtri.formats.json_values import Value, index_of, object_at, object_in
 from rigtri.report import Notice
 
 LISTS = (
@@ -234,10 +234,14 @@ def shows(node: Mapping[str, Any]) -> bool:
     return "mesh" in node or "camera" in node or any(name in used for name in SHOWN_EXTENSIONS)
 
 
-def shows_lines(node: Mapping[str, Any], meshes: Sequence[Value]) -> bool:
-    """Whether a node itself shows lines and nothing else."""
-    used = node.get("extensions") or {}
-    mesh = index_of(node.get("mesh"), len(meshes))
-    if mesh is None or {"camera", "skin"} & node.keys() or any(name in used for name in SHOWN_EXTENSIONS):
+def shows_lines(node: Mapping[str, Any], meshes: Any) -> bool:
+    """Whether a node itself shows lines and nothing else, or what nobody can read.
+
+    meshes: those of the file, as they stand there.
+    """
+    used = object_in(node, "extensions")
+    if {"camera", "skin"} & node.keys() or any(name in used for name in SHOWN_EXTENSIONS):
         return False
-    return all(primitive.natural("mode", 4) in _LINES for primitive in meshes[mesh].each("primitives"))
+    primitives = (object_at(meshes, node.get("mesh")) or {}).get("primitives")
+    found = (one for one in (primitives if isinstance(primitives, list) else ()) if isinstance(one, dict))
+    return all(one.get("mode", 4) in _LINES for one in found)
