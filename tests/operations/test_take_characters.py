@@ -167,6 +167,26 @@ def test_one_rig_describes_each_of_several_characters(shot: Rig, tmp_path: Path)
     assert {(track.node, track.path) for track in shown} == {(track.node, track.path) for track in expected}
 
 
+def test_an_asset_describes_the_character_whose_controls_have_numbers(shot: Rig, tmp_path: Path) -> None:
+    """Before, the controls of the first one, whose names are the asset's, moved the joints of the second."""
+    taken, names = set[str](), []
+    for node, name in enumerate(shot.names):
+        names.append(f"{name}_001" if name in taken and not shot.is_joint[node] else name)
+        taken.add(name)
+    moved = shot.translation.copy()
+    moved[shot.find("A")] += [2.0, 0.0, 0.0]
+    bare = replace(shot, metadata={}, names=tuple(names), translation=moved)
+    asset, right = read(tmp_path / "keyed.usda").rig, bake(replace(shot, translation=moved))
+    for name in "AB":
+        done = bake(bare, rig_=asset, character=name)
+        inside = set(done.below(done.find(name)))
+        assert done.names == bare.names
+        assert set(done.records(ControlRecord)) == inside & shot.records(ControlRecord).keys()
+        joints = [node for node in inside if done.is_joint[node]]
+        one, other = (worlds_at(rig, np.linspace(1.0, 5.0, 9))[:, joints] for rig in (done, right))
+        assert np.abs(one - other).max() < 2e-3
+
+
 def stored_at_a_frame(rig: Rig) -> Rig:
     """As a DCC stores what it shows: controls rest where the clip begins."""
     parts = {name: getattr(rig, name).copy() for name in ("translation", "rotation", "scale")}

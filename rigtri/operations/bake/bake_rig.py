@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 from rigtri.model.characters import characters
@@ -9,7 +10,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.options.bake import BakeOptions
 from rigtri.operations.rigtri_nodes import readdressed
 from rigtri.operations.take_clips.messages import warn_shown_otherwise
-from rigtri.operations.take_clips.node_matching import pairs
+from rigtri.operations.take_clips.node_matching import pairs, unnumbered
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.recognition.one_character import alone, of_character
@@ -21,7 +22,7 @@ def with_rig(rig: Rig, rigged: Rig, options: BakeOptions, report: Report) -> Rig
     names = rig.names
     if options.character is not None:
         rigged = _same_character(rig, rigged, options.character)
-        rig = of_character(rig, options.character)
+        rig = _as_in_asset(of_character(rig, options.character), rigged, options.character)
     shown, rig = rig, joined(rig, rigged, names=options.as_, between=options.between, report=report)
     seen = as_described(rig, rigged, report=report)
     if options.to == "joints":
@@ -30,6 +31,22 @@ def with_rig(rig: Rig, rigged: Rig, options: BakeOptions, report: Report) -> Rig
     rig = replace(seen, names=(*names, *seen.names[len(names) :]))
     # A name that other characters have, too, means one of them only by its path.
     return readdressed(seen, rig, range(len(rig))) if options.character is not None else rig
+
+
+def _as_in_asset(rig: Rig, rigged: Rig, name: str) -> Rig:
+    """The rig with names that RIG has once for what is at or below a node alone.
+
+    Blender numbers what a second character of an asset has, ``hand_ctl_001``; the first has RIG's names.
+    """
+    inside, counts = rig.below(rig.find(name, "character")), Counter(rigged.names)
+    names, known = list(rig.names), {rig.names[node] for node in inside}
+    for node in inside:
+        plain = unnumbered(names[node])
+        if names[node] not in counts and counts[plain] == 1 and plain not in known:
+            names[node] = plain
+    mine = {names[node] for node in inside} - known
+    held = {*inside}
+    return replace(rig, names=tuple("" if n in mine and k not in held else n for k, n in enumerate(names)))
 
 
 def _same_character(rig: Rig, rigged: Rig, name: str) -> Rig:
