@@ -154,7 +154,7 @@ def _refuse_lost_keys(rig: Rig, both: Counterparts, ours: Collection[int], missi
     strange = [node for node in sorted(keyed) if int(rig.parents[node]) in ours and not rig.is_joint[node]]
     if strange:
         raise GeometryError(
-            f"{list_names(rig.names[node] for node in strange)} of this file have keys, and are none of the "
+            f"{list_names(map(rig.title, strange))} of this file have keys, and are none of the "
             f"file of --rig, of which {list_names(missing)} are not here: keys would be lost. Give them the "
             "names that they have there"
         )
