@@ -48,7 +48,7 @@ class FormatRules:
     elsewhere: nodes of rigtri, or with its metadata, that no edit of this file can take out, and which other
     file has them. overlaid: those of them, nodes of rigtri all, of which this file says more.
     rigid: nodes that show a mesh which a child of theirs could show instead, so that they may be joints.
-    lines: nodes with metadata of rigtri that show lines and nothing else, as controls do.
+    lines: nodes that show lines and nothing else, as controls do.
     others: nodes of other characters while one is edited: a name that several nodes share does not mean them.
     per_second: units of clips' time in a second. valid_name: a name as this format can have it; `str`: any.
     """

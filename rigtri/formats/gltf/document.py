@@ -316,7 +316,9 @@ class GltfDocument:
                 unread_extensions=self._unread_extensions(),
                 rigid=frozenset(k for k, n in enumerate(ordered) if "mesh" in n and "skin" not in n),
                 lines=frozenset(
-                    k for k in notes if shows_lines(ordered[k], self.container.gltf.get("meshes"))
+                    k
+                    for k, node in enumerate(ordered)
+                    if "mesh" in node and shows_lines(node, self.container.gltf.get("meshes"))
                 ),
             ),
             # Not of the document: a rig that held it would keep the file open in a ring.
