@@ -37,9 +37,9 @@ from rigtri.formats.gltf.structure import (
     check_lists,
     check_references,
     extension_in_axes,
+    lines_shown,
     referred_frames,
     shows,
-    shows_lines,
     unread_extensions,
 )
 from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_data, missing, relink
@@ -315,11 +315,7 @@ class GltfDocument:
                 facing=bindings.facing,
                 unread_extensions=self._unread_extensions(),
                 rigid=frozenset(k for k, n in enumerate(ordered) if "mesh" in n and "skin" not in n),
-                lines=frozenset(
-                    k
-                    for k, node in enumerate(ordered)
-                    if "mesh" in node and shows_lines(node, self.container.gltf.get("meshes"))
-                ),
+                lines=lines_shown(ordered, self.container.gltf.get("meshes")),
             ),
             # Not of the document: a rig that held it would keep the file open in a ring.
             content=Content(partial(_lines, gltf, self.accessors), self._drawn.outlines, self._drawn.meshes),

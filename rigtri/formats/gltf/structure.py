@@ -234,7 +234,7 @@ def shows(node: Mapping[str, Any]) -> bool:
     return "mesh" in node or "camera" in node or any(name in used for name in SHOWN_EXTENSIONS)
 
 
-def shows_lines(node: Mapping[str, Any], meshes: Any) -> bool:
+def _shows_lines(node: Mapping[str, Any], meshes: Any) -> bool:
     """Whether a node itself shows lines and nothing else, or what nobody can read.
 
     meshes: those of the file, as they stand there.
@@ -245,3 +245,8 @@ def shows_lines(node: Mapping[str, Any], meshes: Any) -> bool:
     primitives = (object_at(meshes, node.get("mesh")) or {}).get("primitives")
     found = (one for one in (primitives if isinstance(primitives, list) else ()) if isinstance(one, dict))
     return all(one.get("mode", 4) in _LINES for one in found)
+
+
+def lines_shown(nodes: Sequence[Mapping[str, Any]], meshes: Any) -> frozenset[int]:
+    """The nodes, by place, that show lines and nothing else, or a mesh that nobody can read."""
+    return frozenset(k for k, node in enumerate(nodes) if "mesh" in node and _shows_lines(node, meshes))
