@@ -8,12 +8,11 @@ import os
 import re
 import threading
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import IO, Any
-from weakref import WeakValueDictionary
+from typing import IO
 
 from rigtri.errors import FileError, UsageError, system_reason
 from rigtri.files.atomic_write import (
@@ -320,38 +319,6 @@ def _same(content: bytes | Path, place: Path) -> bool:
     if isinstance(content, bytes):
         return place.is_file() and place.read_bytes() == content
     return place.is_file() and filecmp.cmp(content, place, shallow=False)
-
-
-class _Turns:
-    """Locks by folder. What is forked has no thread that could let go of them, and begins anew."""
-
-    def __init__(self) -> None:
-        self.forget()
-        if hasattr(os, "register_at_fork"):
-            os.register_at_fork(after_in_child=self.forget)
-
-    def forget(self) -> None:
-        self._guard = threading.Lock()
-        self._locks: WeakValueDictionary[str, Any] = WeakValueDictionary()
-
-    def lock(self, folder: Path) -> AbstractContextManager[Any]:
-        with self._guard:
-            lock: AbstractContextManager[Any] = self._locks.setdefault(
-                os.path.realpath(folder), threading.RLock()
-            )
-            return lock
-
-
-_turns = _Turns()
-
-
-def in_turn(folder: Path) -> AbstractContextManager[Any]:
-    """A lock, by which threads of this process write into a folder one after the other.
-
-    Parts bear the number of their process, and outputs in one folder share copies: one that is undone takes
-    them away.
-    """
-    return _turns.lock(folder)
 
 
 def check_not_an_input(place: Path, needed: Sequence[tuple[Path, str]]) -> None:

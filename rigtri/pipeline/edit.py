@@ -14,13 +14,13 @@ from typing import Any
 from rigtri.errors import DeviationError, FileError, UsageError
 from rigtri.files.atomic_write import same_file
 from rigtri.files.background_copy import BackgroundCopies
+from rigtri.files.folder_locks import folder_lock
 from rigtri.files.input_stream import called, opened, path_of
 from rigtri.files.staged_output import (
     StagedOutput,
     as_file_error,
     check_not_an_input,
     destination,
-    in_turn,
     recover,
 )
 from rigtri.files.text_files import check_utf8_path
@@ -325,7 +325,7 @@ def target_of(request: EditRequest) -> Path:
     with as_file_error(Path(request.target)):
         final = destination(Path(request.target))
         if request.is_kept and not request.shared:
-            with in_turn(final.parent):  # what bears the number of this process may be a thread's
+            with folder_lock(final.parent):  # what bears the number of this process may be a thread's
                 recover(final, request.side_files)
     return final
 
@@ -351,7 +351,7 @@ def working_folder(final: Path, request: EditRequest) -> Iterator[Path]:
     """Where the part is written: beside the target, as soon as no other thread does, or in a folder that is
     thrown away."""
     if request.is_kept:
-        with in_turn(final.parent):
+        with folder_lock(final.parent):
             yield final.parent
         return
     from rigtri.files import temp_dirs
