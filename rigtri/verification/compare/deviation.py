@@ -23,7 +23,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.progress import counted
 from rigtri.verification.compare.correspondence import Correspondence, timeline
-from rigtri.verification.compare.probes import FramePoints, MeshPoints, Probe, SampledPoses
+from rigtri.verification.compare.probes import FramePoints, MeshPoints, Probe, SampledPoses, in_few
 from rigtri.verification.compare.verdict import UNIT, Comparison, Worst
 
 # Where quaternions are shown as they are: a rotation doubles their error, and a chain of joints adds it up.
@@ -175,7 +175,7 @@ def measure(
     sizes: of the nodes of ``before``, (n,), in file units (`rig_size.sizes_of`).
     normalised: take rotations as unit, as glTF means them; else as they are stored.
     """
-    titled = [probe for probe in probes if len(probe.titles)]
+    titled = in_few([probe for probe in probes if len(probe.titles)], most=len(before))
     found = Deviation(titled, [sizes[probe.placed] for probe in titled])
     if not found.probes:
         return found

@@ -105,6 +105,41 @@ class FramePoints:
         return np.where(gone, np.nan, np.where(np.isfinite(distance), distance, np.inf))
 
 
+def in_few(probes: Sequence[Probe], most: int) -> list[Probe]:
+    """The same rows in the same order: of points in frames those of neighbours as one probe.
+
+    Each probe costs some dozen calls for each block of times, whatever it holds, and a character may be made
+    of a thousand rigid meshes. most: rows of one probe, whose points at all times of a block take memory.
+    """
+    found: list[list[Probe]] = []
+    rows, kind = 0, None
+    for probe in probes:
+        # What counts from other frames is of a class of its own.
+        mine = probe.points[0].shape[1] if type(probe) is FramePoints else None
+        rows += len(probe.titles)
+        if mine is None or mine != kind or rows > most:
+            found.append([])
+            rows, kind = len(probe.titles), mine
+        found[-1].append(probe)
+    return [
+        _as_one([p for p in some if isinstance(p, FramePoints)]) if some[1:] else some[0] for some in found
+    ]
+
+
+def _as_one(probes: Sequence[FramePoints]) -> FramePoints:
+    """The rows of all of them, which have as many points each."""
+    nodes, points = (
+        [np.concatenate([pair[side] for pair in pairs]) for side in (0, 1)]
+        for pairs in ([probe.nodes for probe in probes], [probe.points for probe in probes])
+    )
+    return FramePoints(
+        (nodes[0], nodes[1]),
+        (points[0], points[1]),
+        [title for probe in probes for title in probe.titles],
+        [owner for probe in probes for owner in probe.owners],
+    )
+
+
 def _placed(world: Floats, points: Floats) -> Floats:
     """Points (r, k, 4) in the frames of rows, (r, 4, 3, f), without last columns → (r, k, 3, f)."""
     rows, times = len(world), world.shape[3]
