@@ -36,14 +36,14 @@ def key_tolerances(rig: Rig, far: float, size: float) -> tuple[Floats, Floats]:
 
 def lever_arms(rig: Rig, size: float) -> Floats:
     """How far the nodes below each node reach from it at rest, (n,), a twentieth of ``size`` at least."""
-    world = rig.world[:, 3, :3]
-    reach = np.full(len(rig), 0.05 * size)
+    world, parents = rig.world[:, 3, :3], rig.parents.tolist()
+    with np.errstate(invalid="ignore"):
+        bones = np.nan_to_num(length(world - world[rig.parents])).tolist()
+    reach = [0.05 * size] * len(rig)
     for node in range(len(rig) - 1, -1, -1):
-        parent = int(rig.parents[node])
-        if parent >= 0:
-            far = reach[node] + float(np.nan_to_num(length(world[node] - world[parent])))
-            reach[parent] = max(reach[parent], far)
-    return reach
+        if (parent := parents[node]) >= 0:
+            reach[parent] = max(reach[parent], reach[node] + bones[node])
+    return np.array(reach)
 
 
 def parent_sizes(rig: Rig) -> Floats:

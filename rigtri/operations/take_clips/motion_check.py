@@ -46,7 +46,7 @@ _HIDDEN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class _Off:
+class Off:
     """A joint, what of it is off, and by how much in words."""
 
     joint: int
@@ -54,33 +54,45 @@ class _Off:
     text: str
 
 
+# What is off of joints that a clip moves in neither file, which is the same for each such clip.
+Resting = dict[int, list[Off]]
+
+
 class MotionCheck:
     """One clip in both files. seen: how it was taken; rig: the result; clip: all that it plays there;
-    left: nodes that were declared not to be taken: they follow controls, or their splines were kept.
+    left: nodes that were declared not to be taken: they follow controls, or their splines were kept;
+    resting: what clips before it have found.
     """
 
     def __init__(
-        self, seen: Comparison, bodies: Proportions, rig: Rig, clip: Clip, left: Collection[int]
+        self,
+        seen: Comparison,
+        bodies: Proportions,
+        rig: Rig,
+        clip: Clip,
+        left: Collection[int],
+        resting: Resting,
     ) -> None:
         self.seen, self.bodies, self.both, self.rig = seen, bodies, seen.both, rig
-        self.left = frozenset(left)
+        self.left, self.resting = frozenset(left), resting
         self._known_keys: dict[int, Floats | None] = {-1: None}
         frames = seen.transfer.frames
         self.times = np.union1d(thinned(frames, _LOOKS), thinned(self._unseen(clip), _LOOKS))
         gap = _BESIDE * float(np.diff(frames).min(initial=np.inf)) if len(frames) > 1 else 0.0
         looks = np.concatenate([self.times, self.times - gap, self.times + gap])
         edited = self.both.other
+        self.moving = _moving(rig, clip), _moving(edited, seen.taken.clip)
         self.theirs = worlds(edited, locals_at(edited, seen.taken.clip, self.times))
         ways = [clip, replace(clip, tracks=tuple(without_near_keys(t, seen.frames) for t in clip.tracks))]
         same = all(a is b for a, b in zip(ways[0].tracks, ways[1].tracks, strict=True))
         played = [locals_at(rig, way, seen.clock.times(looks)) for way in ways[: 1 if same else 2]]
         self.ours = worlds(rig, np.concatenate(played))
 
-    def found(self) -> tuple[list[_Off], list[_Off]]:
+    def found(self) -> tuple[list[Off], list[Off]]:
         """What is off though EDITED has keys of it, and what EDITED holds otherwise without any keys."""
-        wrong, unkeyed = list[_Off](), list[_Off]()
+        wrong, unkeyed = list[Off](), list[Off]()
         for joint in sorted(n for n in self.both.of if self.rig.is_joint[n] and n not in self.left):
-            for off in self._of(joint):
+            for off in self._offs(joint):
                 (wrong if self._is_taken(joint, off.path) else unkeyed).append(off)
         return wrong, unkeyed
 
@@ -111,8 +123,16 @@ class MotionCheck:
         between = self._line(joint, above)[1:]
         return next((n for n in between if n in self.left and n in self.both.of), above)
 
-    def _of(self, joint: int) -> list[_Off]:
-        above = self._above(joint)
+    def _offs(self, joint: int) -> list[Off]:
+        """What is off of a joint; in a crowd a clip moves one character, and all others rest."""
+        ours, theirs = self.moving
+        if ours[joint] or theirs[self.both.of[joint]] or not len(self.times):
+            return self._of(joint, self._above(joint))
+        if joint not in self.resting:
+            self.resting[joint] = self._of(joint, self._above(joint))
+        return self.resting[joint]
+
+    def _of(self, joint: int, above: int) -> list[Off]:
         frames = self._frames(joint, above)
         theirs = self._seen_theirs(joint, above)[frames]
         ours = seen_ours(joint, above, self.ours).reshape(-1, len(self.times), 4, 4)[:, frames]
@@ -129,12 +149,12 @@ class MotionCheck:
         far = length(ours[..., 3, :3] - theirs[..., 3, :3]).min(axis=0) * unit / self.both.size
         bound = self._bounds(joint, self.times[frames])
         if (turned > bound).any():
-            found.append(_Off(joint, "rotation", f"'{title}' is off by {turned.max():.3g}° in rotation"))
+            found.append(Off(joint, "rotation", f"'{title}' is off by {turned.max():.3g}° in rotation"))
         elif float(grown.min(axis=0).max()) > _MOST_GROWN:
-            found.append(_Off(joint, "scale", f"'{title}' has {1 + grown.max():.3g} times the size"))
+            found.append(Off(joint, "scale", f"'{title}' has {1 + grown.max():.3g} times the size"))
         most = OTHER_SHAPE + 2.0 * self.seen.tolerances.share + self._loose(joint, above)
         if not self.bodies.stays(joint) and float(far.max()) > most:
-            found.append(_Off(joint, "translation", f"'{title}' is off by {far.max():.2g} of the rig's size"))
+            found.append(Off(joint, "translation", f"'{title}' is off by {far.max():.2g} of the rig's size"))
         return found
 
     def _bounds(self, joint: int, times: Floats) -> Floats:
@@ -229,6 +249,14 @@ class MotionCheck:
         """The nodes above a joint that EDITED does not have, and RIG's clip of this name moves."""
         above = [node for node in self.rig.path_to_root(joint)[1:] if node not in self.both.of]
         return [node for node in above if any((node, path) in self.seen.tracks for path in PATHS)]
+
+
+def _moving(rig: Rig, clip: Clip) -> list[bool]:
+    """Which nodes a clip moves, with all below them."""
+    found = np.zeros(len(rig), dtype=bool)
+    found[[track.node for track in clip.tracks if track.path != "weights"]] = True
+    moving: list[bool] = rig.at_or_below(found).tolist()
+    return moving
 
 
 def refuse_other_motion(check: MotionCheck, reported: Collection[str], report: Report) -> None:

@@ -49,7 +49,7 @@ from rigtri.operations.take_clips.messages import (
     why_nothing_matches,
 )
 from rigtri.operations.take_clips.morph_targets import SAME_WEIGHT
-from rigtri.operations.take_clips.motion_check import MotionCheck, refuse_other_motion
+from rigtri.operations.take_clips.motion_check import MotionCheck, Resting, refuse_other_motion
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.proportions import Proportions, warn_ik_bones
 from rigtri.operations.take_clips.retargeting import rest_parts
@@ -100,7 +100,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
         )
     every = names.taken(options.clip)
     bodies = checked_bodies(both, every, report)
-    axes, moved = AxesEvidence(bodies), set[int]()
+    axes, resting, moved = AxesEvidence(bodies), Resting(), set[int]()
     taken_all, changed = set[str](), set[str]()
     follow, driven = _moved_in_blender(rig, switched)
     for taken in counted(every, "clips"):
@@ -113,7 +113,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             continue
         before, rig = rig, taking.done()
         names.warn_new(taken.name, written=rig is not before)
-        taking.refuse_other_motion(rig, axes)
+        taking.refuse_other_motion(rig, axes, resting)
         moved.update(track.node for track in taking.changed)
         taken_all.add(taken.name)
         if rig is not before:
@@ -200,10 +200,10 @@ class _Taking:
             self.report.reposed = True
         return rig
 
-    def refuse_other_motion(self, rig: Rig, axes: AxesEvidence) -> None:
+    def refuse_other_motion(self, rig: Rig, axes: AxesEvidence, resting: Resting) -> None:
         """GeometryError where the clip would not play in ``rig``, the result, as it does in EDITED.
 
-        What it shows of EDITED's axes goes to ``axes``.
+        What it shows of EDITED's axes goes to ``axes``, and of joints that it does not move to ``resting``.
         """
         home = self.taken.home
         played = [
@@ -214,7 +214,7 @@ class _Taking:
         if played and (home is not None or self.changed):
             splines = {name for name, *_ in self.splines}
             left = self.follow | self.driven.nodes | {n for n in self.both.of if self.rig.names[n] in splines}
-            check = MotionCheck(self.seen, self.bodies, rig, played[-1].clip, left)
+            check = MotionCheck(self.seen, self.bodies, rig, played[-1].clip, left, resting)
             refuse_other_motion(check, self.kept, self.report)
             before = home.clip if home is not None else Clip("", ())
             axes.look(check.theirs, before, self.clock.times(check.times))
@@ -315,7 +315,7 @@ class _Taking:
             joint = self.rig.is_joint[node]
             own = self.transfer.driven.get(theirs, {})
             fresh = self.taken.home is None and not own and (joint or node in body)
-            if self.transfer.is_carried(node) or not (node in carried or fresh):
+            if not (node in carried or fresh) or self.transfer.is_carried(node):
                 continue
             parts = to_parts(self.transfer.still(node)[np.newaxis])
             for path, values in zip(PATHS, parts, strict=True):
