@@ -30,11 +30,7 @@ from rigtri.recognition.guessed_hierarchy import (
     start_beside,
     turned_in_file,
 )
-from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.inanimate import (
-    has_trunk,
-    is_alive,
-    is_of_device,
     may_be_a_thing,
     may_be_wings,
     of_machine,
@@ -46,6 +42,7 @@ from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.names_of_several import named_twice, one_of_several
 from rigtri.recognition.naming_schemes import limb_kind_in_name, roles_in_name
+from rigtri.recognition.no_body import beside_things, by_words, is_named, no_body, no_trunk
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
     arm_as_leg,
@@ -68,12 +65,8 @@ from rigtri.recognition.unlike_twins import joint_more, unlike_twin
 _UNSURE = 0.6
 # Bones of one limb are at least so long a part of each other.
 _BALANCE = 0.4
-# Of a body without legs and without a second arm, so many bones beside the arm's own, or fingers, are named.
-_ENOUGH = 3
 # Bones of counted joints are clearly those of a limb if they are so much alike.
 _CLEARLY = 0.45
-# Of an animal all of these do.
-_ANIMAL, _FACED = frozenset(["ear", "tail"]), frozenset(["face", "trunk"])
 
 
 def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
@@ -99,9 +92,9 @@ def unsure(draft: Draft, each: Found, why: str) -> Found:
 def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """The first doubt of a limb: of those of every limb, then of names or of shapes, whichever tell it."""
     if len(each.joints) != 3:
-        doubts = (_no_trunk, lost_third, miscounted, joint_more, *_alone(_no_bend))
+        doubts = (no_trunk, beside_things, lost_third, miscounted, joint_more, *_alone(_no_bend))
     else:
-        doubts = (*_OF_ANY, *(_OF_NAMES if _is_named(draft, each) else _OF_SHAPES), *_OF_TWINS)
+        doubts = (*_OF_ANY, *(_OF_NAMES if is_named(draft, each) else _OF_SHAPES), *_OF_TWINS)
     return next(filter(None, (doubt(draft, each, found) for doubt in doubts)), "")
 
 
@@ -199,74 +192,6 @@ def _counted(draft: Draft, each: Found) -> str:
     return f"its joints are counted on to {_title(draft, more[0])}, and any three may bend" if more else ""
 
 
-def _is_named(draft: Draft, each: Found) -> bool:
-    return draft.reading is not None and each.joints in draft.reading.limbs.values()
-
-
-def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """An arm by itself, or four legs that carry nothing: cranes and tables are like that, too."""
-    bones = draft.reading.bones if draft.reading is not None else {}
-    others = [bone for bone, node in bones.items() if node not in each.joints]
-    alone = (
-        len(found) == 1
-        and each.kind == "arm"
-        and not each.side
-        and len(draft.tree.nodes) > len(each.joints) + 1
-    )
-    if alone and len(others) < _ENOUGH and not _has_fingers(draft, each):
-        return "no other part of a body is named"
-    body = draft.shape.body
-    four = (
-        len(found) == 4 and all(k.kind == "leg" for k in found) and not {"head", "hips", "spine"} & set(bones)
-    )
-    beside = body and body.legs and body.arms and body.legs.pair.above == body.arms.pair.above
-    if four and beside and _corners(draft, found) < 4 and not is_alive(draft, body):
-        return "no trunk is between its front and its hind legs"
-    return ""
-
-
-def _no_trunk(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """A limb by names where no trunk or head is named: chairs have arms and legs, too, and scales a head.
-
-    What has ears and a tail is an animal, and so is a body with eyes. Not one that a naming scheme knows, of
-    clear words for all three joints; nor four legs of such words, but for those beside names of a device.
-    """
-    named = _is_named(draft, each)
-    if not (named or _by_words(each)) or _has_fingers(draft, each):
-        return ""
-    roles = frozenset[str]().union(*(roles_in_name(draft.tree.rig.names[k]) for k in draft.tree.nodes))
-    clear = (named and _has_clear_words(draft, each)) or _corners(draft, found) == 4 or roles >= _FACED
-    if clear and not is_of_device(draft):
-        return ""
-    return "" if has_trunk(draft) or roles >= _ANIMAL else "nothing else of a body is named"
-
-
-def _has_clear_words(draft: Draft, each: Found) -> bool:
-    """Whether the names of all three joints have words of limbs, and more than one of them clear ones."""
-    words = [draft.words.get(joint, NO_WORDS).levels for joint in each.joints]
-    return all(words) and len([levels for levels in words if 1.0 in levels.values()]) > 1
-
-
-def _corners(draft: Draft, found: Sequence[Found]) -> int:
-    """How many of the front left, front right, hind left and hind right leg names tell of, in clear words.
-
-    Not in those that tables have, too: at least one joint is called thigh, knee, paw …
-    """
-    corners = set[tuple[str, str]]()
-    for each in found:
-        words = [draft.words.get(joint, NO_WORDS) for joint in each.joints]
-        places = {word.place for word in words} - {""}
-        alive = len(words) == 3 and any(word.alive for word in words) and _has_clear_words(draft, each)
-        if each.kind == "leg" and each.side and alive and len(places) == 1:
-            corners.add((each.side, places.pop()))
-    return len(corners)
-
-
-def _by_words(each: Found) -> bool:
-    """Whether single words of names say of a pair what it is."""
-    return each.pair is not None and each.pair.kind == each.kind
-
-
 def _named_to_bend_elsewhere(draft: Draft, each: Found) -> str:
     """A middle joint that is called as an upper bone, after one that is called as what comes before it."""
     first, middle, last = (limb_words(draft.tree.rig.names[joint]).levels for joint in each.joints)
@@ -295,7 +220,7 @@ def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found], doubts: Mapp
 
     Chairs have both. Which joints of a leg bend does not matter. doubts: against each limb, by its id."""
     body = draft.shape.body
-    if len(each.joints) != 3 or _is_named(draft, each) or _by_words(each):
+    if len(each.joints) != 3 or is_named(draft, each) or by_words(each):
         return ""
     if body is None or each.pair is None or each.pair is not body.arms:
         return ""
@@ -306,12 +231,6 @@ def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found], doubts: Mapp
         return "its side is told by legs that are not sure"
     hand = each.pair.thumb and each.pair.fingers >= HAND
     return "its legs are not sure" if not hand and (denied or any(skirt(draft, k) for k in legs)) else ""
-
-
-def _has_fingers(draft: Draft, arm: Found) -> bool:
-    """Whether several joints below an arm's end are called as fingers are."""
-    below = draft.tree.branch(arm.joints[-1]) if arm.kind == "arm" else []
-    return len({finger_in_name(draft.tree.rig.names[node]) for node in below} - {""}) >= _ENOUGH
 
 
 _Doubt = Callable[[Draft, Found, Sequence[Found]], str]
@@ -334,8 +253,9 @@ _OF_ANY = (
     *_alone(_other_limb, _trunk_aside, _other_side, turned_in_file, _against_the_tree, folded),
     *_alone(*rival_joints.OF_ANY),
     miscounted,
-    _no_trunk,
-    _no_body,
+    no_trunk,
+    no_body,
+    beside_things,
 )
 _OF_TWINS = (unlike_twin, joint_more)
 _OF_NAMES = (

@@ -9,7 +9,7 @@ from rigtri.recognition.body_shape import Body
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import is_behind_arms, is_beside_legs
-from rigtri.recognition.inanimate import is_of_machine
+from rigtri.recognition.inanimate import has_head, has_hips_or_spine, is_of_machine
 from rigtri.recognition.layout import NAMES, Kind
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import limb_words, other_words
@@ -29,7 +29,9 @@ def lay_further_limbs(draft: Draft, found: Sequence[Found]) -> None:
     if body is None or not found:
         return
     size = max((k.size for k in (body.legs, body.arms) if k is not None), default=0.0)
-    thing = is_of_machine(draft)  # planes have wings
+    # Planes and gates have wings: those of a body hang where a sure limb, a head or a spine is.
+    alive = has_head(draft) or has_hips_or_spine(draft) or any(each.is_sure for each in found)
+    thing = is_of_machine(draft) or not alive
     taken = set(draft.taken) | {joint for each in found for joint in (*each.before, *each.joints)}
     trunk = draft.tree.way(-1, draft.chest if draft.chest >= 0 else draft.hips) if found else []
     for limbs in draft.shape.limbs:

@@ -34,8 +34,8 @@ _STANDS, _CARRIES = 0.5, 0.7
 # Wings go aside by more than this (a cosine, 60°). The bone below a hock goes down by as much, and is so long
 # a part of the one above it.
 _SPREAD, _DOWN, _LONG = 0.5, 0.5, 0.4
-# Of a body one of these names alone does not tell: planes have tails.
-_HEADS = frozenset(["skull", "tail"])
+# Of a body one of these names alone does not tell: planes have tails, and vices jaws.
+_HEADS = frozenset(["skull", "tail", "face"])
 _ALONE = _HEADS | {"body"}
 # A clavicle is at most so long a part of the upper arm.
 _CLAVICLE = 0.6
@@ -58,6 +58,39 @@ def _devices() -> frozenset[str]:
     """Words of what stands on legs, or has arms, beside people: furniture, vehicles and instruments."""
     objects = _table()["objects"]
     return frozenset(f"{objects['furniture']} {objects['vehicles']} {objects['instruments']}".split())
+
+
+@cache
+def _garments() -> frozenset[str]:
+    return frozenset(_table()["objects"]["garments"].split())
+
+
+@cache
+def _parts() -> frozenset[str]:
+    """Words of devices and of parts of machines and buildings, without those that bodies or rigs have."""
+    table = _table()
+    parts = frozenset(f"{table['buildings']} {table['fittings']} {table['machines']}".split())
+    return _devices() | (parts - frozenset(table["neutral"]["parts"].split()))
+
+
+@cache
+def whole_rigs() -> frozenset[str]:
+    """Words of joints that hold a whole rig, whatever it is of."""
+    return frozenset(_table()["neutral"]["rigs"].split())
+
+
+def thing_in_name(name: str) -> bool:
+    """Whether a name is of a device, or of a part of a machine or building."""
+    return not _parts().isdisjoint(parse_name(name).words)
+
+
+def garment_in_name(name: str) -> bool:
+    """Whether a name has a word for what is worn.
+
+    >>> garment_in_name("trousers_L_thigh"), garment_in_name("thigh_L")
+    (True, False)
+    """
+    return not _garments().isdisjoint(parse_name(name).words)
 
 
 @cache
@@ -97,6 +130,11 @@ def has_hips_or_spine(draft: Draft) -> bool:
     """Whether names tell of a trunk beside head and neck: a guitar has a body, a neck and a head."""
     names = [name for name in trunk_names(draft) if _HEADS.isdisjoint(roles_in_name(name))]
     return any("body" not in parse_name(name).words for name in names)
+
+
+def has_head(draft: Draft) -> bool:
+    """Whether a name of the trunk is of a head or neck."""
+    return any("skull" in roles_in_name(name) for name in trunk_names(draft))
 
 
 def is_of_device(draft: Draft) -> bool:

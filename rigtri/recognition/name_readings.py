@@ -233,9 +233,9 @@ def _triple(
 
 
 def _only_below(tree: Tree, node: int) -> list[int]:
-    found = [
-        child for child in tree.below[node] if not BESIDE.intersection(roles_in_name(tree.rig.names[child]))
-    ]
+    """The one joint below another but for those beside bones; a neck or a head ends no limb."""
+    others = BESIDE | _MIDDLE
+    found = [child for child in tree.below[node] if others.isdisjoint(roles_in_name(tree.rig.names[child]))]
     return found if len(found) == 1 else []
 
 
