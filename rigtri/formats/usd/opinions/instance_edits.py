@@ -13,7 +13,6 @@ Source: OpenUSD glossary, LIVRPS and "Instancing"; measured with usd-core 26.11.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -229,6 +228,8 @@ def _inherit(layer: Any, path: Any, base: Any, before: Any) -> None:
 
 def _digest(layer: Any, shown: Any) -> bytes:
     """What a class of the opinions below a prim would be, wherever it stood."""
+    import hashlib  # of a file without instances nobody needs it
+
     made = layers.empty()
     _copy_below(layer, shown, made, _PLACE)
     found = hashlib.sha256()

@@ -8,7 +8,6 @@ stay shared only if their new values are equal.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import replace
 
@@ -129,6 +128,8 @@ def _close(one: Floats, other: Floats) -> bool:
 
 def _content(track: Track) -> bytes:
     """A digest of the keys of a track, wherever they are stored."""
+    import hashlib  # of a single skeleton nobody needs it
+
     found = hashlib.blake2b(track.interpolation.encode(), digest_size=16)
     for array in (track.times, track.values):
         found.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
