@@ -22,13 +22,17 @@ from warm import Times, version
 ROOT = Path(__file__).resolve().parent.parent
 # As the installed script does.
 PROGRAM = [sys.executable, "-c", "from rigtri.__main__ import program; program()"]
+# What a process has imported at its end, and so much alone.
+IMPORTED = "import atexit, sys; atexit.register(lambda: print(*sys.modules)); "
+IMPORT = "import importlib, sys; [importlib.import_module(name) for name in sys.argv[1:]]"
 
 
 def commands(folder: Path) -> dict[str, list[str]]:
     """What is started, by its name in the table; peers that are not installed are left out."""
     found = {"import numpy, click": [sys.executable, "-c", "import numpy, click"]}
     found["rigtri --help"] = [*PROGRAM, "--help"]
-    found["rigtri orient-joints biped.glb, verified"] = _orient("biped.glb", folder)
+    edit = found["rigtri orient-joints biped.glb, verified"] = _orient("biped.glb", folder)
+    found["its modules alone"] = modules_of(edit)
     place, node = os.environ.get("RIGTRI_GLTF_TRANSFORM"), shutil.which("node")
     sample, copy = str(ROOT / "samples" / "biped.glb"), str(folder / "copy.glb")
     if place and node:
@@ -41,13 +45,22 @@ def commands(folder: Path) -> dict[str, list[str]]:
         found[name] = [transform, "copy", sample, copy]
     if importlib.util.find_spec("pxr"):
         found["from pxr import Usd, UsdSkel"] = [sys.executable, "-c", "from pxr import Usd, UsdSkel"]
-        found["rigtri orient-joints biped.usdz, verified"] = _orient("biped.usdz", folder)
+        edit = found["rigtri orient-joints biped.usdz, verified"] = _orient("biped.usdz", folder)
+        found["its modules alone, with pxr"] = modules_of(edit)
     return found
 
 
 def _orient(name: str, folder: Path) -> list[str]:
     target = str(folder / f"cold-{name}")
     return [*PROGRAM, "orient-joints", str(ROOT / "samples" / name), "-o", target, "--overwrite", "-q"]
+
+
+def modules_of(command: list[str]) -> list[str]:
+    """A process that imports what one of `PROGRAM` does, and does nothing."""
+    words = [sys.executable, "-c", IMPORTED + command[2], *command[3:]]
+    known = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
+    names = [name for name in known if name.partition(".")[0] in ("rigtri", "pxr", "numpy", "click")]
+    return [sys.executable, "-c", IMPORT, *names]
 
 
 def version_of(program: str) -> str:
