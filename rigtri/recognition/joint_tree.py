@@ -282,7 +282,8 @@ def segments_of(tree: Tree) -> frozenset[int]:
             continue
         after = tree.below[node][0] if tree.below[node] else -1
         other = _is_lower(names, over, node, after) or _is_first(names, over, node, after)
-        least = _TWISTED if "twist" in parse_name(names[node]).words else _IN_LINE
+        words = parse_name(names[node]).words
+        least = _IN_LINE if _ROLL in words or "twist" not in roles_in_name(names[node]) else _TWISTED
         if after < 0 or (_is_between(tree, over, node, after, least) and not other):
             found.add(node)
     return frozenset(found)

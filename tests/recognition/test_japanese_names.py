@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from recognition_bodies.skeletons import Joint, Place, both, line, rig_with
 
@@ -90,3 +94,65 @@ def test_names_of_final_fantasy_are_written_as_they_are_read() -> None:
     written = written_names("ffxiv")
     assert {bone: written[bone] for bone in read} == read
     assert {"leftThumbMetacarpal", "rightLittleIntermediate", "leftShoulder", "hips", "head"} <= set(read)
+
+
+TRUNK = [
+    ("全ての親", "", (0, 0, 0)),
+    *line("センター 下半身", "全ての親", (0, 0.9, 0), (0, 1, 0)),
+    *line("上半身 上半身2 首 頭", "センター", (0, 1, 0), (0, 1.2, 0), (0, 1.45, 0), (0, 1.55, 0)),
+]
+LEG = line(
+    "足 ひざ 足首 つま先", "下半身", (0.1, 0.9, 0), (0.1, 0.5, 0.02), (0.1, 0.08, -0.02), (0.1, 0.02, 0.1)
+)
+
+
+def miku(left: Sequence[Joint]) -> list[Joint]:
+    """A body of MikuMikuDance with these joints on both sides."""
+    middle = {name for name, _, _ in TRUNK}
+
+    def sided(name: str, which: str) -> str:
+        return name if name in middle else which + name
+
+    both_sides = [
+        (sided(name, which), sided(above, which), (sign * x, y, z))
+        for which, sign in (("左", 1.0), ("右", -1.0))
+        for name, above, (x, y, z) in left
+    ]
+    return [*TRUNK, *both_sides]
+
+
+def limb(kind: str, names: str) -> dict[str, list[str]]:
+    return {
+        f"{side} {kind}": [which + name for name in names.split()]
+        for side, which in (("left", "左"), ("right", "右"))
+    }
+
+
+@pytest.mark.parametrize("clavicle", [True, False])
+@pytest.mark.parametrize("off", [0.0, 0.013, 0.043, -0.037])
+def test_a_twist_joint_out_of_line_is_no_shoulder_of_a_body_of_mmd(off: float, *, clavicle: bool) -> None:
+    """Before, 捩 behind the name of a bone was no word, and the arm began at 腕捩, sure to 0.96."""
+    start = (
+        [("肩", "上半身2", (0.05, 1.4, 0)), ("腕", "肩", (0.15, 1.4, 0))]
+        if clavicle
+        else [("腕", "上半身2", (0.15, 1.4, 0))]
+    )
+    arm = line("腕捩 ひじ 手首", "腕", (0.27, 1.317 + off, 0), (0.38, 1.24, -0.01), (0.58, 1.1, 0))
+    found = sure(rig_with(miku([*start, *arm, *LEG])))
+    arms = limb("arm", "腕 ひじ 手首")
+    assert {name: joints for name, joints in found.items() if arms.get(name) != joints} == limb(
+        "leg", "足 ひざ 足首"
+    )
+    assert off > 0.02 or arms.items() <= found.items()
+
+
+def test_legs_whose_skin_the_second_chain_of_mmd_moves_are_that_chain() -> None:
+    """Before, 足D, ひざD and 足首D were known by their shape alone, to 0.7, which commands do not use."""
+    arm = line("腕 ひじ 手首", "上半身2", (0.15, 1.4, 0), (0.38, 1.24, -0.01), (0.58, 1.1, 0))
+    second = line("足D ひざD 足首D 足先EX", "下半身", *(place for _, _, place in LEG))
+    rig = rig_with(miku([*arm, *LEG, *second]))
+    still = {f"{which}{name}" for which in "左右" for name, _, _ in LEG}
+    weighs = np.array([name not in still for name in rig.names])
+    skin = replace(rig.skins[0], weigh=lambda: weighs)
+    assert sure(replace(rig, skins=(skin,))) == limb("arm", "腕 ひじ 手首") | limb("leg", "足D ひざD 足首D")
+    assert sure(rig) == limb("arm", "腕 ひじ 手首") | limb("leg", "足 ひざ 足首")
