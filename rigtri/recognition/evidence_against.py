@@ -208,6 +208,10 @@ def _misnamed(draft: Draft, each: Found) -> str:
     last = limb_words(names[2]).levels
     if each.kind == "arm" and last.get("lower") == 1.0 and len(last) == 1:  # hocks are called so, too
         return f"{_title(draft, each.joints[2])} is called as a lower bone is"
+    between = draft.tree.way(each.joints[1], each.joints[2])[1:-1]
+    lower = [k for k in between if limb_words(draft.tree.rig.names[k]).levels == {"lower": 1.0}]
+    if each.kind == "arm" and lower and not last:
+        return f"{_title(draft, lower[-1])}, after which it ends, is called as a lower bone is"
     first, second, third = (parse_name(name) for name in names)
     counts = second.plain == third.plain != first.plain and second.key != third.key
     if counts and second.plain and numbers_in(second.key) == [1] and numbers_in(third.key) == [2]:

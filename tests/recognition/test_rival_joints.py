@@ -119,6 +119,17 @@ def test_an_arm_that_ends_at_a_joint_called_as_a_bone_of_the_forearm_is_not_sure
     assert not [one for one in layout.chains if one.kind == "arm" and one.is_sure]
 
 
+@pytest.mark.parametrize("clavicle", [True, False])
+def test_an_arm_that_passes_a_joint_called_as_a_bone_of_the_forearm_is_not_sure(*, clavicle: bool) -> None:
+    """Before, humerus, elbow and what follows the radius were an arm, sure to 0.89: the radius may end it."""
+    start = [_CLAVICLE] if clavicle else []
+    names = "Humerus.L Elbow.L Radius.L f1.L f2.L"
+    places = (0.16, 1.45, 0), (0.44, 1.45, -0.005), (0.7, 1.45, 0), (0.78, 1.45, 0), (0.82, 1.45, 0)
+    arm = line(names, "clavicle.L" if clavicle else "chest", *places)
+    layout = recognise(rig_with([*TRUNK, *both([*start, *arm, *LEG])]))
+    assert not [one for one in layout.chains if one.kind == "arm" and one.is_sure]
+
+
 @pytest.mark.parametrize("helper", _HELPERS)
 def test_a_helper_with_a_name_of_anatomy_is_no_joint_of_a_sure_limb(helper: str) -> None:
     joints = _german(*_HELPERS[helper])
