@@ -7,7 +7,8 @@ A naming scheme says which bone of a human a whole name means. Here each word co
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Literal
@@ -49,7 +50,8 @@ class LimbWords:
     without its number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb.
     bends: a knee or an elbow. animal: of one. alive: a word that no furniture has, as ``thigh`` is. trunk: it
     is of the trunk or the head, and so of no limb (`name_readings.limb_names` says so). joint: of a name that
-    says an axis, ``hip_pitch``, the words without it, which all axes of one joint have."""
+    says an axis, ``hip_pitch``, the words without it, which all axes of one joint have. limb, beside: of a
+    name that only calls a whole limb, ``leg_kulcs``, the words for the limb, and those of no list."""
 
     levels: Mapping[Level, float]
     kind: LimbKind | Literal[""]
@@ -62,6 +64,8 @@ class LimbWords:
     corner: Side = ""
     alive: bool = False
     joint: str = ""
+    limb: str = ""
+    beside: str = ""
 
 
 NO_WORDS = LimbWords({}, "")
@@ -120,9 +124,10 @@ def limb_words(name: str) -> LimbWords:
         levels = dict.fromkeys(sorted(common, key=LEVELS.index), weight)
         axis = not AXES.isdisjoint(found)
         joint = " ".join(word for word in found if word not in AXES) if axis else ""
-        return LimbWords(
+        said = LimbWords(
             levels, kind, place, plain, middle, bends, animal, corner=corner, alive=alive, joint=joint
         )
+        return said if weight == 1.0 else replace(said, **_whole(found))
     # ``hand_end`` is what follows a hand, or the hand where nothing else is called so.
     last = {level: _HALF for each in levels_of_words for level in each}
     levels = last | ({"after": 1.0} if "after" in last else {})
@@ -141,6 +146,16 @@ def other_words(name: str) -> tuple[str, ...]:
     apart = _split(words_apart(name))
     found = (word for word in apart if word not in SIDES and not any(word in each for each in known))
     return tuple(str(int(word)) if is_number(word) else word for word in found)
+
+
+def _whole(found: Iterable[str]) -> dict[str, str]:
+    """The words of a name that mean a whole limb, and those that rigtri does not know."""
+    table = _table()
+    known = (SIDES, table.vague, table.kinds, table.places, table.corners)
+    limb = (word for word in found if len(table.vague.get(word, ())) > 1)
+    others = (word for word in found if len(word) > 1 and not is_number(word))
+    beside = (word for word in others if not any(word in each for each in known))
+    return {"limb": " ".join(limb), "beside": " ".join(beside)}
 
 
 def is_corner(word: str) -> bool:
@@ -187,6 +202,7 @@ def in_order(names: Sequence[LimbWords]) -> list[Mapping[Level, float]]:
     count, seen, middle, lower = max(same.values(), default=0), Counter[str](), False, False
     hand = any(name.kind == "arm" and name.levels.keys() == {"end"} for name in names)
     most = 2 if count == 3 and hand else 3
+    prefixes = _prefixes(names)
     upper = max((k for k, name in enumerate(names) if _is_upper(name) and same[name.plain] < 2), default=-1)
     found: list[Mapping[Level, float]] = []
     for k, name in enumerate(names):
@@ -194,6 +210,8 @@ def in_order(names: Sequence[LimbWords]) -> list[Mapping[Level, float]]:
         seen[name.plain] += 1
         if same[name.plain] > 1:
             levels = {LEVELS[row + 1]: _VAGUE} if same[name.plain] <= most else {}
+        elif name.beside and name.limb in prefixes:
+            levels = {}
         elif (middle and levels.keys() == {"lower"}) or (count == most == 3 and levels.keys() == {"end"}):
             levels = {"end": 1.0} if middle else {"after": 1.0}
         elif lower and name.bends:
@@ -206,6 +224,18 @@ def in_order(names: Sequence[LimbWords]) -> list[Mapping[Level, float]]:
         middle = middle or name.is_middle
         found.append(levels)
     return found
+
+
+def _prefixes(names: Sequence[LimbWords]) -> set[str]:
+    """Words for a whole limb before several others that are in no list.
+
+    ``leg_kulcs``, ``leg_sarok``: what each is stands in the other word, and the first says no place.
+    """
+    found = dict[str, set[str]]()
+    for name in names:
+        if name.limb and name.beside:
+            found.setdefault(name.limb, set()).add(name.beside)
+    return {limb for limb, others in found.items() if len(others) > 1}
 
 
 def _is_upper(name: LimbWords) -> bool:
