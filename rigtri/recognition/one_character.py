@@ -7,7 +7,6 @@ mean the one at hand.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -190,8 +189,9 @@ def _other_skins(rig: Rig, nodes: Nodes) -> dict[int, Skin]:
 
 def of_character(rig: Rig, name: str) -> Rig:
     """A rig in which names that several nodes share mean those at or below a node."""
-    inside, counts = set(rig.below(rig.find(name, "character"))), Counter(rig.names)
-    names = ("" if counts[n] > 1 and k not in inside else n for k, n in enumerate(rig.names))
+    inside = set(rig.below(rig.find(name, "character")))
+    known = {rig.names[node] for node in inside}
+    names = ("" if n in known and k not in inside else n for k, n in enumerate(rig.names))
     return replace(rig, names=tuple(names))
 
 

@@ -27,7 +27,7 @@ from rigtri.maths.matrices import compose, decompose, inverse
 from rigtri.maths.matrices import multiply as matrix_product
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.model.animation import Clip, Track
-from rigtri.model.metadata import ControlRecord
+from rigtri.model.metadata import ControlRecord, PoleVectorRecord, Record
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.twist import AddTwistOptions
 from rigtri.operations.bake.bake import BakeOptions
@@ -313,13 +313,23 @@ def test_paths_mean_the_same_joints_below_nodes_that_an_exporter_has_put_above()
         assert found.known(own.joint) == meant
 
 
-def test_joints_that_a_path_refers_to_elsewhere_are_reported_with_the_reason() -> None:
+def test_joints_that_a_path_refers_to_elsewhere_are_refused_with_the_reason() -> None:
+    """Before, a warning: the motion of their controls was left out."""
     rig, described = called_by_paths()
     names = tuple("pelvis" if name == "hips" else name for name in rig.names)
-    report = Report()
-    as_described(replace(rig, names=names), described, report=report)
-    texts = [notice.text for notice in report.warnings if notice.code == "not-in-this-file"]
-    assert any("2 nodes of that file are called 'hips'" in text for text in texts)
+    with pytest.raises(rigtri.RigtriError, match="2 nodes of that file are called 'hips'"):
+        as_described(replace(rig, names=names), described)
+
+
+@pytest.mark.parametrize("kind", [ControlRecord, PoleVectorRecord])
+def test_a_control_or_pole_that_is_not_there_is_refused_by_its_name(kind: type[Record]) -> None:
+    """Before, a warning: what was animated there was left out, and other joints moved."""
+    rig = biped()
+    node = max(rig.records(kind))
+    keep = [k for k in range(len(rig)) if k not in rig.below(node)]
+    small, _ = replace(rig, metadata={}).subset(keep)
+    with pytest.raises(rigtri.RigtriError, match=rf"'{rig.names[node]}'.* of the file of --rig, so what was"):
+        as_described(small, rig)
 
 
 def test_names_that_several_nodes_have_are_reported() -> None:

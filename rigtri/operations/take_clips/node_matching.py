@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 from unicodedata import normalize
 
@@ -14,7 +15,10 @@ from rigtri.maths.similarity_fit import OTHER_SHAPE, fit_similarity
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
-from rigtri.model.rig import Rig
+from rigtri.model.rig import DRAWING, Rig
+
+# What Blender puts behind a name that is taken.
+_NUMBER = re.compile(r"[._]\d{3}$")
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,10 +36,11 @@ class Pairs:
 def pairs(rig: Rig, other: Rig) -> Pairs:
     """Nodes of two rigs that have one name: exactly, else composed as Unicode's NFC, else as USD spells it.
 
-    Joints go before other nodes. Of names that several characters have, those below nodes that are one.
-    Controls and poles that a DCC has given the names of their curves, by what
-    is stored on them.
+    Joints go before other nodes. Of names that several characters have, those below nodes that are one, then
+    in the order of the numbers that Blender has given them. Controls and poles that a DCC has given the names
+    of their curves, without the end of these, or by what is stored on them.
     """
+    rig, other = _without_drawings(rig, other), _without_drawings(other, rig)
     found = _by_records(rig, other)
     unclear: dict[str, None] = {}
     for spell in SPELLINGS:
@@ -52,6 +57,9 @@ def pairs(rig: Rig, other: Rig) -> Pairs:
                 unclear[rig.names[left[0]]] = None
     if unclear:
         found |= _by_branch(rig, other, found)
+        if numbered := _by_number(rig, other, found):
+            found |= numbered
+            found |= _by_branch(rig, other, found)
         still = {rig.names[node] for node in range(len(rig)) if node not in found}
         unclear = {name: None for name in unclear if name in still}
     found |= _by_import(rig, other, found)
@@ -89,6 +97,43 @@ def _by_branch(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]
     return made
 
 
+def _by_number(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]:
+    """Nodes of names that several characters have, in the order of the numbers of these or of what is above.
+
+    Blender numbers what has a name that is taken in the order in which it reads prims: the first one has no
+    number. It may drop the nodes whose names told the characters apart.
+    """
+    partners = {*found.values()}
+    plain = replace(other, names=tuple(map(_called, other.names, other.is_joint)))
+    here, there = _grouped(_spelled(rig, str), _above(rig, found)), _above(other, partners)
+    groups = _grouped(_spelled(plain, str), there)
+    made: dict[int, int] = {}
+    for (above, name), nodes in here.items():
+        left = [node for node in nodes if node not in found]
+        numbered: dict[int, int] = {}
+        for node in groups.get((found[above], name), ()):
+            if node not in partners:
+                # A mesh is below a node of its name.
+                numbered.setdefault(_number(other, node, found[above]), node)
+        if len(left) == len(numbered) > 1:
+            made |= dict(zip(left, (numbered[number] for number in sorted(numbered)), strict=True))
+    return made
+
+
+def _called(name: str, is_joint: bool) -> str:
+    """A name as it was before Blender has numbered it; joints of several armatures may have one name."""
+    return name if is_joint else unnumbered(name)
+
+
+def _number(rig: Rig, node: int, above: int) -> int:
+    """The number that Blender has put behind the name of a node, else of the nearest above it; 0 for none."""
+    while node != above:
+        if found := _NUMBER.search(rig.names[node]):
+            return int(found.group()[1:])
+        node = int(rig.parents[node])
+    return 0
+
+
 def _above(rig: Rig, known: Collection[int]) -> list[int]:
     """The nearest node above each that is one of some; −1 for none."""
     reached = nearest(rig, known)
@@ -115,7 +160,32 @@ def _grouped(named: Mapping[Any, list[int]], above: Sequence[int]) -> dict[tuple
 
 def unnumbered(name: str) -> str:
     """A name without the number that Blender puts behind one that is taken."""
-    return re.sub(r"[._]\d{3}$", "", name)
+    return _NUMBER.sub("", name)
+
+
+def _without_drawings(rig: Rig, other: Rig) -> Rig:
+    """The rig with the names of controls of the other one where Blender gave them those of their curves.
+
+    It does so where a control holds nothing else.
+    """
+    shown = {other.names[parent] for node, parent in enumerate(other.parents.tolist()) if _draws(other, node)}
+    names = list(rig.names)
+    for node, parent in enumerate(rig.parents.tolist()):
+        if rig.attachment[node] == node and parent >= 0 and rig.children[parent] == (node,):
+            number = _NUMBER.search(names[parent])
+            plain = unnumbered(names[parent])
+            control = plain.removesuffix(f"_{DRAWING}")
+            held = rig.parents[parent] >= 0 and unnumbered(names[rig.parents[parent]]) == control
+            if control in shown and control != plain == unnumbered(names[node]) and not held:
+                names[parent] = f"{control}{number.group() if number else ''}"
+    return replace(rig, names=tuple(names)) if tuple(names) != rig.names else rig
+
+
+def _draws(rig: Rig, node: int) -> bool:
+    """Whether a node is the curves of the control above it."""
+    parent = int(rig.parents[node])
+    named = parent >= 0 and rig.names[node] == f"{rig.names[parent]}_{DRAWING}"
+    return named and rig.attachment[node] == node
 
 
 def _by_records(rig: Rig, other: Rig) -> dict[int, int]:

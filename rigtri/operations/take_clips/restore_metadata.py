@@ -22,6 +22,7 @@ from rigtri.model.metadata import (
     EXPORT_WARNINGS,
     ControlRecord,
     Place,
+    PoleVectorRecord,
     damage,
     with_references,
 )
@@ -59,8 +60,9 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     """The rig with the metadata of ``described`` on nodes of the same names, at rest where they are there.
 
     A warning of the report names nodes that are not there, and joints that are bound otherwise, whose
-    controls keep their own rest. GeometryError where no node is there, no control finds its joint, or a
-    constraint would be left out. A group that constraints follow is added.
+    controls keep their own rest. GeometryError where no node is there, a control or pole vector is not, a
+    control does not find its joint, or a constraint would be left out. A group that constraints follow is
+    added.
     """
     added = described.nodes_of(*ADDED)
     if not added:
@@ -79,6 +81,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         raise GeometryError(_why_none(rig, described, both, missing))
     if missing:
         _refuse_lost_keys(rig, both, found, [described.names[node] for node in missing])
+        _refuse_lost_controls(rig, described, missing)
         names = [described.names[node] for node in missing]
         report.warn(
             "not-in-this-file",
@@ -90,7 +93,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     _warn_other_metadata(rig, as_stored, found, report)
     check_constraints(rig, described, of, report)
     whole = with_rivets_of(replace(rig, metadata={**rig.metadata, **found}), described, of, report)
-    _refuse_strange_joints(whole, found, described, report)
+    _refuse_strange_joints(whole, found, described)
     bound = _bound_otherwise(rig, described, of)
     if bound:
         report.warn(
@@ -160,6 +163,19 @@ def _refuse_lost_keys(rig: Rig, both: Counterparts, ours: Collection[int], missi
         )
 
 
+def _refuse_lost_controls(rig: Rig, described: Rig, missing: Collection[int]) -> None:
+    """GeometryError where controls or poles are missing: whoever animated them would lose the motion."""
+    moved = described.records(ControlRecord).keys() | described.records(PoleVectorRecord).keys()
+    if lost := [described.names[node] for node in missing if node in moved]:
+        several = titles(rig)
+        raise GeometryError(
+            f"This file does not have {list_names(lost)} of the file of --rig, so what was animated there "
+            "would be lost. Export these nodes, too, give them the names that they have there, or give a "
+            "file of --rig without them"
+            + (f". For one character: --character {list_names(several)}" if len(several) > 1 else "")
+        )
+
+
 def _with_names_of(
     rig: Rig, stored: Mapping[int, Mapping[str, Any]], described: Rig, of: Mapping[int, int]
 ) -> dict[int, Mapping[str, Any]]:
@@ -194,8 +210,8 @@ def _warn_other_metadata(
         report.warn("described-anew", text, names=names)
 
 
-def _refuse_strange_joints(rig: Rig, nodes: Collection[int], described: Rig, report: Report) -> None:
-    """Warn of controls whose joint is none of this file; GeometryError where all are such."""
+def _refuse_strange_joints(rig: Rig, nodes: Collection[int], described: Rig) -> None:
+    """GeometryError where the joint of a control is none of this file: its motion would be lost."""
     joints = [record.joint for node, record in rig.records(ControlRecord).items() if node in nodes]
     lost = [name for name in dict.fromkeys(joints) if rig.known(name) is None]
     if not lost:
@@ -206,6 +222,9 @@ def _refuse_strange_joints(rig: Rig, nodes: Collection[int], described: Rig, rep
     there, here = described.names.count(called), rig.names.count(called)
     reason = "this file has no such joint"
     remedy = "Name a file that has this character alone, or at the same paths"
+    several = titles(rig)
+    if here > 1 and len(several) > 1:
+        remedy = f"For one character at a time: --character {list_names(several)}"
     if not called:
         reason = f"{there} nodes of that file have no names, and --rig finds joints by these"
         remedy = (
@@ -218,9 +237,7 @@ def _refuse_strange_joints(rig: Rig, nodes: Collection[int], described: Rig, rep
         reason = f"{here} nodes of this file are called '{called}', so the name is ambiguous"
     more = f" and {len(lost) - 1} more" if len(lost) > 1 else ""
     text = f"'{name}'{more}, which controls of the file of --rig move, is not found in this file: {reason}"
-    if len(lost) == len(set(joints)):
-        raise GeometryError(f"{text}. {remedy}")
-    report.warn("not-in-this-file", text, names=lost)
+    raise GeometryError(f"{text}. {remedy}")
 
 
 def _bound_otherwise(rig: Rig, described: Rig, of: Mapping[int, int]) -> list[str]:
