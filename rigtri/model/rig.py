@@ -7,6 +7,7 @@ nodes; matrices are row-vector matrices (`rigtri.maths.matrices`).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
@@ -34,8 +35,10 @@ from rigtri.text import identifier
 R = TypeVar("R", bound=Record)
 T = TypeVar("T")
 
-# The child that shows the lines of a control in formats that keep what is drawn apart.
+# The child that shows the lines of a control in formats that keep what is drawn apart, and its name with the
+# number that a DCC may have put behind it.
 DRAWING = "shape"
+DRAWN = re.compile(rf"{DRAWING}([._]\d{{3}})?$")
 # Of its largest number: what float32 leaves of a matrix of translation, rotation and scale.
 _EXACT = 1e-6
 
@@ -274,15 +277,17 @@ class Rig(NodeNames):
 
     @cached_property
     def drawings(self) -> frozenset[int]:
-        """Nodes that show the lines of what rigtri has added, each below it: USD has them so."""
-        return frozenset(
-            child
-            for node in self.nodes_of(*ADDED)
-            for child in self.children[node]
-            if self.names[child].endswith(DRAWING)
-            and self.attachment[child] == child
-            and not self.children[child]
-        )
+        """Nodes that show the lines of what rigtri has added, each below it: USD has them so.
+
+        Blender puts each of them below a node of its own, which has the same name.
+        """
+        found, made = set[int](), self.nodes_of(*ADDED)
+        for child in {child for node in made for child in self.children[node]}.difference(made):
+            below = [child, *self.children[child]]
+            shown = [node for node in below if self.attachment[node] == node]
+            if len(below) < 3 and shown == below[-1:] and not self.children[below[-1]]:
+                found.update(below if all(DRAWN.search(self.names[node]) for node in below) else ())
+        return frozenset(found)
 
     @cached_property
     def showing(self) -> frozenset[int]:

@@ -107,3 +107,19 @@ def test_poles_of_two_characters_that_have_the_names_of_their_curves_come_home(
     off = [np.abs(a - b).max() for a, b in zip(shown(right), shown(out), strict=True)]
     for far, name in zip(off, ("figure", "figure_001"), strict=True):
         assert (far < 1e-3) == (character in (None, name))
+
+
+def test_curves_below_nodes_of_their_own_are_those_of_their_controls(rigged: Path, tmp_path: Path) -> None:
+    """Before, `strip` refused them as children from others, and their motion was called that of the file."""
+    edited = keyed(through_blender(rigged, tmp_path / "edited.usda"), tmp_path / "keyed.usda", POLES)
+    rig = rigtri.read(edited)
+    curves = {node for node, label in enumerate(rig.labels) if label.endswith("_shape")}
+    assert curves <= rig.own
+    assert not rig.showing
+    bare = tmp_path / "bare.usda"
+    cli("strip", edited, "--discard-motion", "-o", bare, code=0)
+    assert not any("ctl" in label or "pole" in label for label in rigtri.read(bare).labels)
+    out = tmp_path / "out.usda"
+    told = cli("bake", edited, "--rig", rigged, "--to", "joints", "-o", out, code=0).output
+    assert "motion differs from IN" in told
+    assert "_shape" not in told.partition("motion differs from IN")[2]

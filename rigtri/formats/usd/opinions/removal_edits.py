@@ -82,7 +82,7 @@ def _restore(path: str) -> Edit:
         for one in written_by_rigtri(spec):
             spec.RemoveProperty(one)
         for child in list(spec.nameChildren):
-            if is_drawing(child):
+            if is_drawing(child.typeName, child.name):
                 layers.remove(child)
 
     return Edit(Sdf.Path(path), restore)

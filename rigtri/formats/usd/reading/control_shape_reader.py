@@ -13,6 +13,7 @@ from pxr import UsdGeom
 
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.composition.value_types import integers, vectors
+from rigtri.formats.usd.reading.metadata_attributes import is_drawing
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.model.control_shapes import Lines, Shape
 from rigtri.model.rig import DRAWING
@@ -20,12 +21,8 @@ from rigtri.model.rig import DRAWING
 
 def curves_of(prim: Any) -> Any:
     """The BasisCurves below the prim of a control; None where it has none."""
-    curves = (
-        child
-        for child in prim.GetChildren()
-        if child.GetTypeName() == "BasisCurves" and child.GetName().endswith(DRAWING)
-    )
-    return next(curves, None) if prim else None
+    children = prim.GetChildren() if prim else ()
+    return next((one for one in children if is_drawing(one.GetTypeName(), one.GetName())), None)
 
 
 def curves_name(control: str) -> str:

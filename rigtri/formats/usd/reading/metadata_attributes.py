@@ -21,7 +21,7 @@ from pxr import Gf, Sdf, Tf, Usd, Vt
 from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.model import metadata as records
 from rigtri.model.metadata import RECORDS, REFERENCES, Place, Stored
-from rigtri.model.rig import DRAWING, Rig
+from rigtri.model.rig import DRAWN, Rig
 
 PREFIX = "rigtri:"
 TWIN = "userProperties:"
@@ -96,7 +96,8 @@ def overlaid(stage: Any, rig: Rig, layer: Any) -> frozenset[int]:
         stack = stage.GetPrimAtPath(path).GetPrimStack() if what == "prim" else ()
         here = [spec for spec in stack if spec.layer == layer]
         if len(here) < len(stack) and any(
-            written_by_rigtri(spec) or any(map(is_drawing, spec.nameChildren)) for spec in here
+            written_by_rigtri(spec) or any(is_drawing(one.typeName, one.name) for one in spec.nameChildren)
+            for spec in here
         ):
             found.add(node)
     return frozenset(found)
@@ -108,9 +109,9 @@ def written_by_rigtri(spec: Any) -> list[Any]:
     return [one for one in spec.properties if one.name.startswith(ours)]
 
 
-def is_drawing(spec: Any) -> bool:
-    """Whether a spec below a prim of rigtri is of the curves that show the prim."""
-    return bool(spec.typeName == "BasisCurves" and spec.name.endswith(DRAWING))
+def is_drawing(kind: str, name: str) -> bool:
+    """Whether what is below a prim of rigtri is of the curves that show the prim, by its type and name."""
+    return kind == "BasisCurves" and DRAWN.search(name) is not None
 
 
 def _twins(prim: Any, metadata: Metadata) -> dict[str, list[str]]:
