@@ -18,6 +18,8 @@ from rigtri.recognition.symmetry import Pair
 
 # So many fingers make a hand, and so many joints a finger.
 HAND, _FINGER = 4, (2, 3, 4)
+# Nearer to each other than this part of the bone before them, two ends are one.
+_ONE_PLACE = 0.02
 # A thumb begins this much nearer to the wrist than fingers do, or points this far aside (a cosine).
 _NEAR, _APART = 0.7, cosine_below(20)
 # The outer toes of a paw spread less far than this (a cosine).
@@ -140,17 +142,27 @@ def has_thumb(tree: Tree, path: Sequence[int]) -> bool:
 
 
 def _ways_on(tree: Tree, node: int) -> list[int]:
-    """The joints below one, without those that only stand along a bone to another: twist joints."""
+    """The joints below one, without twist joints, which stand along a bone to another, and second ends."""
     below = tree.below[node]
-    along = {k: (tree.at[k] - tree.at[node]).unit for k in below}
     return [
         one
         for one in below
         if tree.below[one]
-        or not any(
-            tree.bone[one] < tree.bone[other] and along[one].dot(along[other]) > STRAIGHT for other in below
-        )
+        or not any(_is_along(tree, one, other) or _is_second(tree, one, other) for other in below)
     ]
+
+
+def _is_along(tree: Tree, one: int, other: int) -> bool:
+    """Whether a joint stands within the bone to another joint below the same one."""
+    at = tree.at[tree.above[one]]
+    straight = (tree.at[one] - at).unit.dot((tree.at[other] - at).unit) > STRAIGHT
+    return tree.bone[one] < tree.bone[other] and straight
+
+
+def _is_second(tree: Tree, one: int, other: int) -> bool:
+    """Whether a joint stands where another below the same one does, as a wrist beside a hand."""
+    near = (tree.at[one] - tree.at[other]).length < _ONE_PLACE * tree.bone[other]
+    return one != other and near and (other < one or bool(tree.below[other]))
 
 
 def loose_ends(tree: Tree, pair: Pair, poses: Poses, names: Mapping[int, LimbWords]) -> Pair:

@@ -24,10 +24,21 @@ def named_twice(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     if own.levels != {"upper": 1.0}:
         return _counted_twice(draft, each)
     taken = {joint for limb in found for joint in limb.joints}
-    for node in (k for k in draft.tree.nodes if k not in taken and not roles_in_name(rig.names[k])):
+    others = (k for k in draft.tree.nodes if k not in taken and not roles_in_name(rig.names[k]))
+    for node in (k for k in others if not _is_denied(draft, k)):
         if alike(own, draft.words.get(node, NO_WORDS)) and parse_name(rig.names[node]).side == side:
             return f"'{rig.title(node)}' may be its start as well as '{rig.title(start)}'"
     return ""
+
+
+def _is_denied(draft: Draft, node: int) -> bool:
+    """Whether the names are of one maker whose scheme has no such bone: ``upperarm_bicep_l`` of Unreal."""
+    scheme = draft.reading.scheme if draft.reading is not None else None
+    return (
+        scheme is not None
+        and not scheme.is_common
+        and not scheme.bone(parse_name(draft.tree.rig.names[node]))[0]
+    )
 
 
 def _counted_twice(draft: Draft, each: Found) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import ARM, LEG, MAN, TRUNK, Joint, both, line, rig_with, without
+from recognition_bodies.skeletons import ARM, LEG, MAN, TRUNK, Joint, both, line, renamed, rig_with, without
 from rigs import rig_of
 
 from rigtri.model.rig import Rig
@@ -176,3 +176,21 @@ def test_optitracks_letters_before_arm_are_a_side_and_a_bone() -> None:
     found = joints_of(rig_with(joints))
     assert found["left arm"] == "LUArm LFArm LHand"
     assert found["right arm"] == "RUArm RFArm RHand"
+
+
+_UNREAL = {"hips": "pelvis", "spine": "spine_01", "chest": "spine_02", "neck": "neck_01", "toe": "ball"}
+_UNREAL |= {"upper_arm": "upperarm", "forearm": "lowerarm", "shin": "calf"}
+
+
+@pytest.mark.parametrize("root", ["root", "pelvis"])
+def test_a_corrective_joint_of_unreal_is_no_second_upper_arm_where_all_joints_hang_at_one(root: str) -> None:
+    """Before, ``upperarm_bicep_l`` might have been the start of the arm as well, and no arm was sure."""
+    called = renamed(MAN, _UNREAL, ("_l", "_r"))
+    helper = both([("upperarm_bicep.L", "upperarm.L", (0.3, 1.47, 0.04))])
+    joints = [("root", "", (0.0, 0.0, 0.0)), *called, *renamed(helper, {}, ("_l", "_r"))]
+    top = [name for name, _, _ in joints].index(root)
+    flat = [
+        (name, root if k > top else "root" if k else "", place) for k, (name, _, place) in enumerate(joints)
+    ]
+    sure = [one for one in recognise(rig_with(flat)).chains if one.kind == "arm" and one.is_sure]
+    assert sorted(flat[one.bend[0]][0] for one in sure) == ["upperarm_l", "upperarm_r"]

@@ -153,3 +153,11 @@ def test_a_bone_of_the_thigh_that_hangs_beside_the_shin_is_not_surely_where_a_le
     layout = recognise(rig_with(joints))
     starts = [joints[one.bend[0]][0] for one in layout.chains if one.kind == "leg" and one.is_sure]
     assert sorted(starts) in ([], ["xq_L", "xq_R"])
+
+
+def test_a_wrist_in_the_place_of_a_hand_is_no_second_finger() -> None:
+    """Before, both were fingers of the forearm, and the arm, whose names all are there, was not sure."""
+    joints = [*MAN, *both([("wrist.L", "forearm.L", (0.7, 1.45, 0.0))])]
+    layout = recognise(rig_with(joints))
+    sure = [[joints[k][0] for k in one.bend] for one in layout.chains if one.kind == "arm" and one.is_sure]
+    assert sorted(sure) == [[f"{name}.{side}" for name in ("upper_arm", "forearm", "hand")] for side in "LR"]
