@@ -19,6 +19,8 @@ from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import is_bone, is_segment, roles_in_name
 from rigtri.text import is_number
 
+# So many chains without branches, of so many joints, are the fingers of a hand.
+_HAND, _FINGER = 4, (2, 3, 4)
 # A path longer than this is not a limb: what comes after is of no interest, and paths stay short.
 _LONGEST = 15
 # A segment of a bone bends no further than this, as a cosine (25°): rest poses are not quite straight.
@@ -114,16 +116,45 @@ class Tree:
 
     @cached_property
     def paths(self) -> dict[int, tuple[int, ...]]:
-        """From each node down the longest way to a leaf, the node first."""
+        """From each node down the longest way to a leaf, the node first; past nothing that ends in fingers.
+
+        What hangs at an arm, a shield or a wing, may be longer than the way to its hand.
+        """
         paths: dict[int, tuple[int, ...]] = {}
+        hands = self._hands
         for node in reversed(self.nodes):
             below = self.below[node]
+            if hands[node] == 1 and len(below) > 1:
+                below = [k for k in below if hands[k]] or below
             ways = [self.bone[k] + self.reach[k] for k in below]
             least = max(ways, default=0.0) * (1.0 - SAME_SHARE)
             equal = [k for k, way in zip(below, ways, strict=True) if way >= least]
             longest = max(equal, key=self.size.__getitem__, default=-1)
             paths[node] = (node, *paths[longest][:_LONGEST]) if below else (node,)
         return paths
+
+    @cached_property
+    def along(self) -> dict[int, float]:
+        """From each node down the length of its way of `paths`."""
+        along: dict[int, float] = {}
+        for node in reversed(self.nodes):
+            after = self.paths[node][1:2]
+            along[node] = self.bone[after[0]] + along[after[0]] if after else 0.0
+        return along
+
+    @cached_property
+    def _hands(self) -> list[int]:
+        """How many joints there are from each node down at which fingers begin, (n,)."""
+        hands, straight = [0] * len(self.rig), [0] * len(self.rig)  # of a chain without branches, its joints
+        for node in reversed(self.nodes):
+            below = self.below[node]
+            if not below:
+                straight[node] = 1
+            elif len(below) == 1 and straight[below[0]]:
+                straight[node] = 1 + straight[below[0]]
+            fingers = sum(straight[k] in _FINGER for k in below)
+            hands[node] = sum(hands[k] for k in below) + (fingers >= _HAND)
+        return hands
 
     def is_below(self, node: int, other: int) -> bool:
         """Whether ``node`` is ``other`` or under it; everything is below −1."""

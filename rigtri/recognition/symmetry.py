@@ -105,7 +105,7 @@ def _mirrored_pair(tree: Tree, above: int, a: int, b: int, rough: bool) -> Pair 
         if not _near(tree.bone[left], tree.bone[right], tree.reach[a], rough):
             break
         same, reach = same + 1, reach + min(tree.bone[left], tree.bone[right])
-    if reach < 0.6 * min(tree.reach[a], tree.reach[b]):
+    if reach < 0.6 * min(tree.along[a], tree.along[b]):
         return None
     paths = tree.paths[a][:same], tree.paths[b][:same]
     ends = [(tree.at[left], tree.at[right]) for left, right in zip(*paths, strict=True)]

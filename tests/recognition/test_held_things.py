@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from recognition_bodies.skeletons import MAN, both, line, rig_with
+from recognition_bodies.skeletons import FINGERS, MAN, both, line, rig_with
 
 from rigtri.recognition.recognise import recognise
 
@@ -17,3 +17,14 @@ def test_a_weapon_with_a_leaf_bone_makes_no_arm_unsure(held: str, leaf: str) -> 
     rig = rig_with([*MAN, *weapon])
     arms = [chain for chain in recognise(rig).chains if chain.kind == "arm"]
     assert [rig.names[chain.bend[2]] for chain in arms if chain.is_sure] == ["hand.L", "hand.R"]
+
+
+@pytest.mark.parametrize("above", ["upper_arm.L", "forearm.L"])
+def test_what_hangs_at_an_arm_is_no_arm_though_it_is_longer_than_the_way_to_the_hand(above: str) -> None:
+    """Before, the longest way down was the arm: a banner at the upper arm was one, sure."""
+    hung = line("a.L b.L c.L", above, (0.35, 1.4, 0.05), (0.55, 1.0, 0.35), (0.75, 0.55, 0.6))
+    joints = [*MAN, *FINGERS, *both(hung)]
+    sure = [k for k in recognise(rig_with(joints, named=False)).chains if k.kind == "arm" and k.is_sure]
+    assert sorted([joints[k][0] for k in chain.bend] for chain in sure) == [
+        [f"{name}.{side}" for name in ("upper_arm", "forearm", "hand")] for side in "LR"
+    ]
