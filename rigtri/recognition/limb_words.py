@@ -124,10 +124,11 @@ def limb_words(name: str) -> LimbWords:
         levels = dict.fromkeys(sorted(common, key=LEVELS.index), weight)
         axis = not AXES.isdisjoint(found)
         joint = " ".join(word for word in found if word not in AXES) if axis else ""
-        said = LimbWords(
+        named = LimbWords(
             levels, kind, place, plain, middle, bends, animal, corner=corner, alive=alive, joint=joint
         )
-        return said if weight == 1.0 else replace(said, **_whole(found))
+        limb, beside = ("", "") if weight == 1.0 else _whole(found)
+        return replace(named, limb=limb, beside=beside)
     # ``hand_end`` is what follows a hand, or the hand where nothing else is called so.
     last = {level: _HALF for each in levels_of_words for level in each}
     levels = last | ({"after": 1.0} if "after" in last else {})
@@ -148,14 +149,14 @@ def other_words(name: str) -> tuple[str, ...]:
     return tuple(str(int(word)) if is_number(word) else word for word in found)
 
 
-def _whole(found: Iterable[str]) -> dict[str, str]:
+def _whole(found: Iterable[str]) -> tuple[str, str]:
     """The words of a name that mean a whole limb, and those that rigtri does not know."""
     table = _table()
     known = (SIDES, table.vague, table.kinds, table.places, table.corners)
     limb = (word for word in found if len(table.vague.get(word, ())) > 1)
     others = (word for word in found if len(word) > 1 and not is_number(word))
     beside = (word for word in others if not any(word in each for each in known))
-    return {"limb": " ".join(limb), "beside": " ".join(beside)}
+    return " ".join(limb), " ".join(beside)
 
 
 def is_corner(word: str) -> bool:
