@@ -201,6 +201,28 @@ def test_controls_are_not_added_where_a_variant_decides_the_skeleton(tmp_path: P
     assert not out.exists()
 
 
+def test_a_variant_whose_skeleton_another_file_has_names_that_file(tmp_path: Path) -> None:
+    """Before, "Give each variant a file of its own", which it had. An edit of that shows in the shot."""
+    for name, bind in (("thin", {}), ("thick", {"bind": TALL})):
+        cli(
+            "add-controls",
+            save(tmp_path, scene(skeleton(**bind), animation(), MESH), f"{name}.usda"),
+            *("-o", tmp_path / f"{name}_rig.usda", "--joints", "a", "--joints", "a/b"),
+            code=0,
+        )
+    each = "".join(f'"{n}" (\nprepend references = @./{n}_rig.usda@\n) {{\n}}\n' for n in ("thin", "thick"))
+    head = 'prepend variantSets = "body"\nvariants = { string body = "thin" }'
+    text = (
+        f'#usda 1.0\n(\nupAxis = "Y"\n)\ndef "Hero" (\n{head}\n)\n{{\nvariantSet "body" = {{\n{each}}}\n}}\n'
+    )
+    shot, out = save(tmp_path, text, "shot.usda"), tmp_path / "out.usda"
+    error = cli("add-controls", shot, "-o", out, "--joints", "c", code=3).stderr
+    assert "The variant 'thin' has it from thin_rig.usda: edit that file, and put the result" in error
+    file = tmp_path / "thin_rig.usda"
+    cli("add-controls", file, "-o", file, "--overwrite", "--joints", "c", code=0)
+    assert "c_ctl" in cli("inspect", shot, code=0).stdout
+
+
 def test_variants_with_the_same_skeleton_and_motion_get_controls(tmp_path: Path) -> None:
     bodies = {
         "one": "\n".join((skeleton(), animation())),

@@ -95,7 +95,7 @@ class SkeletonVariants:
     def refuse_dependent(self, paths: Iterable[Any], change: str) -> None:
         """FileError where variants decide one of some attributes; change: what cannot be done to it."""
         for path in sorted(self.depends.keys() & set(paths)):
-            raise FileError(f"{change}: {why_decided(path, self.depends[path])}")
+            raise FileError(f"{change}: {why_decided(path, self.depends[path], self.source)}")
 
     def place_of(self, state: VariantState, path: Any) -> str:
         """The strongest opinion on a prim in a state: its path and its layer."""
@@ -225,11 +225,19 @@ def why_unselected(path: Any, prim: Any, name: str) -> str:
     return f"<{path}> has values of its own where no variant of '{name}' on <{prim}> is selected"
 
 
-def why_decided(path: Any, sets: Iterable[VariantSet]) -> str:
-    """What is wrong with an attribute whose values variants decide."""
+def why_decided(path: Any, sets: Iterable[VariantSet], stage: Any) -> str:
+    """What is wrong with an attribute whose values variants decide, and what to do."""
     prim, name = min(sets)
-    where = f"in all variants of '{name}' on <{prim}>"
-    return f"<{path}> is not the same {where}. Give each variant a file of its own, and edit that."
+    shown, chosen = stage.GetAttributeAtPath(path), stage.GetPrimAtPath(prim)
+    specs = shown.GetPropertyStack(DEFAULT) if shown else ()
+    remedy = "Give each variant a file of its own, and edit that."
+    if specs and specs[0].layer not in stage.GetLayerStack() and chosen:
+        variant = chosen.GetVariantSet(name).GetVariantSelection()
+        remedy = (
+            f"The variant '{variant}' has it from {specs[0].layer.GetDisplayName()}: edit that file, "
+            "and put the result in its place."
+        )
+    return f"<{path}> is not the same in all variants of '{name}' on <{prim}>. {remedy}"
 
 
 def deciding_sets(stage: Any, skeleton: str, prims: Iterable[str]) -> dict[Any, set[VariantSet]]:

@@ -67,7 +67,7 @@ def _confine(
     path, animations = Sdf.Path(skeleton.path), {Sdf.Path(each) for each in skeleton.animations}
     reshaped = any(value.prim == path for value in edit.opinions)
     about = [value for value in edit.opinions if any(value.prim.HasPrefix(top) for top in tops)]
-    _refuse_controls(about, path, decided, made, reshaped=reshaped)
+    _refuse_controls(edit.source.stage, about, path, decided, made, reshaped=reshaped)
     followed = {at: sets for at, sets in decided.items() if any(at.HasPrefix(top) for top in tops)}
     if not followed or reshaped or not any(value.prim in animations for value in edit.opinions):
         return False
@@ -77,7 +77,7 @@ def _confine(
         variants = read.get((now.skeleton, now.animation), now)
         animation = Sdf.Path(variants.animation)
         if any(not animation.HasPrefix(prim) for prim, _ in sets):
-            raise FileError(f"Keys cannot be set in <{animation}>: {_why(followed)}")
+            raise FileError(f"Keys cannot be set in <{animation}>: {_why(edit.source.stage, followed)}")
         edit.prepared = [inside(each, animation, sets, variants) for each in edit.prepared]
         edit.opinions = [inside(each, animation, sets, variants) for each in edit.opinions]
     text = (
@@ -88,28 +88,33 @@ def _confine(
     return True
 
 
-def _why(decided: Decided) -> str:
+def _why(stage: Any, decided: Decided) -> str:
     first = min(decided)
-    return why_decided(first, decided[first])
+    return why_decided(first, decided[first], stage)
 
 
 def _refuse_controls(
-    about: Iterable[Edit], skeleton: Any, decided: Decided, made: Collection[Any], *, reshaped: bool
+    stage: Any,
+    about: Iterable[Edit],
+    skeleton: Any,
+    decided: Decided,
+    made: Collection[Any],
+    *,
+    reshaped: bool,
 ) -> None:
     """FileError where edits of controls would replace, or come from, what variants decide."""
     rests = {at: s for at, s in decided.items() if at.GetPrimPath() == skeleton and at.name in VALUES}
     motion = {at: s for at, s in decided.items() if at not in rests and not at.name.startswith(_OWN)}
     for value in about:
         if isinstance(value, Setting) and value.path in decided:
-            raise FileError(
-                f"<{value.prim}> cannot be changed: {why_decided(value.path, decided[value.path])}"
-            )
+            why = why_decided(value.path, decided[value.path], stage)
+            raise FileError(f"<{value.prim}> cannot be changed: {why}")
         placed = value.prim in made or (isinstance(value, Setting) and value.name.startswith("xformOp"))
         if rests and placed:
             new = "The new prim " if value.prim in made else ""
-            raise FileError(f"{new}<{value.prim}> cannot be placed: {_why(rests)}")
+            raise FileError(f"{new}<{value.prim}> cannot be placed: {_why(stage, rests)}")
         if motion and not reshaped and isinstance(value, Setting) and value.samples:
-            raise FileError(f"<{value.prim}> cannot get keys: {_why(motion)}")
+            raise FileError(f"<{value.prim}> cannot get keys: {_why(stage, motion)}")
 
 
 def _confine_props(edit: UsdEdit) -> None:
