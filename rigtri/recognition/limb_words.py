@@ -112,8 +112,8 @@ def limb_words(name: str) -> LimbWords:
     alive = animal or any(word in table.kinds and word not in _FURNITURE for word in found)
     sides = {table.corners[word] for word in found if word in table.corners}
     corner: Side = sides.pop() if len(sides) == 1 and (kind or levels_of_words) else ""
-    said = side_of_words(word for word in found if word not in table.corners)
-    corner = "" if said and said != corner else corner  # ``frElbow_L`` is a front elbow on the left
+    side = side_of_words(word for word in found if word not in table.corners)
+    corner = "" if side and side != corner else corner  # ``frElbow_L`` is a front elbow on the left
     if not levels_of_words:
         return LimbWords({}, kind, place, animal=animal, corner=corner, alive=alive)
     common = frozenset[Level].intersection(*levels_of_words)
