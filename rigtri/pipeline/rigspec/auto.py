@@ -113,13 +113,16 @@ def _proposal(
     found = Proposal(source, rig, layout, "", options.root, character)
     if not found.is_character:
         return found
-    given: dict[str, Any] = {
-        "preset": preset,
-        "open_places": True,
-        "options": options,
-        "character": character,
-    }
-    make = partial(starter, seen, title(source), layout, **given)
+    make = partial(
+        starter,
+        seen,
+        title(source),
+        layout,
+        preset=preset,
+        open_places=True,
+        options=options,
+        character=character,
+    )
     return replace(found, text=make(), without_twist=lambda why: make(fixed_weights=why))
 
 
@@ -145,8 +148,7 @@ def auto(
     """
     request = requested("auto", source, target, options=options, **given)
     report = Report() if report is None else report
-    words: dict[str, Any] = {"preset": preset, "scheme": scheme, "spec_out": spec_out}
-    return auto_file(request, report, character=character, **words)
+    return auto_file(request, report, preset=preset, scheme=scheme, spec_out=spec_out, character=character)
 
 
 def auto_file(
@@ -172,13 +174,14 @@ def auto_file(
     place = None if spec_out is None or request.dry_run else path_of(spec_out)
     with opened(request.source) as at, temp_dirs.folder() as folder:
         begin_stage("recognise")
-        of: dict[str, Any] = {
-            "preset": preset,
-            "scheme": scheme,
-            "options": request.options,
-            "character": character,
-        }
-        found = _proposal(at, Path(request.source), **of)
+        found = _proposal(
+            at,
+            Path(request.source),
+            preset=preset,
+            scheme=scheme,
+            options=request.options,
+            character=character,
+        )
         seen(found)
         if not found.is_character:
             raise GeometryError(found.missing())

@@ -86,9 +86,10 @@ def _with_equal_axes(before: Rig, rig: Rig, skeletons: Mapping[str, Skeleton]) -
                 break
         else:
             firsts.append((skeleton, skin))
-    if not rotates(turn).any() or broken(rig, turn) or not ScaleTable.of(rig).allows(turn).all():
+    if not rotates(turn).any() or broken(rig, turn):
         return rig
-    return reframe(rig, turn)
+    scales = ScaleTable.of(rig)
+    return reframe(rig, turn, scales=scales) if scales.allows(turn).all() else rig
 
 
 def _skinned(before: Rig, rig: Rig, skeletons: Mapping[str, Skeleton]) -> Iterator[tuple[Skeleton, Skin]]:
