@@ -290,6 +290,30 @@ def test_a_twist_joint_with_weight_that_was_turned_at_rest_is_named(step: str, t
         rigtri.write(rig, tmp_path / "out.glb")
 
 
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_what_bones_twist_again_as_a_whole_is_measured_and_said(suffix: str, tmp_path: Path) -> None:
+    """Before, the result was said to look the same within 2.2e-8."""
+    path, bare = tmp_path / f"split{suffix}", tmp_path / f"bare{suffix}"
+    rigtri.write(
+        rigtri.add_twist(rigtri.read(SAMPLES / f"biped{suffix}"), limbs="auto", split_weights=True), path
+    )
+    result = edit(path, bare, stripped).verification
+    assert result is not None
+    assert result.passes(1e-5)
+    seen = verify(path, bare).deviation
+    assert seen > 1e-3
+    assert result.moved == pytest.approx(seen, rel=1e-6)
+    assert f"measured without twist, which moves vertices by up to {seen:.2g}" in result.summary()
+
+
+def test_where_twist_joints_without_weight_go_nothing_is_said_of_twist(tmp_path: Path) -> None:
+    path, bare = tmp_path / "twisted.glb", tmp_path / "bare.glb"
+    rigtri.write(rigtri.add_twist(rigtri.read(SAMPLES / "biped.glb"), limbs="auto"), path)
+    result = edit(path, bare, stripped).verification
+    assert result is not None
+    assert result.moved is None
+
+
 def test_a_twist_joint_whose_record_names_a_bone_elsewhere_is_named(tmp_path: Path) -> None:
     """Before, the points went with that bone, and the comparison refused it."""
     split = rigtri.add_twist(rigtri.read(SAMPLES / "biped.glb"), limbs="auto", split_weights=True)

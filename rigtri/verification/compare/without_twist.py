@@ -102,6 +102,15 @@ def twist_movement(document: Source) -> float:
     return largest
 
 
+def skinned_twist_joints(document: Source) -> set[int]:
+    """The twist joints that vertices have weight of."""
+    rig, found = document.rig, set[int]()
+    for mesh in document.meshes():
+        if mesh.skin is not None and mesh.joints.shape[1]:
+            found.update(rig.skins[mesh.skin].joints[np.unique(mesh.joints[mesh.weights != 0])].tolist())
+    return found & _twist_joints(rig)
+
+
 def _twist_joints(rig: Rig) -> set[int]:
     return set(rig.nodes_of("twist"))
 
