@@ -108,11 +108,14 @@ def stdin_text(most: int = MOST_BYTES) -> str:
 
 
 def json_of(path: Path | str, what: str = "") -> Any:
-    """The values of a JSON file; FileError where it cannot be read, or an object has a name twice."""
+    """The values of a JSON file; FileError for one that cannot be read, is null or has a name twice."""
     try:
-        return json.loads(text_of(path, what), object_pairs_hook=_once)
+        found = json.loads(text_of(path, what), object_pairs_hook=_once)
     except (ValueError, RecursionError) as error:
         raise FileError(f"{path} is not valid JSON: {error}") from error
+    if found is None:  # which would mean that no file was given
+        raise FileError(f"{f'{what} {path}'.strip()} holds null and nothing else")
+    return found
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

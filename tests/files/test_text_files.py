@@ -106,6 +106,14 @@ def test_a_name_stands_in_an_object_once(tmp_path: Path) -> None:
         json_of(path)
 
 
+def test_null_alone_is_no_value(tmp_path: Path) -> None:
+    """Before, an option went on as if it had not been given."""
+    path = tmp_path / "a.json"
+    path.write_text("null\n")
+    with pytest.raises(FileError, match=r"^--map .*a\.json holds null and nothing else$"):
+        json_of(path, "--map")
+
+
 @pytest.mark.parametrize(("more", "told"), [(0, True), (-1, True), (1, False)])
 def test_a_pointer_of_git_lfs_is_told_where_it_is_as_short_as_one(
     monkeypatch: pytest.MonkeyPatch, more: int, told: bool, tmp_path: Path
