@@ -12,12 +12,12 @@ from rigtri.recognition.doubled_chains import moves_nothing
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_ends import HAND, branches
-from rigtri.recognition.limb_triples import CLAVICLES, SAME_PLACE
+from rigtri.recognition.limb_triples import CLAVICLES, SAME_PLACE, SET_OFF
 from rigtri.recognition.limb_words import NO_WORDS, Level, limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import BESIDE, roles_in_name
 from rigtri.recognition.shape_doubts import CALLED, GOES_ON
-from rigtri.recognition.worn_chains import runs_along
+from rigtri.recognition.worn_chains import lies_along, runs_along
 
 # Both bones of a limb are as long as this part of each other; what parts it so may be its middle.
 _BALANCED = 0.6
@@ -126,12 +126,39 @@ def beside_another(draft: Draft, each: Found) -> str:
     tree, mine = draft.tree, set(each.joints)
     if each.pair is not None:
         mine.update(*each.pair.pair.paths)
-    for child in (child for over in tree.way(-1, each.joints[0])[:-1] for child in tree.below[over]):
+    ways = ((above, child) for above in tree.way(-1, each.joints[0]) for child in tree.below[above])
+    for over, child in ways:
         if not mine.isdisjoint(tree.branch(child)) or _is_beside(draft, child):
             continue
-        if runs_along(tree, child, each.joints):
+        chain = [*([over] if _may_begin_at(draft, each, over) else []), *tree.paths[child]]
+        further = _goes_further(tree, each)
+        along = not further and lies_along(tree, chain, each.joints)
+        if along or (runs_along(tree, child, each.joints) and not (further and over == each.joints[0])):
             return f"the joints from '{tree.rig.title(child)}' on run along it: one of both may be worn"
     return ""
+
+
+def _may_begin_at(draft: Draft, each: Found, over: int) -> bool:
+    """Whether a limb may begin at a joint above this one: it is of one side, and no clavicle."""
+    if each.pair is None:
+        return False
+    tree, mine = draft.tree, each.pair
+    twin = mine.joints(1 if mine.joints(0) == each.joints else 0)[0]
+    for _ in range(tree.depth[each.joints[0]] - tree.depth[over]):
+        twin = tree.above[twin]
+    if twin in (over, -1):
+        return False
+    return each.kind == "leg" or (tree.at[over] - tree.at[twin]).length >= CLAVICLES * mine.size
+
+
+def _goes_further(tree: Tree, each: Found) -> bool:
+    """Whether fingers follow, or a foot that is set off from the shin: cloth ends with what it lies on."""
+    _, middle, end = each.joints
+    shin = tree.at[end] - tree.at[middle]
+    foot = each.kind == "leg" and any(
+        (tree.at[k] - tree.at[end]).unit.dot(shin.unit) < SET_OFF for k in tree.below[end]
+    )
+    return foot or _ends_in_fingers(tree, each)
 
 
 def called_muscle(draft: Draft, each: Found) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise
 
+from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import BENDS
 from rigtri.recognition.name_readings import Reading
@@ -43,6 +44,31 @@ def _limbs(reading: Reading | None, certain: Mapping[str, int]) -> Iterator[tupl
                     yield joints
     elif reading is not None:
         yield from reading.limbs.values()
+
+
+def lies_along(tree: Tree, joints: Sequence[int], limb: Collection[int]) -> bool:
+    """Whether the joints of a limb stand, in order, beside the bones between others.
+
+    Joints of cloth part an arm at other places than its elbow does.
+    """
+    chain = [tree.at[node] for node in joints]
+    places = [tree.at[node] for node in limb]
+    near = _ALONG * sum((b - a).length for a, b in pairwise(places))
+    reached = 0.0
+    for place in places if len(chain) > 2 else ():
+        ways = ((k, *_beside(place, a, b)) for k, (a, b) in enumerate(pairwise(chain)))
+        found = [k + far for k, far, apart in ways if apart <= near and k + far >= reached]
+        if not found:
+            return False
+        reached = min(found)
+    return reached > 1.0
+
+
+def _beside(place: Vector, a: Vector, b: Vector) -> tuple[float, float]:
+    """How far along a bone a place is, 0 to 1, and how far from there."""
+    bone = b - a
+    far = max(0.0, min(1.0, (place - a).dot(bone) / max(bone.dot(bone), 1e-30)))
+    return far, (place - a - bone * far).length
 
 
 def runs_along(tree: Tree, start: int, limb: Collection[int]) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import FINGERS, MAN, Joint, both, rig_with
+from recognition_bodies.skeletons import FINGERS, MAN, Joint, both, line, rig_with
 
 from rigtri import add_polevector, recognise
 from rigtri.model.rig import Rig
@@ -111,3 +111,51 @@ def test_of_two_chains_along_each_other_neither_is_sure_where_no_scheme_tells_th
     found = recognise(called(worn_by_a_man(what, bones=MAN), names, WORN[what][2].split()))
     kind = "leg" if WORN[what][0] == LEG else "arm"
     assert not any(chain.is_sure for one in found.characters for chain in one.limbs if kind in chain.name)
+
+
+def in_cloth(limb: str, below: str, count: int, first: float, last: float) -> list[Joint]:
+    """Cloth along a limb, joints so far from its start to its end, 0 to 1, parented below a joint."""
+    at = {name: np.array(place) for name, _, place in MAN}
+    places = [at[name] for name in limb.split()]
+    along = [
+        tuple(np.interp(far, (0.0, 0.5, 1.0), axis) for axis in np.transpose(places))
+        for far in np.linspace(first, last, count)
+    ]
+    return line(
+        " ".join(f"cloth{k}.L" for k in range(count)), below, *((x, y + 0.03, z + 0.03) for x, y, z in along)
+    )
+
+
+def sure_of(joints: Sequence[Joint]) -> dict[str, list[str]]:
+    """The joints of the sure limbs of a man without names, by the names of the limbs."""
+    (man,) = recognise(rig_with(joints, named=False)).characters
+    return {chain.name: [joints[k][0] for k in chain.bend] for chain in man.limbs if chain.is_sure}
+
+
+@pytest.mark.parametrize(
+    ("limb", "below", "count", "first", "last"),
+    [
+        (ARM, "upper_arm.L", 3, 0.05, 1.0),
+        (ARM, "upper_arm.L", 3, 0.2, 1.1),
+        (ARM, "upper_arm.L", 3, 0.3, 1.2),
+        (ARM, "upper_arm.L", 5, 0.1, 1.0),
+        (ARM, "clavicle.L", 4, 0.0, 1.2),
+        (LEG, "thigh.L", 3, 0.05, 1.1),
+        (LEG, "thigh.L", 3, 0.2, 1.1),
+    ],
+)
+def test_cloth_that_hangs_at_a_limb_is_never_surely_the_limb(
+    limb: str, below: str, count: int, first: float, last: float
+) -> None:
+    """Before, a sleeve below the upper arm was the arm at 0.94, and so was one with four joints beside it."""
+    bones = MAN if limb is ARM else [joint for joint in BONES if not joint[0].startswith("toe")]
+    found = sure_of([*bones, *both(in_cloth(limb, below, count, first, last))])
+    assert not any(name.startswith("cloth") for joints in found.values() for name in joints)
+
+
+@pytest.mark.parametrize(("limb", "below"), [(ARM, "upper_arm.L"), (ARM, "clavicle.L"), (LEG, "thigh.L")])
+def test_an_arm_with_fingers_and_a_leg_with_toes_stay_sure_beside_cloth(limb: str, below: str) -> None:
+    """Cloth ends with what it lies on: nothing of it goes on as a hand and a foot do."""
+    found = sure_of([*BONES, *both(in_cloth(limb, below, 3, 0.3, 0.9))])
+    assert found.keys() == LIMBS
+    assert found["left leg" if limb is LEG else "left arm"] == limb.split()
