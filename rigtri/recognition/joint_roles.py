@@ -95,7 +95,7 @@ def _role(body: _Body, node: int) -> tuple[Role, float, list[str]]:
     if chain is not None:
         return "deform", chain.confidence, [f"{chain.name}: {chain.evidence[0]}"]
     if node in draft.controls:
-        return "control", 0.8, ["parallel to the bones that are called DEF"]
+        return "control", 0.8, ["stands beside the bones that move vertices"]
     if node in bones:
         return "deform", 0.9, [f"{bones[node]}: its name, or its place in the body"]
     if names:

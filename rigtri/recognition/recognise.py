@@ -17,7 +17,7 @@ from rigtri.recognition.arms_legs import find_limbs
 from rigtri.recognition.chains_in_names import order_of_chains
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
-from rigtri.recognition.doubled_chains import doubled_in
+from rigtri.recognition.doubled_chains import doubled_in, with_controls
 from rigtri.recognition.evidence_against import doubted
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.further_limbs import lay_further_limbs
@@ -88,11 +88,15 @@ def sure_limbs(rig: Rig) -> tuple[Chain, ...]:
 def _drafts(rig: Rig, own: Sequence[Scheme] = ()) -> list[Draft]:
     """What is known of each character before a look at each joint: the chains alone."""
     nodes, poses = joints_of(rig), Poses(rig)
-    groups = groups_of(Tree(rig, nodes, poses.rest)) if nodes else []
-    return [_draft(rig, group, poses, own) for group in groups]
+    tree = Tree(rig, nodes, poses.rest)
+    groups = groups_of(tree) if nodes else []
+    return [_draft(rig, group, poses, own, idle) for group, idle in with_controls(tree, groups, poses)]
 
 
-def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) -> Draft:
+def _draft(
+    rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme], around: frozenset[int]
+) -> Draft:
+    """What is known of a character; around: joints of a skeleton of controls that stands around it."""
     inside = frozenset(nodes)
     # Bones that share a node are no evidence of what it is.
     shared = Counter(rig.humanoid.values())
@@ -102,7 +106,7 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     if not certain and (doubles := doubled_in(own_tree, poses)):
         body = [node for node in body if node not in doubles]
         own_tree = Tree(rig, body, poses.rest)
-    controls = frozenset(nodes).difference(body)
+    controls = around | frozenset(nodes).difference(body)
     segments = frozenset[int]() if certain else segments_of(own_tree)
     if segments:
         body = [node for node in body if node not in segments]

@@ -74,3 +74,38 @@ def test_a_chain_beside_the_bones_that_moves_nothing_is_no_sure_limb(off: float)
         if chain.is_sure and chain.bend
     }
     assert sure <= set(LIMBS)
+
+
+def with_controls(prefix: str, off: float, moved: str = "") -> Rig:
+    """A man and a second skeleton around him, in one skin, of which one kind of joints moves no point."""
+    around: list[Joint] = [
+        (prefix + name, over and prefix + over, (x, y, z + off)) for name, over, (x, y, z) in BONES
+    ]
+    rig = rig_with([*BONES, *around])
+    moves = np.array([name.startswith(prefix) == bool(moved) for name in rig.names])
+    return replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moves),))
+
+
+@pytest.mark.parametrize("off", [0.0, 0.005, 0.02])
+@pytest.mark.parametrize("prefix", ["CTRL_", "FK_", "rig_"])
+def test_a_skeleton_that_moves_nothing_around_a_body_is_of_controls(prefix: str, off: float) -> None:
+    """Before, it was a second character, sure, and `auto` refused to build for its unsure limbs."""
+    rig = with_controls(prefix, off)
+    layout = recognise(rig)
+    (man,) = layout.characters
+    found = {" ".join(rig.names[k] for k in chain.bend) for chain in man.limbs if chain.is_sure}
+    assert found == set(LIMBS)
+    roles = {part.role for part in man.parts if rig.names[part.joint].startswith(prefix)}
+    assert roles == {"control"}
+    assert not any("characters" in remark for remark in layout.remarks)
+
+
+def test_of_bones_and_controls_those_that_move_the_mesh_are_the_body_whatever_they_are_called() -> None:
+    rig = with_controls("q_", 0.0, moved="q_")
+    (man,) = recognise(rig).characters
+    assert all(rig.names[k].startswith("q_") for chain in man.limbs for k in chain.bend)
+
+
+def test_a_body_that_stands_elsewhere_is_a_character_though_it_moves_nothing() -> None:
+    """A crowd in one skin, of which somebody has taken a mesh away."""
+    assert len(recognise(with_controls("other_", 1.5)).characters) == 2
