@@ -22,6 +22,13 @@ _TAIL_JOINTS, _TAIL = 3, 0.3
 _UP_TO_HEAD, _GOES_ON = 5, 0.6
 # Of the trunk's bones, so many names make one; a crane may have a waist, too.
 _ENOUGH = 3
+# The last bone before a head is so long a part of the one above it; one to a face or a helmet is not.
+_LEAST_EVEN, _MOST_EVEN = 0.7, 1.5
+# What is of a head, or worn on one, and no head itself.
+_ON_HEADS = frozenset(["face", "attachment", "ear", "feeler"])
+_OF_FACES = frozenset(
+    ["face", "brow", "brows", "cheek", "lip", "lips", "nostril", "tongue", "teeth", "whisker"]
+)
 # A head moves what is at least so large a part of what the neck moves; a jaw does not of what the head moves.
 _JAW = 0.5
 # How sure a head is of which nothing but its name is of a body: easels and hammers have one, too.
@@ -162,6 +169,8 @@ def _head(draft: Draft, limbs: Sequence[Found], *, has_arms: bool) -> None:
         ends = draft.poses.has_weights and not draft.tree.below[head] and not draft.poses.moves_points(head)
         if ends or (draft.tree.below[head] and len(chain) == _UP_TO_HEAD) or _is_small(draft, chain):
             sure = min(sure, _GOES_ON)
+        if len(chain) > 2 and not _is_head(draft, chain):
+            sure = min(sure, _GOES_ON)
     between = draft.tree.way(neck, head) if neck >= 0 and draft.tree.is_below(head, neck) else [head]
     if len(between) > 1:
         draft.add_chain("neck", "neck", "", between[:-1], sure, (why,))
@@ -268,13 +277,34 @@ def _up_to_head(draft: Draft, first: int) -> list[int]:
     """From the neck to the head: up to where the face begins, or the last joint that moves points."""
     tree, chain = draft.tree, [first]
     while len(below := tree.below[chain[-1]]) == 1 and len(chain) < _UP_TO_HEAD:
-        if "face" in roles_in_name(tree.rig.names[below[0]]) or _is_of_limb(draft, below[0]):
+        if _is_on_head(draft, below[0]) or _is_of_limb(draft, below[0]):
             return chain
         chain.append(below[0])
     if len(chain) > 1 and not tree.below[chain[-1]] and _is_end(draft, chain[-1]):
         chain.pop()
     # Of two joints neither need be a neck: which is the head is left open.
     return chain[:-1] if len(chain) > 2 and _is_small(draft, chain) else chain
+
+
+def _is_on_head(draft: Draft, node: int) -> bool:
+    """Whether a joint is called as what heads have or wear: a face, a hat, an ear."""
+    name = draft.tree.rig.names[node]
+    return bool(_ON_HEADS.intersection(roles_in_name(name)) or _OF_FACES.intersection(parse_name(name).words))
+
+
+def _is_head(draft: Draft, chain: Sequence[int]) -> bool:
+    """Whether the last of three joints or more is the head, not a jaw, a face or a hat of one before.
+
+    Names of what it carries say so; or eyes or ears in a pair do, where no face may have these.
+    """
+    tree = draft.tree
+    below = tree.below[chain[-1]]
+    if any(_is_on_head(draft, node) for node in below):
+        return True
+    last, before = (tree.bone[node] for node in (chain[-1], chain[-2]))
+    aside = [(tree.at[node] - tree.at[chain[-1]]).dot(draft.left) for node in below]
+    even = _LEAST_EVEN * before < last < _MOST_EVEN * before
+    return even and min(aside, default=0.0) < 0.0 < max(aside, default=0.0)
 
 
 def _is_small(draft: Draft, chain: Sequence[int]) -> bool:
