@@ -18,7 +18,7 @@ from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.recognition.body_shape import Body
 from rigtri.recognition.hocks import from_the_hips
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_ends import thumb_of
+from rigtri.recognition.limb_ends import moves_a_bone, thumb_of
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import IN_LINE, SET_OFF, offset
 from rigtri.recognition.many_legs import ends_of_trunk
@@ -263,7 +263,7 @@ def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:
         shin = (tree.at[ankle] - tree.at[path[legs.at[-2]]]).unit
         across = ahead - shin * shin.dot(ahead)
         along = [(point - tree.at[ankle]).dot(across) for point in ends]
-        if not along:
+        if not along or moves_a_bone(tree, poses, [path[k] for k in legs.at[-2:]], legs.size):
             return 0.0
         further = (max(along) + min(along)) / max(_SOLE * legs.size, 1e-30)
         total += 0.5 * max(-1.0, min(1.0, further)) if abs(further) > 1.0 / 3.0 else 0.0

@@ -31,6 +31,8 @@ PAW, _REACHING, _AS_NEAR = 3, 0.6, 0.3
 _SHORTEST, _LONGEST = 0.5, 1.7
 # It goes on, as a cosine: a limb at rest is not folded.
 _ONWARD = 0.5
+# Hands, feet, and the cannon bone and hoof of a horse (0.7), reach less far beyond the limb, of its length.
+_FURTHER = 0.75
 
 
 def next_toe(tree: Tree, ahead: Mapping[int, float], slack: float, past: float) -> int:
@@ -203,3 +205,14 @@ def _loose_end(tree: Tree, path: tuple[int, ...], poses: Poses, names: Mapping[i
         if any(poses.moves_points(k) for k in tree.branch(node)):
             return node
     return -1
+
+
+def moves_a_bone(tree: Tree, poses: Poses, joints: Sequence[int], size: float) -> bool:
+    """Whether the last of two joints moves points so far beyond it that a further bone has to be there.
+
+    So does what is taken for an ankle and is a knee, whose foot hangs elsewhere. size: of the limb.
+    """
+    middle, end = (tree.at[joint] for joint in joints)
+    points = poses.box_of([joints[1]], tree.places)
+    far = max(((point - end).dot((end - middle).unit) for point in points), default=0.0)
+    return far > _FURTHER * size

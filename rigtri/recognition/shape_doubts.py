@@ -13,7 +13,7 @@ from rigtri.recognition.facing import long_feet
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import head_end
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_ends import HAND, branches
+from rigtri.recognition.limb_ends import HAND, branches, moves_a_bone
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import SAME_PLACE, begin_as_one, beside, within_upper
 from rigtri.recognition.limb_words import NO_WORDS, Level
@@ -47,8 +47,6 @@ _HARDLY_ANY = 0.2
 # Ankles and most hocks stand lower than this part of the height of the hips; and legs bend at them by more
 # than this (a cosine, 35°).
 _HIGH, _NO_HOCK = 0.4, 0.82
-# Hands, feet, and the cannon bone and hoof of a horse (0.7), reach less far beyond the limb, of its length.
-_FURTHER = 0.75
 # First joints are so near to each other, of what the next ones are, that they may be in the middle.
 _INNER = 0.3
 # A bone goes on into the next one up to 25° (a cosine), and is a part of it if it is so long a part of that.
@@ -254,10 +252,8 @@ def reaches_further(draft: Draft, each: Found) -> str:
     mine, tree = each.pair, draft.tree
     if mine is None or len(mine.at) < 3 or mine.named > 0.0 or tree.below[each.joints[2]]:
         return ""
-    middle, end = (tree.at[joint] for joint in each.joints[1:])
-    points = draft.poses.box_of([each.joints[2]], tree.places)
-    far = max(((point - end).dot((end - middle).unit) for point in points), default=0.0)
-    return "what its end moves reaches as far as a further bone" if far > _FURTHER * mine.size else ""
+    further = moves_a_bone(tree, draft.poses, each.joints[1:], mine.size)
+    return "what its end moves reaches as far as a further bone" if further else ""
 
 
 def other_end(draft: Draft, each: Found) -> str:

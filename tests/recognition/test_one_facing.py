@@ -239,3 +239,36 @@ def test_a_machine_whose_guns_point_where_its_feet_do_not_faces_nowhere_surely(t
     gun = line("f.L g.L h.L", "top", (1.2, 3.6, 0.1), (1.2, 3.5, 1.0), (1.2, 3.5, 1.6))
     (machine,) = recognise(rig_with([*body, *both(leg), *both(gun)], named=False)).characters
     assert not any(chain.is_sure for chain in machine.chains if chain.side)
+
+
+def flat_with_a_twist_joint(ahead: float) -> Rig:
+    """A man without names whose feet hang at the root, and whose thighs have a joint within; he faces ±z."""
+    joints: list[Joint] = [
+        *line("root hips spine chest", "", (0, 0, 0), (0, 0.98, 0), (0, 1.1, 0), (0, 1.32, -0.02)),
+        *line("neck head", "chest", (0, 1.51, -0.02), (0, 1.6, 0.01)),
+        *both(
+            [
+                *line("clavicle.L upper.L", "chest", (0.03, 1.46, 0), (0.18, 1.45, -0.02)),
+                *line("fore.L hand.L", "upper.L", (0.37, 1.26, -0.035), (0.54, 1.09, 0.013)),
+                *line("thigh.L twist.L", "hips", (0.087, 0.94, 0), (0.104, 0.72, 0.01)),
+                *line("shin.L", "twist.L", (0.122, 0.5, 0.02)),
+                *line("foot.L toe.L", "root", (0.156, 0.083, -0.03), (0.166, 0.023, 0.1)),
+            ]
+        ),
+    ]
+    joints = [(name, above, (x, y, ahead * z)) for name, above, (x, y, z) in joints]
+    at = {name: np.array(place) for name, _, place in joints}
+    row = {name: k for k, (name, _, _) in enumerate(joints)}
+    below = {above: name for name, above, _ in joints} | {f"shin.{s}": f"foot.{s}" for s in "LR"}
+    skin = [(row[name], place) for name in row if name in below for place in (at[name], at[below[name]])]
+    weights = np.ones((len(skin), 1))
+    mesh = Mesh("skin", -1, np.array([at for _, at in skin]), 0, np.array([[k] for k, _ in skin]), weights)
+    return replace(rig_with(joints, named=False), content=Content(read_outlines=lambda: [mesh]))
+
+
+@pytest.mark.parametrize("ahead", [1.0, -1.0])
+def test_a_shin_that_is_taken_for_a_foot_does_not_turn_a_body_round(ahead: float) -> None:
+    """Before, its slope was where the feet point, and the arms were on the wrong sides at 0.94."""
+    (man,) = recognise(flat_with_a_twist_joint(ahead)).characters
+    assert not any("feet" in words for chain in man.chains for words in chain.evidence)
+    assert man.facing[2] * ahead > 0.9 or not any(chain.is_sure for chain in man.limbs)
