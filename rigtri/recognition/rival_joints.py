@@ -126,12 +126,12 @@ def beside_another(draft: Draft, each: Found) -> str:
     tree, mine = draft.tree, set(each.joints)
     if each.pair is not None:
         mine.update(*each.pair.pair.paths)
+    further = _goes_further(tree, each)
     ways = ((above, child) for above in tree.way(-1, each.joints[0]) for child in tree.below[above])
     for over, child in ways:
         if not mine.isdisjoint(tree.branch(child)) or _is_beside(draft, child):
             continue
         chain = [*([over] if _may_begin_at(draft, each, over) else []), *tree.paths[child]]
-        further = _goes_further(tree, each)
         along = not further and lies_along(tree, chain, each.joints)
         if along or (runs_along(tree, child, each.joints) and not (further and over == each.joints[0])):
             return f"the joints from '{tree.rig.title(child)}' on run along it: one of both may be worn"
