@@ -194,6 +194,30 @@ def test_a_control_that_is_posed_without_keys_is_held_in_all_clips() -> None:
     assert (still.rotation[control] == turn).all()
 
 
+@pytest.mark.parametrize("keyed", [True, False])
+def test_a_pole_vector_that_is_posed_without_keys_is_held_as_if_it_had_a_key(keyed: bool) -> None:
+    """Before, where it was moved to was its rest, so that the limb turned too little, or not at all."""
+    rig = rigtri.add_controls(biped(), ik=[("upper_arm_L", "forearm_L", "hand_L")])
+    pole, end = rig.find("forearm_L_pole", "node"), rig.find("hand_L_ik_ctl", "node")
+    translation = rig.translation.copy()
+    translation[pole] += (0.25, 0.25, 0.25)
+    walk = rig.clip("walk")
+    if keyed:  # the IK end; else nothing of the limb
+        reach = Track(end, "translation", "STEP", np.zeros(1), rig.translation[[end]] - 0.05)
+        walk = replace(walk, tracks=(*walk.tracks, reach))
+    held = Track(pole, "translation", "STEP", np.zeros(1), translation[[pole]])
+    right = rigtri.bake(replace(rig, clips=(replace(walk, tracks=(*walk.tracks, held)),)), to="joints")
+    report = Report()
+    edited = replace(rig, metadata={}, translation=translation, clips=(walk,))
+    found = as_described(edited, rig, report=report)
+    assert [notice.code for notice in report.warnings] == ["held-without-keys"]
+    assert "No clip has keys of 'forearm_L_pole (translation)', whose pose" in report.warnings[0].text
+    baked = rigtri.bake(found, to="joints")
+    times = np.linspace(0.0, 1.0, 7)
+    one, other = (sampling.worlds(r, sampling.locals_at(r, r.clip("walk"), times)) for r in (baked, right))
+    assert np.abs(one - other)[:, rig.is_joint].max() < 1e-5
+
+
 def test_take_clips_reports_channels_that_were_posed_without_keys() -> None:
     rig, report = biped(), Report()
     control = rig.find("head_ctl", "node")

@@ -16,7 +16,7 @@ from rigtri.maths.matrices import decompose, from_frame, inverse, multiply, near
 from rigtri.maths.similarity_fit import SAME_TURN, nearest_axis_turn
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.metadata import ADDED, GroupRecord
+from rigtri.model.metadata import ADDED, ControlRecord, GroupRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.report import Report
@@ -25,6 +25,8 @@ from rigtri.text import list_names
 # Where nothing stands otherwise than there but for rounding, there is nothing to report.
 _SAME_PLACE = 1e-5
 _SAME_AXES = np.eye(4)
+# What animators pose: joints move as far as these stand from their rest.
+POSED = frozenset({ControlRecord.type, PoleVectorRecord.type})
 # What controls and constraints may move; a group only holds the others.
 _MOVABLE = ADDED - {GroupRecord.type}
 
@@ -36,9 +38,9 @@ def with_rest_of(
 
     turned: the rotation, (3, 3), that takes the rig's world to the other's, where it is known.
 
-    What is not rigtri's keeps its own rest, and so does what no clip moves but controls, so that keys
-    below it mean what they did; all where there are no clips; and, with a warning, what has another parent
-    there and cannot be placed by the worlds of both files.
+    What is not rigtri's keeps its own rest, and so does what no clip moves but controls and poles, so that
+    keys below it mean what they did; all where there are no clips; and, with a warning, what has another
+    parent there and cannot be placed by the worlds of both files.
     """
     moving = {track.node for clip in rig.clips for track in clip.tracks}
     zero = _ZeroPoses(rig, described, of, turned)
@@ -46,8 +48,8 @@ def with_rest_of(
     matrix, names, elsewhere = rig.matrix.copy(), [], []
     for theirs, node in sorted(of.items(), key=lambda pair: pair[1]):
         zero.enter(node, theirs)
-        is_control = rig.type_of(node) == "control"
-        if not ((is_control and moving) or node in moving):  # of no clip, no frame is stored as rest
+        posed = rig.type_of(node) in POSED
+        if not ((posed and moving) or node in moving):  # of no clip, no frame is stored as rest
             continue
         if rig.type_of(node) == "group":
             continue

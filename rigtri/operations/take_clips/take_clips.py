@@ -52,6 +52,7 @@ from rigtri.operations.take_clips.morph_targets import SAME_WEIGHT
 from rigtri.operations.take_clips.motion_check import MotionCheck, Resting, refuse_other_motion
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.proportions import Proportions, warn_ik_bones
+from rigtri.operations.take_clips.restore_rest import POSED
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.skeleton_check import checked_bodies
 from rigtri.operations.take_clips.still_parents import without_still_parents
@@ -133,9 +134,9 @@ def _moved_in_blender(rig: Rig, switched: Switches) -> tuple[frozenset[int], Dri
 
 
 def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
-    """Warn of controls that were posed without keys, which the script of export-blender lets move joints."""
-    controls = {n: of[n] for n in rig.nodes_of("control") if n in of}
-    if left := unkeyed(edited, controls, rig, rig, of):
+    """Warn of controls and poles posed without keys, which the script of export-blender lets move joints."""
+    posed = {n: of[n] for n in rig.nodes_of(*POSED) if n in of}
+    if left := unkeyed(edited, posed, rig, rig, of):
         text = f"No clip of EDITED has keys of {list_channels(rig, left)}, whose pose differs from RIG's"
         names = dict.fromkeys(rig.title(node) for node, *_ in left)
         report.warn(

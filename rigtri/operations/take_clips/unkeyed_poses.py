@@ -1,4 +1,4 @@
-"""Controls posed without keys, or whose keys an exporter dropped because they are all equal.
+"""Controls and poles posed without keys, or whose keys an exporter dropped because they are all equal.
 
 Where a clip has keys of a node, a DCC stores as the node's rest what the current frame shows. What no clip
 has keys of stands as it stood all the time.
@@ -18,7 +18,9 @@ from rigtri.evaluation.timelines import as_float32, put_tracks, timelines
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Path, Track
+from rigtri.model.metadata import PoleVectorRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.restore_rest import POSED
 from rigtri.report import Report
 from rigtri.text import list_names
 
@@ -29,14 +31,14 @@ _LOOKS, _NEAR = 1001, 1e-4
 
 
 def key_unkeyed_poses(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
-    """``rested`` with a key in each clip for what no clip moves of controls that stand otherwise in ``rig``.
+    """``rested`` with a key in each clip for what no clip moves of controls and poles that stand otherwise in
+    ``rig``.
 
-    rested: the same rig with its controls at rest. described: the rig that a DCC was given; ``of``: the
+    rested: the same rig with these at rest. described: the rig that a DCC was given; ``of``: the
     nodes of ``rig`` by its. What one of its clips moves past where a node stands is
     left over from a frame of that.
     """
-    controls = rested.nodes_of("control")
-    fresh = unkeyed(rig, {node: node for node in controls}, rested, described, of)
+    fresh = unkeyed(rig, {node: node for node in rested.nodes_of(*POSED)}, rested, described, of)
     done = rested
     for timeline in timelines(rested):
         times = [track.times[:1] for track in timeline.clip.tracks if len(track.times)]
@@ -70,6 +72,7 @@ def unkeyed(
         for node, there in of.items()
         for path, value in _otherwise(now.part(there), rest.part(node), rested).items()
         if (there, path) not in keyed
+        and (path == "translation" or rested.type_of(node) != PoleVectorRecord.type)  # a pole is a place
         and not any((t.node, t.path) == (there, path) and _passes(t, value) for t in moving)
     ]
 
