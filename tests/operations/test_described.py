@@ -233,6 +233,22 @@ def test_take_clips_reports_channels_that_were_posed_without_keys() -> None:
     assert "not taken" in notice.text
 
 
+def test_rounding_below_an_armature_of_centimetres_is_no_pose() -> None:
+    """Before, it was compared in centimetres with a size in metres, and held joints that had keys."""
+    rig, report = biped(), Report()
+    control, root = rig.find("head_ctl", "node"), np.flatnonzero(rig.parents < 0)
+    translation, scale = rig.translation * 100.0, rig.scale.copy()
+    translation[root] /= 100.0
+    scale[root] *= 0.01
+    small = replace(rig, translation=translation, scale=scale)
+    every = {node: node for node in range(len(rig))}
+    for far, told in ((2e-4, False), (0.05, True)):
+        moved = translation.copy()
+        moved[control] += far
+        _warn_unkeyed(small, replace(small, translation=moved), every, report)
+        assert bool(report.warnings) == told
+
+
 def test_joints_bound_otherwise_are_reported_and_their_controls_keep_their_rest() -> None:
     rig, report = biped(), Report()
     skin = rig.skins[0]

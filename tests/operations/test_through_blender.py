@@ -109,6 +109,20 @@ def test_poles_of_two_characters_that_have_the_names_of_their_curves_come_home(
         assert (far < 1e-3) == (character in (None, name))
 
 
+@pytest.mark.parametrize("character", ["Left", "Right"])
+def test_one_of_two_characters_gets_its_motion_by_take_clips(
+    rigged: Path, tmp_path: Path, character: str
+) -> None:
+    """Before, the second one lost it, and "EDITED has no changes" was all that was said."""
+    edited = keyed(through_blender(rigged, tmp_path / "edited.usda"), tmp_path / "keyed.usda", POLES)
+    out, right, home = (tmp_path / f"{name}.usda" for name in ("out", "right", "home"))
+    cli("take-clips", rigged, "--from", edited, "--character", character, "-o", out, code=0)
+    cli("bake", out, "--to", "joints", "-o", home, code=0)
+    cli("bake", keyed(rigged, tmp_path / "own.usda", POLES), "--to", "joints", "-o", right, code=0)
+    off = [np.abs(a - b).max() for a, b in zip(shown(right), shown(home), strict=True)]
+    assert [far < 1e-3 for far in off] == [character == "Left", character == "Right"]
+
+
 def test_curves_below_nodes_of_their_own_are_those_of_their_controls(rigged: Path, tmp_path: Path) -> None:
     """Before, `strip` refused them as children from others, and their motion was called that of the file."""
     edited = keyed(through_blender(rigged, tmp_path / "edited.usda"), tmp_path / "keyed.usda", POLES)

@@ -5,7 +5,7 @@ Only what the user leaves out by name (``--exclude``) is left out.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -31,7 +31,10 @@ _TURNED = 1e-4
 
 def without(edited: Rig, patterns: Sequence[str]) -> Rig:
     """EDITED without names and motion of nodes that globs match. NameNotFoundError where one matches none."""
-    left = {node for pattern in patterns for node in edited.match(pattern)}
+    return _without(edited, {node for pattern in patterns for node in edited.match(pattern)})
+
+
+def _without(edited: Rig, left: Collection[int]) -> Rig:
     if not left:
         return edited
     clips = (replace(c, tracks=tuple(t for t in c.tracks if t.node not in left)) for c in edited.clips)
@@ -39,19 +42,25 @@ def without(edited: Rig, patterns: Sequence[str]) -> Rig:
     return replace(edited, clips=tuple(clips), names=names)
 
 
-def others_of(rig: Rig, edited: Rig, name: str) -> list[str]:
-    """The nodes of EDITED that are of other characters than one, by their labels; none where it has none.
+def one_character(rig: Rig, edited: Rig, name: str) -> Rig:
+    """EDITED without names and motion of other characters than one, whose nodes have the names of RIG.
 
-    Also what is in RIG neither at or below the one, nor above it, nor built for it: others' controls.
+    Others are also what is in RIG neither at or below the one, nor above it, nor built for it.
+    Nodes are matched while all characters are there: Blender numbers what a second one has, ``hand_ctl_001``.
     """
     mine = edited.known(name)
     inside = set() if mine is None else set(edited.below(mine))
     tops = [edited.below(edited.find(title)) for title in titles(edited)] if inside else []
-    below = [node for nodes in tops if inside.isdisjoint(nodes) for node in nodes]
     of = pairs(rig, edited).of
     own = rig.with_ancestors({*rig.below(rig.find(name, "character")), *rig.own})
-    apart = [theirs for node, theirs in of.items() if node not in own]
-    return [edited.labels[node] for node in dict.fromkeys((*below, *apart))]
+    left = {node for nodes in tops if inside.isdisjoint(nodes) for node in nodes}
+    left |= {theirs for node, theirs in of.items() if node not in own}
+    alone = _without(edited, left)
+    names, known = list(alone.names), set(alone.names)
+    for node, theirs in of.items():
+        if theirs not in left and rig.names[node] not in known:
+            names[theirs] = rig.names[node]
+    return replace(alone, names=tuple(names))
 
 
 def refuse_lost(both: Counterparts, clip: Clip, morphs: MorphPairs) -> None:

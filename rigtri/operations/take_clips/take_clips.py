@@ -40,7 +40,7 @@ from rigtri.operations.take_clips.ik_switches import (
     switches_of,
 )
 from rigtri.operations.take_clips.key_merging import merged, thinned
-from rigtri.operations.take_clips.lost_motion import others_of, refuse_lost, without
+from rigtri.operations.take_clips.lost_motion import one_character, refuse_lost, without
 from rigtri.operations.take_clips.messages import (
     moves,
     warn_followers,
@@ -77,7 +77,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     if edited is None:
         raise TypeError("take_clips: from_ must be a Rig, the one with the motion, not NoneType")
     if options.character is not None:
-        alone = without(edited, others_of(rig, edited, options.character))
+        alone = one_character(rig, edited, options.character)
         one = replace(options, from_=alone, character=None)
         small = of_character(rig, options.character)
         made = take_clips(small, options=one, report=report)

@@ -17,6 +17,7 @@ from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import as_float32, put_tracks, timelines
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Path, Track
 from rigtri.model.metadata import PoleVectorRecord
 from rigtri.model.rig import Rig
@@ -67,10 +68,11 @@ def unkeyed(
     tracks = [track for clip in described.clips for track in clip.tracks if track.node in others]
     moving = [replace(track, node=others[track.node]) for track in tracks]
     now, rest = PoseCache(edited), PoseCache(rested)
+    size = float(np.abs(rested.world[:, 3, :3]).max(initial=0.0)) or 1.0
     return [
         (node, path, value)
         for node, there in of.items()
-        for path, value in _otherwise(now.part(there), rest.part(node), rested).items()
+        for path, value in _otherwise(now.part(there), rest.part(node), size / _unit(rested, node)).items()
         if (there, path) not in keyed
         and (path == "translation" or rested.type_of(node) != PoleVectorRecord.type)  # a pole is a place
         and not any((t.node, t.path) == (there, path) and _passes(t, value) for t in moving)
@@ -104,9 +106,15 @@ def _dot(a: Floats, b: Floats) -> Floats:
     return np.asarray(sum((a * b).T))
 
 
-def _otherwise(now: Parts, rest: Parts, rig: Rig) -> dict[Path, Floats]:
-    """What of a node is not as at rest."""
-    size = float(np.abs(rig.world[:, 3, :3]).max(initial=0.0)) or 1.0
+def _unit(rig: Rig, node: int) -> float:
+    """How long a unit of a node's translation is in the world."""
+    parent = int(rig.parents[node])
+    axes = rig.world[parent, :3, :3] if parent >= 0 else np.eye(3)
+    return float(length(axes).max()) or 1.0
+
+
+def _otherwise(now: Parts, rest: Parts, size: float) -> dict[Path, Floats]:
+    """What of a node is not as at rest. size: that of the rig, in the units of the node's translation."""
     turned = float(angle_between(rest.rotation, now.rotation)[0])
     apart: dict[Path, float] = {
         "translation": float(np.abs(now.translation - rest.translation).max()) / size,
