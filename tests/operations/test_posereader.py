@@ -443,6 +443,53 @@ def test_the_command_does_what_a_reviewer_has_read(kind: str, tmp_path: Path, go
     golden.check(f"add-posereader_{kind}.txt", told.replace(str(out), f"out.{kind}"))
 
 
+def measured(*line: Any) -> dict[str, Any]:
+    """What a command says of how far its result is from its source."""
+    document = json.loads(cli(*line, "--json", code=0).stdout)
+    return dict(document["verification"])
+
+
+READER = ["--axis", "y", "--target", "side=-1,0,0", "--morph", "side", "Skin", "bulge", "--name", "r"]
+
+
+@pytest.mark.parametrize("kind", ["glb", "usda"])
+def test_what_goes_with_a_reader_is_said_by_strip(kind: str, tmp_path: Path) -> None:
+    """Before, it said that nothing moves."""
+    source, target, bare = source_of(kind, tmp_path), tmp_path / f"out.{kind}", tmp_path / f"bare.{kind}"
+    driven(source, target, for_kind(kind))
+    found = measured("strip", target, "-o", bare)
+    far = verify(read(target), read(bare)).deviation
+    assert far > 0.1
+    assert found["deviation"] <= TOLERANCE
+    assert found["motion"]["deviation"] == pytest.approx(far, rel=1e-6)
+
+
+def test_morph_targets_that_are_driven_beside_joints_are_measured(tmp_path: Path) -> None:
+    """Before, they were said to move 1e-9, for what was expected had their weights already."""
+    source, out, again = (arm_usd(tmp_path), tmp_path / "out.usda", tmp_path / "again.usda")
+    joint = ["--driver", "b", *READER, "--joint", "side", "c", "tx=0.001"]
+    seen = measured("add-posereader", source, "-o", out, *joint)["driven"]
+    cli("add-posereader", source, "-o", again, "--driver", "b", *READER, code=0)
+    assert max(seen.values()) == pytest.approx(verify(read(source), read(again)).deviation, rel=1e-2)
+
+
+def test_a_build_says_what_each_of_its_steps_drives(tmp_path: Path) -> None:
+    """Before, it said so of a last step alone, or that everything in the file was unchanged."""
+    source, out, spec = arm().glb(tmp_path / "in.glb"), tmp_path / "out.glb", tmp_path / "a.rig.yaml"
+    reader = (
+        "{do: add-posereader, driver: lower, axis: y, target: ['side=-1,0,0'], morph: [[side, Skin, bulge]]}"
+    )
+    spec.write_text(f"steps:\n  - {reader}\n  - {{do: add-controls, joints: [upper]}}\n", "utf-8")
+    found = measured("build", source, "--spec", spec, "-o", out)
+    assert (
+        found["driven"]
+        == measured("add-posereader", source, "-o", tmp_path / "one.glb", "--driver", "lower", *READER)[
+            "driven"
+        ]
+    )
+    assert not found["identical"]
+
+
 def test_options_of_another_kind_of_reader_are_refused(tmp_path: Path) -> None:
     source = arm().glb(tmp_path / "in.glb")
     line = ["add-posereader", source, "-o", tmp_path / "out.glb", "--driver", "lower", "--target", "rest"]

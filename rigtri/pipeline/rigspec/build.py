@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import field, replace
+from itertools import chain
 from pathlib import Path
 from tempfile import gettempdir
 from typing import Any
@@ -276,6 +277,11 @@ class _Work:
         moved = [one.moved for one in found if one.moved is not None]
         if worst is not None and moved:
             worst = replace(worst, moved=max(moved))
+        driven: dict[str, float] = {}
+        for mesh, far in chain.from_iterable(one.driven.items() for one in found):
+            driven[mesh] = max(far, driven.get(mesh, 0.0))
+        if worst is not None and driven:
+            worst = replace(worst, driven=driven)
         return Outcome(
             report,
             worst,

@@ -68,8 +68,8 @@ class ExpectedResult:
         if self.rig.pending.weight_redistributions or self.rig.pending.strips:
             from rigtri.verification.compare.without_twist import without_twist
 
-            source, result = self.with_twist(written)
-            return without_twist(source), without_twist(result)
+            source = _with_clips(self.source, self.rig) if self.reposed else self.source
+            return without_twist(source), without_twist(_with_lost_clips(written, self.rig))
         before, rig = self.source.rig, self.rig
         old = {key: node for node, key in enumerate(before.keys)}
         redrawn = frozenset(old[rig.keys[node]] for node in rig.pending.shapes if rig.keys[node] in old)
@@ -92,11 +92,6 @@ class ExpectedResult:
             PosedView(self.source, expected, written, keyed.keys, position, redrawn),
             PosedView(written, made, written, written.rig.keys, range(len(made))),
         )
-
-    def with_twist(self, written: Source) -> Views:
-        """The source and a file whose weights are others now, or that lacks nodes, as both look."""
-        source = _with_clips(self.source, self.rig) if self.reposed else self.source
-        return source, _with_lost_clips(written, self.rig)
 
     @property
     def takes_twist(self) -> bool:
@@ -214,16 +209,22 @@ def declared_differences(
         begin_stage("measure twist")
         return replace(result, moved=twist_movement(written))
     if expected.rig.pending.strips:
-        if not expected.takes_twist:
+        driven = bool(expected.reposed or expected.morph_changes)  # by readers that go
+        if not (driven or expected.takes_twist):
             return result
-        begin_stage("measure twist")
-        shown = _compare_remaining(expected, *expected.with_twist(written))
-        return replace(result, moved=shown.largest_deviation)
+        begin_stage("measure motion")
+        left = _with_lost_clips(written, expected.rig)
+        shown = _compare_remaining(replace(expected, morph_changes={}), expected.source, left)
+        if not driven:
+            return replace(result, moved=shown.largest_deviation)
+        return replace(result, motion=Motion(shown.largest_deviation, shown.worst, shown.per_clip))
     if expected.morph_changes:
         from rigtri.verification.compare.morph_changes import morph_movement
 
         begin_stage("measure morph targets")
-        result = replace(result, driven=morph_movement(*views, expected.morph_changes))
+        # Where joints move, too, the source is expected to have the new weights already.
+        before, after = (expected.source, written) if expected.reposed else views
+        result = replace(result, driven=morph_movement(before, after, expected.morph_changes))
     if expected.reposed and result.passes(tolerance):
         begin_stage("measure motion")
         result = replace(result, motion=_motion(expected, *views))

@@ -109,13 +109,15 @@ def _at(then: Timeline, mesh: Mesh, other: Mesh) -> Clip:
 
 def _farthest(then: Timeline | None, after: Rig, now: Timeline, mesh: Mesh, other: Mesh) -> float:
     """The largest distance between the vertices with the old and with the new weights."""
-    track = now.track(other.node, "weights")
-    if track is None:
+    tracks = now.track(other.node, "weights"), None if then is None else then.track(mesh.node, "weights")
+    keys = [track.times for track in tracks if track is not None]
+    if not keys:
         return 0.0
-    old = sampling.morph_weights(mesh, then.clip if then is not None else None, track.times)
-    apart = np.abs(sampling.sample(track, track.times) - old).max(axis=1)
+    times = np.unique(np.concatenate(keys))
+    old = sampling.morph_weights(mesh, None if then is None else then.clip, times)
+    apart = np.abs(sampling.morph_weights(other, now.clip, times) - old).max(axis=1)
     best = np.sort(np.argsort(-apart, kind="stable")[:_POSES])
-    times = track.times[best]
+    times = times[best]
     world = sampling.worlds(after, sampling.locals_at(after, now.clip, times))
     farthest = 0.0
     for k, time in enumerate(times):

@@ -62,6 +62,7 @@ class Motion:
         }
 
     def summary(self) -> str:
+        """What moves otherwise; "" where nothing does."""
         parts = []
         if self.deviation != 0:
             share = f"{self.deviation:.2g} of the model's size"
@@ -69,7 +70,7 @@ class Motion:
         if self.morphs:
             name, most = _largest(self.morphs)
             parts.append(f"other morph weights move vertices by up to {most:.2g} of the size ({name})")
-        return "; ".join(parts) or "everything that IN shows moves as in IN"
+        return "; ".join(parts)
 
 
 @dataclass(frozen=True)
@@ -209,7 +210,10 @@ class Comparison:
                 f"; measured without driven morph targets, which move up to {most:.2g} of the size ({name})"
             )
         line = "; ".join([line, *differences])
-        return line if self.motion is None else f"{line}; {self.motion.summary()}"
+        if self.motion is None:
+            return line
+        still = "" if any(self.driven.values()) else "everything that IN shows moves as in IN"
+        return "; ".join(filter(None, [line, self.motion.summary() or still]))
 
     def describe(self, *, verbose: bool = False) -> str:
         """All of it for people, the figure first; ``verbose`` names every mesh, clip and change."""
