@@ -72,6 +72,7 @@ def test_a_second_pair_of_arms_below_the_first_stays_one() -> None:
 def test_a_skin_on_the_chain_beside_the_named_one_keeps_both() -> None:
     """MMD's models have such legs: the named ones are controls of those that move the mesh."""
     rig = worn_by_a_man("trousers")
+    rig = replace(rig, names=tuple(name.replace("pants", "second") for name in rig.names))
     moved = np.array([name not in LEG and name not in LEG.replace(".L", ".R") for name in rig.names])
     rig = replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moved),))
     (man,) = recognise(rig).characters
@@ -104,13 +105,55 @@ def called(rig: Rig, names: str, worn: Sequence[str]) -> Rig:
 
 @pytest.mark.parametrize("names", ["words", "codes", "none"])
 @pytest.mark.parametrize("what", WORN)
-def test_of_two_chains_along_each_other_neither_is_sure_where_no_scheme_tells_the_bones(
-    what: str, names: str
-) -> None:
+def test_of_two_chains_along_each_other_that_which_is_worn_is_never_sure(what: str, names: str) -> None:
     """Before, the sleeve was the arm and the trousers a leg, sure, and `auto` built IK for them."""
-    found = recognise(called(worn_by_a_man(what, bones=MAN), names, WORN[what][2].split()))
-    kind = "leg" if WORN[what][0] == LEG else "arm"
-    assert not any(chain.is_sure for one in found.characters for chain in one.limbs if kind in chain.name)
+    rig = worn_by_a_man(what, bones=MAN)
+    limb, _, worn = WORN[what]
+    found = recognise(called(rig, names, worn.split()))
+    kind = "leg" if limb == LEG else "arm"
+    sure = [
+        " ".join(rig.names[joint] for joint in chain.bend)
+        for one in found.characters
+        for chain in one.limbs
+        if chain.is_sure and kind in chain.name
+    ]
+    assert {*sure} <= {limb, limb.replace(".L", ".R")}
+    assert not sure or names != "none"
+
+
+@pytest.mark.parametrize(
+    "word",
+    [
+        "sleeve",
+        "pants",
+        "trousers",
+        "jeans",
+        "shirt",
+        "suit",
+        "uniform",
+        "costume",
+        "clothes",
+        "armor",
+        "armour",
+        "kimono",
+    ],
+)
+def test_wide_garments_with_words_of_limbs_are_no_limbs_of_a_named_body(word: str) -> None:
+    """Before, more than a fifth of a limb away they were limbs, and the man an animal."""
+    at = {name: np.array(place) for name, _, place in BONES}
+    for limb, over, far in ((ARM, "chest", (0.0, -0.2, 0.0)), (LEG, "hips", (0.0, 0.0, -0.3))):
+        worn = [f"{word}_{bone}" for bone in limb.split()]
+        places = [
+            tuple(at[bone] + share * np.array(far))
+            for bone, share in zip(limb.split(), (0.1, 0.6, 1.0), strict=True)
+        ]
+        chain: list[Joint] = []
+        for name, place in zip(worn, places, strict=True):
+            chain.append((name, chain[-1][0] if chain else over, place))
+        (man,) = recognise(rig_with([*BONES, *both(chain)])).characters
+        assert man.form == "biped"
+        assert {limb.name for limb in man.limbs} == LIMBS
+        assert all(limb.is_sure for limb in man.limbs)
 
 
 def in_cloth(limb: str, below: str, count: int, first: float, last: float) -> list[Joint]:
