@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from pxr import Sdf
+from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.opinions.edits import Edit, Setting
@@ -61,7 +61,8 @@ def test_controls_are_refused_where_variants_decide_what_they_would_hold(
     edit: Edit, decided: Any, made: bool, reshaped: bool, words: str
 ) -> None:
     def refuse() -> None:
-        _refuse_controls([edit], SKELETON, decided, {CONTROL} if made else set(), reshaped=reshaped)
+        stage = Usd.Stage.CreateInMemory()
+        _refuse_controls(stage, [edit], SKELETON, decided, {CONTROL} if made else set(), reshaped=reshaped)
 
     if words:
         new = "The new prim " if made else ""
