@@ -32,7 +32,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.twist import AddTwistOptions
 from rigtri.operations.bake.bake import BakeOptions
 from rigtri.operations.take_clips.restore_metadata import as_described
-from rigtri.operations.take_clips.take_clips import _warn_unkeyed
+from rigtri.operations.take_clips.take_clips import TakeClipsOptions, _warn_unkeyed
 from rigtri.report import Report
 
 
@@ -231,6 +231,22 @@ def test_take_clips_reports_channels_that_were_posed_without_keys() -> None:
     assert notice.code == "held-without-keys"
     assert "'head_ctl (translation)'" in notice.text
     assert "not taken" in notice.text
+
+
+@pytest.mark.ci
+def test_take_clips_reports_a_pose_without_keys_without_the_script_of_export_blender_too() -> None:
+    """Before, nothing was said of it in a file without the script's IK switches."""
+    rig, report = biped(), Report()
+    control = rig.find("head_ctl", "node")
+    # EDITED is in centimetres, without metadata, below a node that makes metres of them.
+    translation, scale, root = rig.translation * 100.0, rig.scale.copy(), np.flatnonzero(rig.parents < 0)
+    translation[root] /= 100.0
+    scale[root] *= 0.01
+    translation[control] += 10.0
+    edited = replace(rig, metadata={}, translation=translation, scale=scale)
+    rigtri.take_clips(rig, options=TakeClipsOptions(from_=edited), report=report)
+    (text,) = [notice.text for notice in report.warnings if notice.code == "held-without-keys"]
+    assert "No clip of EDITED has keys of 'head_ctl (translation)', whose pose" in text
 
 
 def test_rounding_below_an_armature_of_centimetres_is_no_pose() -> None:

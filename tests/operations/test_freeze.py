@@ -310,7 +310,10 @@ def test_real_files_look_as_before(path: Path, tmp_path: Path) -> None:
     assert again.read_bytes() == out.read_bytes()
     found = sizes(read(out, ReadOptions(allow_external_paths=True)).rig)
     uneven = "is not uniform" in ran.stderr
-    assert uneven or not len(found) or abs(found - 1.0).max() < 1e-4  # noise of the source stays
+    # Noise of the source stays. A SkelAnimation rounds scales to half floats: where the keys of a joint at
+    # rest become exactly 1, its rest is off by that rounding, at most half a step.
+    noise = 2.0**-11 if path.suffix.startswith(".usd") else 1e-4
+    assert uneven or not len(found) or abs(found - 1.0).max() < noise
 
 
 def scaled_middle(rest: float, keys: str, folder: Path) -> Path:

@@ -12,12 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.key_reduction import parent_sizes
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import as_float32, put_tracks, timelines
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Path, Track
 from rigtri.model.metadata import PoleVectorRecord
 from rigtri.model.rig import Rig
@@ -69,10 +69,11 @@ def unkeyed(
     moving = [replace(track, node=others[track.node]) for track in tracks]
     now, rest = PoseCache(edited), PoseCache(rested)
     size = float(np.abs(rested.world[:, 3, :3]).max(initial=0.0)) or 1.0
+    units = [unit or 1.0 for unit in parent_sizes(rested).tolist()]
     return [
         (node, path, value)
         for node, there in of.items()
-        for path, value in _otherwise(now.part(there), rest.part(node), size / _unit(rested, node)).items()
+        for path, value in _otherwise(now.part(there), rest.part(node), size / units[node]).items()
         if (there, path) not in keyed
         and (path == "translation" or rested.type_of(node) != PoleVectorRecord.type)  # a pole is a place
         and not any((t.node, t.path) == (there, path) and _passes(t, value) for t in moving)
@@ -104,13 +105,6 @@ def _passes(track: Track, value: Floats) -> bool:
 
 def _dot(a: Floats, b: Floats) -> Floats:
     return np.asarray(sum((a * b).T))
-
-
-def _unit(rig: Rig, node: int) -> float:
-    """How long a unit of a node's translation is in the world."""
-    parent = int(rig.parents[node])
-    axes = rig.world[parent, :3, :3] if parent >= 0 else np.eye(3)
-    return float(length(axes).max()) or 1.0
 
 
 def _otherwise(now: Parts, rest: Parts, size: float) -> dict[Path, Floats]:
