@@ -21,14 +21,43 @@ def "B" (references = @./biped.usda@)
     uniform token[] xformOpOrder = ["xformOp:translate"]
 }
 """
+SCOPED = """#usda 1.0
+(
+    upAxis = "Y"
+    timeCodesPerSecond = 24
+)
+def Xform "A"
+{
+    def Scope "Rig"
+    {
+        def "biped" (references = @./biped.usda@)
+        {
+        }
+    }
+}
+def Xform "B"
+{
+    double3 xformOp:translate = (3, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Scope "Rig"
+    {
+        def "biped" (references = @./biped.usda@)
+        {
+        }
+    }
+}
+"""
 
 
-def pair(samples: Path, folder: Path, suffix: str) -> Path:
-    """Two bipeds side by side, A and B, whose joints have the same names."""
+def pair(samples: Path, folder: Path, suffix: str, *, scoped: bool = False) -> Path:
+    """Two bipeds side by side, A and B, whose joints have the same names.
+
+    scoped: a Scope is between each of them and its character, in USD.
+    """
     out = folder / f"pair.{suffix}"
     if suffix == "usda":
         shutil.copy(samples / "biped.usda", folder)
-        out.write_text(PAIR)
+        out.write_text(SCOPED if scoped else PAIR)
         return out
     shutil.copy(samples / "biped.bin", folder)
     scene = json.loads((samples / "biped.gltf").read_text())

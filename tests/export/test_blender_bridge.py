@@ -577,12 +577,13 @@ def test_a_scene_that_lacks_something_is_left_alone(rigged: dict[str, Path], tmp
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("suffix", ["gltf", "usda"])
-def test_two_characters_of_one_file_are_set_up_together(suffix: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("suffix", "scoped"), [("gltf", False), ("usda", False), ("usda", True)])
+def test_two_characters_of_one_file_are_set_up_together(suffix: str, scoped: bool, tmp_path: Path) -> None:
     """Bones of one name are told apart by what the armatures are below, also where they have other axes, and
-    each armature has the controls of its own character."""
+    each armature has the controls of its own character. A Scope between is no node."""
     turned, rigged = tmp_path / f"turned.{suffix}", tmp_path / f"rigged.{suffix}"
-    cli("orient-joints", pair(SAMPLES, tmp_path, suffix), "-o", turned, "--character", "A", code=0)
+    both = pair(SAMPLES, tmp_path, suffix, scoped=scoped)
+    cli("orient-joints", both, "-o", turned, "--character", "A", code=0)
     cli("add-controls", turned, "-o", rigged, "--whole-character", code=0)
     script = tmp_path / "setup.py"
     script.write_text(exported(read(rigged).rig, gltf=suffix == "gltf", file=rigged.name).script, "utf-8")

@@ -147,12 +147,24 @@ def below(names: list[str], above: list[str]) -> bool:
     return all(plain(one) == plain(other) for one, other in zip(names, above, strict=False))
 
 
+def in_order(names: list[str], above: list[str]) -> bool:
+    """Whether all nodes above in the file are above here, in their order; a Scope between is no node."""
+    left = iter(map(plain, names))
+    return all(plain(name) in left for name in above)
+
+
 def line(thing: Any) -> list[str]:
     names = []
     while thing.parent:
         thing = thing.parent
         names.append(name_of(thing))
     return names
+
+
+def whole_line(pair: tuple[Any, Any]) -> list[str]:
+    """The names above a bone, those of its armature and above it, too."""
+    armature, bone = pair
+    return [*line(bone), name_of(armature), *line(armature)]
 
 
 def armatures() -> list[Any]:
@@ -171,7 +183,8 @@ def bones_for(about: dict[str, Any]) -> list[tuple[Any, str]]:
         lambda pair: pair[1].name == about["name"],
         lambda pair: below(line(pair[1]), about["above"]),
         # Of characters of one file those above the armature tell which is which.
-        lambda pair: below([*line(pair[1]), name_of(pair[0]), *line(pair[0])], about["above"]),
+        lambda pair: below(whole_line(pair), about["above"]),
+        lambda pair: in_order(whole_line(pair), about["above"]),
         lambda pair: is_selected(pair[0]),
     ]
     return [(armature, bone.name) for armature, bone in narrowed(found, tests)]
@@ -188,6 +201,7 @@ def objects_for(about: dict[str, Any]) -> list[Any]:
         lambda thing: object_called(thing, about["name"]),
         lambda thing: name_of(thing) not in about["others"],
         lambda thing: below(line(thing), about["above"]),
+        lambda thing: in_order(line(thing), about["above"]),
         # Groups of several files have one name, and import selects what it has imported last.
         lambda thing: any(called(name_of(child), name, 63) for child in thing.children for name in children),
         is_selected,
