@@ -43,7 +43,12 @@ class Vector:
 
     @property
     def length(self) -> float:
-        return sqrt(self.dot(self))
+        return sqrt(self.x * self.x + self.y * self.y + self.z * self.z)
+
+    def distance(self, other: Vector) -> float:
+        """How far apart two places are: the length of their difference."""
+        x, y, z = self.x - other.x, self.y - other.y, self.z - other.z
+        return sqrt(x * x + y * y + z * z)
 
     @property
     def unit(self) -> Vector:

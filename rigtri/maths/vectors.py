@@ -10,7 +10,7 @@ Cross Product" and the appendices.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite, sqrt
+from math import sqrt
 from typing import cast
 
 import numpy as np
@@ -144,12 +144,13 @@ def unit_of(numbers: Sequence[float]) -> list[float] | None:
     The same operations in the same order, so the same bits.
     """
     x, y, z = numbers
-    largest = max(abs(x), abs(y), abs(z))
-    if not (largest > 0.0 and isfinite(x) and isfinite(y) and isfinite(z)):
+    largest = max(x, y, z, -x, -y, -z)
+    if not largest > 0.0:
         return None
     x, y, z = x / largest, y / largest, z / largest
     size = sqrt(x * x + y * y + z * z)
-    return [x / size, y / size, z / size]
+    # Infinity and NaN have become NaN, which is not equal to itself.
+    return [x / size, y / size, z / size] if size == size else None
 
 
 def triple(v: Floats) -> tuple[float, float, float]:

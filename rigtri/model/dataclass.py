@@ -90,19 +90,16 @@ def _parameters(cls: Any) -> _Parameters:
 
 def _init(self: Any, *values: Any, **named: Any) -> None:
     order, defaults, required, made, finish = _parameters(self.__class__)
-    own = defaults | named
-    if values:
-        if len(values) > len(order) or not named.keys().isdisjoint(order[: len(values)]):
-            _refuse_call(self.__class__, values, named)
-        own.update(zip(order, values, strict=False))
-    if len(own) > len(defaults):
+    given = dict(zip(order, values, strict=False)) | named if values else named
+    own, count = defaults | given, len(values) + len(named)
+    if len(given) < count or len(own) > len(defaults):  # one twice, too many, or one that is not known
         _refuse_call(self.__class__, values, named)
     # Where all are given, as `dataclasses.replace` does, none is missing.
-    for name in required if len(values) + len(named) < len(defaults) else ():
+    for name in required if count < len(defaults) else ():
         if own[name] is dataclasses.MISSING:
             _refuse_call(self.__class__, values, named)
     for name, make in made:
-        if own.get(name, dataclasses.MISSING) is dataclasses.MISSING:
+        if name not in own or own[name] is dataclasses.MISSING:
             own[name] = make()
     self.__dict__.update(own)
     if finish:

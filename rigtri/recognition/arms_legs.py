@@ -288,7 +288,7 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
     each = each if same else _by_words(draft, each)
     sure, words = each.confidence, list(each.evidence)
     start, middle, end = (draft.tree.at[joint] for joint in each.joints)
-    upper, lower = (middle - start).length, (end - middle).length
+    upper, lower = middle.distance(start), end.distance(middle)
     if min(upper, lower) < _STUNTED * max(upper, lower):
         sure *= _CONTRADICTED
         words.append("but one of its bones has hardly any length")

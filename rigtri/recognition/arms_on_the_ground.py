@@ -59,7 +59,7 @@ def arm_below_a_lying_trunk(draft: Draft, each: Found, found: Sequence[Found]) -
     at, up = draft.tree.at, draft.up
     for leg in legs:
         (start, middle, end), first = leg.joints, at[each.joints[0]]
-        size = (at[middle] - at[start]).length + (at[end] - at[middle]).length
+        size = at[middle].distance(at[start]) + at[end].distance(at[middle])
         rises = (first - at[start]).unit.dot(up) > _LIES
         if rises or at[each.joints[2]].dot(up) > at[end].dot(up) + ENDS_LOW * size:
             return ""

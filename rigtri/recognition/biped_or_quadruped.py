@@ -16,7 +16,7 @@ from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords
 from rigtri.recognition.naming_schemes import roles_in_name
-from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.pose_samples import Poses, how_far
 from rigtri.recognition.up_of_legs import has_tail
 
 # Of front legs without joints in their feet so much of the height of the hips is missing at least, and where
@@ -69,7 +69,7 @@ def settled(tree: Tree, body: Body, poses: Poses, names: Mapping[int, LimbWords]
     missing = _FEET if arms.fingers < 2 else _STEP
     named, person = (
         arms.kind == "arm",
-        broad > _BROAD and (arms.starts - legs.starts).length < _LONG * legs.size,
+        broad > _BROAD and arms.starts.distance(legs.starts) < _LONG * legs.size,
     )
     if person and not animal and (named or arms.thumb):
         # Frogs are as broad, and their rigs have names for people: no hand, clavicle or finger tells.
@@ -114,7 +114,7 @@ def may_be_front_legs(body: Body | None, limbs: Limbs) -> bool:
 def _reach(tree: Tree, limbs: Limbs, up: Vector, poses: Poses) -> float:
     """How high the lowest point is that the ends of two limbs move, of the higher one; inf for none."""
     ends = [poses.box_of(tree.branch(path[limbs.at[-1]]), tree.places) for path in limbs.pair.paths]
-    return max(min((point.dot(up) for point in points), default=inf) for points in ends)
+    return max(min(how_far(points, Vector(), up), default=inf) for points in ends)
 
 
 def _ahead(tree: Tree, body: Body, legs: Limbs, arms: Limbs) -> float:

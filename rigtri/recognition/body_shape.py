@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from math import fsum
 from typing import Literal
 
@@ -89,7 +90,7 @@ def across(tree: Tree, limbs: Limbs, plane: Plane) -> bool:
     middle, line = between(tree, limbs.pair)
     if not abs(line.dot(plane.normal)) > SQUARE:
         return False
-    widest = max((tree.at[a] - tree.at[b]).length for a, b in zip(*limbs.pair.paths, strict=True))
+    widest = max(tree.at[a].distance(tree.at[b]) for a, b in zip(*limbs.pair.paths, strict=True))
     return widest > 3.0 * abs(plane.side_of(middle))
 
 
@@ -173,12 +174,12 @@ def _are_front_and_hind(arms: Limbs, legs: Limbs) -> bool:
 
 def lowest(tree: Tree, limbs: Limbs, up: Vector) -> float:
     """How high the lowest joint of two limbs stands."""
-    return min(tree.at[k].dot(up) for path in limbs.pair.paths for k in path)
+    return min(tree.heights(chain.from_iterable(limbs.pair.paths), up))
 
 
 def _low(tree: Tree, limbs: Limbs, up: Vector) -> float:
     """How high the lowest joint of two limbs and all below them stands."""
-    return min(tree.at[k].dot(up) for path in limbs.pair.paths for k in tree.branch(path[0]))
+    return min(tree.heights([k for path in limbs.pair.paths for k in tree.branch(path[0])], up))
 
 
 def height(tree: Tree, legs: Limbs, up: Vector) -> float:

@@ -49,7 +49,7 @@ def order_of_chains(tree: Tree) -> dict[int, int]:
 def _is_nearer(tree: Tree, chain: Sequence[int], other: Sequence[int]) -> bool:
     """Whether another limb that begins at the same joint goes on nearer to it."""
     first, at = chain[0], tree.at
-    return other[0] == first and (at[other[1]] - at[first]).length < (at[chain[1]] - at[first]).length
+    return other[0] == first and at[other[1]].distance(at[first]) < at[chain[1]].distance(at[first])
 
 
 def _is_of_another(tree: Tree, chain: Sequence[int]) -> bool:
@@ -78,7 +78,7 @@ def _is_held_by(name: str) -> bool:
 
 
 def _is_balanced(tree: Tree, bend: Sequence[int]) -> bool:
-    upper, lower = ((tree.at[b] - tree.at[a]).length for a, b in pairwise(bend))
+    upper, lower = (tree.at[b].distance(tree.at[a]) for a, b in pairwise(bend))
     return min(upper, lower) > _BALANCE * max(upper, lower)
 
 
@@ -118,7 +118,7 @@ def _chains(tree: Tree) -> Iterator[tuple[list[int], tuple[int, ...]]]:
 
 def _far(tree: Tree, node: int, own: Mapping[Level, Sequence[int]]) -> float:
     """How far a joint is from all those of a limb."""
-    return sum((tree.at[node] - tree.at[k]).length for nodes in own.values() for k in nodes)
+    return sum(tree.at[node].distance(tree.at[k]) for nodes in own.values() for k in nodes)
 
 
 def _levels(words: Mapping[int, LimbWords]) -> dict[Level, list[int]]:
@@ -147,7 +147,7 @@ def _chain(tree: Tree, own: Mapping[Level, Sequence[int]]) -> tuple[list[int], t
     chain = list(own["upper"])
     for level in _BONES:
         over = tree.at[chain[-1]]
-        chain += sorted(own[level], key=lambda node: ((tree.at[node] - over).length, node))
+        chain += sorted(own[level], key=lambda node: (tree.at[node].distance(over), node))
     bend = (chain[0], chain[1], chain[1 + len(own["lower"])])
     first, last = ([*nodes] if len(nodes := own.get(level, ())) == 1 else [] for level in _BESIDE)
     return [*first, *chain, *last], bend

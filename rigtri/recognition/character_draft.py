@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
+from functools import cached_property, wraps
+from typing import Any, TypeVar
 
 from rigtri.maths.matrices import handedness
 from rigtri.maths.scalar_vector import Vector
@@ -17,6 +19,8 @@ from rigtri.recognition.name_readings import Reading
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_analysis import Shape
 
+A = TypeVar("A")
+
 
 @dataclass
 class Draft:
@@ -27,7 +31,7 @@ class Draft:
     are known to be none of the body. segments: joints that are parts of the bones above them, and none of
     the tree. worn: joints of chains along known limbs, none of the tree either. up, facing, left: unit
     directions of the world, zero where unknown. hips, chest: where legs and arms hang, −1 where unknown.
-    four: whether it stands on four legs. remarks: sentences for users.
+    four: whether it stands on four legs. remarks: sentences for users. answers: see `once`.
     """
 
     shape: Shape
@@ -47,8 +51,9 @@ class Draft:
     chains: list[Chain] = field(default_factory=list)
     bones: dict[str, int] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
+    answers: dict[Any, Any] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def tree(self) -> Tree:
         return self.shape.tree
 
@@ -123,6 +128,23 @@ class Draft:
 
     def stand(self, up: Vector, ahead: Vector) -> None:
         """Which way is up, which is ahead, and so which is left."""
+        self.answers.clear()
         self.up = up.unit
         self.facing = (ahead - self.up * ahead.dot(self.up)).unit
         self.left = self.up.cross(self.facing)
+
+
+def once(question: Callable[[Draft], A]) -> Callable[[Draft], A]:
+    """A question about a whole draft that is answered once, however many limbs ask it.
+
+    For what names, shape and the directions of a draft decide, and not its chains, which grow.
+    """
+
+    @wraps(question)
+    def asked(draft: Draft) -> A:
+        if question not in draft.answers:
+            draft.answers[question] = question(draft)
+        answer: A = draft.answers[question]
+        return answer
+
+    return asked

@@ -46,7 +46,7 @@ def hangs_as_cloth(draft: Draft, each: Found) -> str:
         turned = any(bone.unit.dot(lower.unit) < GOES_ON for bone in after)
         if upper.unit.dot(lower.unit) < CLEAR or turned or len(after) > 1:
             return ""
-        if next(iter(draft.poses.box_of([end], tree.places)), None) is None:
+        if not draft.poses.box_of([end], tree.places):
             return ""  # nothing shows that it has no foot
     if not after and abs(feet_ahead(tree, body, draft.facing, draft.poses)) > _FOOT:
         return ""

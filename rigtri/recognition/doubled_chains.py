@@ -86,7 +86,7 @@ def _runs_along(tree: Tree, start: int, other: int) -> bool:
             for k, beside in pairs
             for child in tree.below[k]
             for joint in tree.paths[beside][1:]
-            if (tree.at[joint] - tree.at[child]).length <= near
+            if tree.at[joint].distance(tree.at[child]) <= near
         ]
     return bool(pairs)
 

@@ -95,7 +95,10 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         doubts = (no_trunk, beside_things, lost_third, miscounted, joint_more, *_alone(_no_bend))
     else:
         doubts = (*_OF_ANY, *(_OF_NAMES if is_named(draft, each) else _OF_SHAPES), *_OF_TWINS)
-    return next(filter(None, (doubt(draft, each, found) for doubt in doubts)), "")
+    for doubt in doubts:
+        if why := doubt(draft, each, found):
+            return why
+    return ""
 
 
 def _no_bend(draft: Draft, each: Found) -> str:
@@ -149,7 +152,7 @@ def _against_the_tree(draft: Draft, each: Found) -> str:
         at_trunk = above < 0 or (above != start and tree.is_below(start, above))
         if not at_trunk or tree.is_below(start, node) or _goes_on(draft, over, node):
             return words
-        upper, lower = ((tree.at[b] - tree.at[a]).length for a, b in ((start, middle), (middle, end)))
+        upper, lower = (tree.at[b].distance(tree.at[a]) for a, b in ((start, middle), (middle, end)))
         if min(upper, lower) < _BALANCE * max(upper, lower):
             return f"{words} and is not where it should be"
     return ""

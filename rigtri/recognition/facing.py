@@ -23,7 +23,7 @@ from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import IN_LINE, SET_OFF, offset
 from rigtri.recognition.many_legs import ends_of_trunk
 from rigtri.recognition.naming_schemes import roles_in_name
-from rigtri.recognition.pose_samples import Poses, finite
+from rigtri.recognition.pose_samples import Poses, finite, how_far
 from rigtri.recognition.symmetry import Plane
 
 # Votes of less weight than this together are not sure, however they agree.
@@ -262,10 +262,10 @@ def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:
         ends = poses.box_of(tree.branch(ankle), tree.places)
         shin = (tree.at[ankle] - tree.at[path[legs.at[-2]]]).unit
         across = ahead - shin * shin.dot(ahead)
-        along = [(point - tree.at[ankle]).dot(across) for point in ends]
-        if not along or moves_a_bone(tree, poses, [path[k] for k in legs.at[-2:]], legs.size):
+        reached = how_far(ends, tree.at[ankle], across)
+        if not reached or moves_a_bone(tree, poses, [path[k] for k in legs.at[-2:]], legs.size):
             return 0.0
-        further = (max(along) + min(along)) / max(_SOLE * legs.size, 1e-30)
+        further = (max(reached) + min(reached)) / max(_SOLE * legs.size, 1e-30)
         total += 0.5 * max(-1.0, min(1.0, further)) if abs(further) > 1.0 / 3.0 else 0.0
     return total
 

@@ -15,7 +15,7 @@ from rigtri.recognition.facing import facing_of
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs, ends_in_hand
 from rigtri.recognition.limb_triples import TIE
-from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.pose_samples import Poses, how_far
 from rigtri.recognition.symmetry import Pair, Plane
 
 # Arms are so long a part of the legs of an animal, at least: a horse's are longer than those of its rider.
@@ -171,7 +171,8 @@ def _breadth(tree: Tree, nodes: Sequence[int], plane: Plane, poses: Poses) -> tu
     for node in nodes:
         ends = poses.box_of([node], tree.places)
         for first in range(0, len(ends), 8):
-            sides = [abs(plane.normal.dot(ends[first + k] - ends[first])) for k in (4, 2, 1)]
+            edges = [ends[first + k] for k in (4, 2, 1)]
+            sides = [abs(far) for far in how_far(edges, Vector(*ends[first]), plane.normal)]
             least = max(least, 2.0 * max(sides) - fsum(sides))
             most = max(most, fsum(sides))
     return least, most

@@ -143,5 +143,5 @@ def _is_built_as(draft: Draft, limbs: Limbs, arms: Limbs) -> bool:
         return False
     at = draft.tree.at
     mine, other = ([at[k] for k in pair.joints(0)] for pair in (limbs, arms))
-    bones = [((mine[k + 1] - mine[k]).length, (other[k + 1] - other[k]).length) for k in (0, 1)]
+    bones = [(mine[k + 1].distance(mine[k]), other[k + 1].distance(other[k])) for k in (0, 1)]
     return all(abs(one - two) < SIMILAR_LENGTH * max(one, two) for one, two in bones)

@@ -8,7 +8,7 @@ from itertools import pairwise
 from math import inf
 
 from rigtri.recognition.arms_legs import FACES
-from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.character_draft import Draft, once
 from rigtri.recognition.facing import BY_LEGS
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.joint_tree import Tree
@@ -190,7 +190,7 @@ def _loose_within(draft: Draft, each: Found) -> str:
 def _turned_round(draft: Draft, each: Found, mine: Limbs) -> str:
     """A limb that ends near where it hangs, or a leg that goes up again: its hand is above its arm."""
     tree = draft.tree
-    *others, end = ((tree.at[k] - tree.at[mine.pair.above]).length for k in each.joints)
+    *others, end = (tree.at[k].distance(tree.at[mine.pair.above]) for k in each.joints)
     lower = tree.at[each.joints[2]] - tree.at[each.joints[1]]
     if end < _BACK * max(others) or (each.kind == "leg" and lower.unit.dot(draft.up) > _UP_AGAIN):
         return "it comes back to where it hangs, so it may be parented the wrong way round"
@@ -256,8 +256,14 @@ def loose_joints(draft: Draft, each: Found) -> str:
     So hang the joints of a leg that are all children of the hips: what stands there as a limb is a part of
     one, or another limb than it seems.
     """
-    mine, body, tree, plane = each.pair, draft.shape.body, draft.tree, draft.shape.plane
-    if mine is None or mine.named > 0.0 or body is None or plane is None:
+    return "" if each.pair is None or each.pair.named > 0.0 else _bones_alone(draft)
+
+
+@once
+def _bones_alone(draft: Draft) -> str:
+    """Joints of a body that stand alone beside each other, in words."""
+    body, tree, plane = draft.shape.body, draft.tree, draft.shape.plane
+    if body is None or plane is None:
         return ""
     pairs = [limbs for limbs in (body.legs, body.arms) if limbs is not None]
     size = max(limbs.size for limbs in pairs)
@@ -269,7 +275,7 @@ def loose_joints(draft: Draft, each: Found) -> str:
             aside = [k for k in below if way * plane.side_of(tree.at[k]) > _MIDDLE * size]
             aside = [k for k in aside if _may_be_bone(draft, k)]
             alone = [k for k in aside if _stands_alone(tree, k, aside)]
-            far = max(((tree.at[a] - tree.at[b]).length for a in alone for b in alone), default=0.0)
+            far = max((tree.at[a].distance(tree.at[b]) for a in alone for b in alone), default=0.0)
             if len(alone) >= _ALONE and far > _APART * size:
                 return f"{_title(draft, alone[0])} and others stand alone, and may be the bones of a limb"
     return ""
@@ -282,7 +288,7 @@ def _may_be_bone(draft: Draft, node: int) -> bool:
 
 def _stands_alone(tree: Tree, node: int, others: Sequence[int]) -> bool:
     """Whether what hangs at a joint reaches less far than to the next of those beside it."""
-    apart = ((tree.at[k] - tree.at[node]).length for k in others if k != node)
+    apart = (tree.at[k].distance(tree.at[node]) for k in others if k != node)
     return tree.reach[node] < _SHORT * min(apart, default=0.0)
 
 
@@ -296,9 +302,11 @@ def lower_elsewhere(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     if each.kind != "leg" or mine is None or mine.named > 0.0 or plane is None:
         return ""
     own, *others = ({k for joint in one.joints for k in tree.branch(joint)} for one in (each, *found))
-    low = min(tree.at[k].dot(up) for k in own) - _LOWER * mine.size
-    ours = plane.side_of(tree.at[each.joints[0]])
-    for node in (k for k in tree.nodes if not any(k in limb for limb in others) and tree.at[k].dot(up) < low):
+    low = min(tree.heights(own, up)) - _LOWER * mine.size
+    ours, limbs = plane.side_of(tree.at[each.joints[0]]), frozenset[int]().union(*others)
+    for node, high in zip(tree.nodes, tree.heights(tree.nodes, up), strict=True):
+        if node in limbs or not high < low:
+            continue
         aside = plane.side_of(tree.at[node])
         if aside * ours > 0.0 and abs(aside) > _MIDDLE * mine.size and _may_be_bone(draft, node):
             return f"{_title(draft, node)} stands lower and hangs elsewhere: it may be its foot or its shin"

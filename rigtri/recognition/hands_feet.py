@@ -64,7 +64,7 @@ def _foot(draft: Draft, leg: Found) -> None:
     while len(joints) < 4:
         below = [k for k in tree.below[joints[-1]] if not _is_other(draft, k)]
         ahead = {k: (tree.at[k] - tree.at[ankle]).dot(facing) for k in below}
-        apart = {k: (tree.at[k] - tree.at[ankle]).length for k in below}
+        apart = {k: tree.at[k].distance(tree.at[ankle]) for k in below}
         heels = not draft.four and all(ahead[k] < -_HEEL * apart[k] for k in below)
         if not below or heels or (not draft.four and len(joints) > 1 and len(below) >= PAW):
             break  # a ball with several toes goes on between them, and in none
@@ -128,7 +128,7 @@ def _beside(draft: Draft, arm: Found) -> list[list[int]]:
     """The fingers of a palm of several joints side by side, and a thumb that is below the lower arm."""
     tree, hand, size = draft.tree, arm.joints[2], _lower(draft, arm)
     others = [k for k in tree.below[tree.above[hand]] if k != hand and not _is_other(draft, k)]
-    far = {k: (tree.at[k] - tree.at[hand]).length for k in others}
+    far = {k: tree.at[k].distance(tree.at[hand]) for k in others}
     found = []
     for root in others:
         if tree.below[root] and far[root] < 0.25 * size:
@@ -138,7 +138,7 @@ def _beside(draft: Draft, arm: Found) -> list[list[int]]:
 
 
 def _lower(draft: Draft, arm: Found) -> float:
-    return (draft.tree.at[arm.joints[2]] - draft.tree.at[arm.joints[1]]).length
+    return draft.tree.at[arm.joints[2]].distance(draft.tree.at[arm.joints[1]])
 
 
 def finger_chains(draft: Draft, hand: int, size: float) -> list[list[int]]:
@@ -296,10 +296,10 @@ def _in_order(
         (at[chain[min(max(steps) - step, len(chain) - 1)]], chain)
         for step, chain in zip(steps, others, strict=True)
     ]
-    (start, _), (end, _) = largest(combinations(row, 2), lambda two: (two[0][0] - two[1][0]).length)
+    (start, _), (end, _) = largest(combinations(row, 2), lambda two: two[0][0].distance(two[1][0]))
     if thumb:  # where it begins, in the middle below two fingers, is hardly nearer to one of them
         aside = (at[thumb[0]] + at[(*thumb, thumb[0])[1]]) * 0.5
-        start, end = (end, start) if (end - aside).length < (start - aside).length else (start, end)
+        start, end = (end, start) if end.distance(aside) < start.distance(aside) else (start, end)
     along = (end - start).unit
     others = [chain for _, chain in sorted(row, key=lambda each: (each[0] - start).dot(along))]
     return list(zip(FINGERS, [thumb, *others], strict=False)) if thumb else [("", chain) for chain in others]
@@ -333,8 +333,8 @@ def _stands_on_corners(draft: Draft) -> bool:
     if legs is None or arms is None or len(legs.at) < 3 or len(arms.at) < 3:
         return False
     at = draft.tree.at
-    wide = max((at[k.joints(0)[0]] - at[k.joints(1)[0]]).length for k in (legs, arms))
-    return (arms.starts - legs.starts).length > _CORNERS * wide
+    wide = max(at[k.joints(0)[0]].distance(at[k.joints(1)[0]]) for k in (legs, arms))
+    return arms.starts.distance(legs.starts) > _CORNERS * wide
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ def from_the_hips(tree: Tree, body: Body, ahead: Vector) -> Body:
     for path in legs.pair.paths:
         hip, knee, hock, foot = (tree.at[path[k]] for k in (start - 1, start, middle, end))
         zigzag = _aside(hip, knee, hock, ahead) * _aside(knee, hock, foot, ahead) < 0.0
-        if not zigzag or (knee - hip).length < _THIGH * (hock - knee).length:
+        if not zigzag or knee.distance(hip) < _THIGH * hock.distance(knee):
             return body
         starts, ends = starts + hip * 0.5, ends + hock * 0.5
     return replace(body, legs=replace(legs, at=(start - 1, start, middle), starts=starts, ends=ends))

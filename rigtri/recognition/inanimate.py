@@ -10,7 +10,7 @@ from typing import Any
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.triangle import bend_angle
 from rigtri.recognition.body_shape import Body
-from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.character_draft import Draft, once
 from rigtri.recognition.facing import feet_ahead
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import head_end
@@ -108,12 +108,14 @@ def _table() -> dict[str, Any]:
     return our_table(Path(__file__).with_name("inanimate.toml"))
 
 
+@once
 def trunk_names(draft: Draft) -> list[str]:
     """Names of trunk, head and tail, without a thing's, which has a ``cart_body`` or a ``tail_rotor``."""
     names = [draft.tree.rig.names[k] for k in draft.tree.nodes if draft.words.get(k, NO_WORDS).trunk]
     return [name for name in names if _objects().isdisjoint(parse_name(name).words)]
 
 
+@once
 def has_trunk(draft: Draft) -> bool:
     """Whether names tell of a trunk: a head, a tail or a body alone do not, nor all beside those of a device.
 
@@ -126,23 +128,27 @@ def has_trunk(draft: Draft) -> bool:
     return len(names) > min(1, len(alone))
 
 
+@once
 def has_hips_or_spine(draft: Draft) -> bool:
     """Whether names tell of a trunk beside head and neck: a guitar has a body, a neck and a head."""
     names = [name for name in trunk_names(draft) if _HEADS.isdisjoint(roles_in_name(name))]
     return any("body" not in parse_name(name).words for name in names)
 
 
+@once
 def has_head(draft: Draft) -> bool:
     """Whether a name of the trunk is of a head or neck."""
     return any("skull" in roles_in_name(name) for name in trunk_names(draft))
 
 
+@once
 def is_of_device(draft: Draft) -> bool:
     """Whether a name is of furniture, a vehicle or an instrument."""
     names = (draft.tree.rig.names[k] for k in draft.tree.nodes)
     return any(not _devices().isdisjoint(parse_name(name).words) for name in names)
 
 
+@once
 def is_of_machine(draft: Draft) -> bool:
     """Whether a name is of a vehicle or a machine's part, which nobody holds, and none of a trunk."""
     names = (draft.tree.rig.names[k] for k in draft.tree.nodes)
@@ -176,7 +182,7 @@ def points_ahead(draft: Draft, each: Found) -> str:
     drop = (start - end).dot(draft.up)
     # Machines may be seen the wrong way round: their knees and feet are as they like.
     aimed = abs((end - middle).unit.dot(draft.facing)) > _AIMED
-    return "it points ahead as a gun does" if aimed and drop < _DROOPS * (end - start).length else ""
+    return "it points ahead as a gun does" if aimed and drop < _DROOPS * end.distance(start) else ""
 
 
 def may_be_wings(draft: Draft, each: Found) -> str:
@@ -214,7 +220,14 @@ def may_be_a_thing(draft: Draft, each: Found) -> str:
     mine, body = each.pair, draft.shape.body
     if mine is None or body is None or body.legs is None or body.arms is None:
         return ""
-    if mine.named > 0.0 or mine.kind or _has_names_of_bodies(draft):
+    return "" if mine.named > 0.0 or mine.kind else _no_life(draft)
+
+
+@once
+def _no_life(draft: Draft) -> str:
+    """That nothing shows of a body with legs and arms that it lives."""
+    body = draft.shape.body
+    if body is None or body.legs is None or body.arms is None or _has_names_of_bodies(draft):
         return ""
     if body.form == "quadruped":
         pairs = [limbs for limbs in (body.legs, body.arms) if not _go_down(draft, limbs, _CARRIES)]
@@ -257,7 +270,7 @@ def _has_shoulders_and_neck(tree: Tree, arms: Limbs) -> bool:
     """Whether short clavicles lead to both arms, and two joints go on beside them: neck and head."""
     for path in arms.pair.paths:
         start, middle = arms.at[0], arms.at[1]
-        upper = (tree.at[path[middle]] - tree.at[path[start]]).length
+        upper = tree.at[path[middle]].distance(tree.at[path[start]])
         if start == 0 or tree.bone[path[start]] > _CLAVICLE * upper:
             return False
     others = (k for k in tree.below.get(arms.pair.above, ()) if k not in arms.pair.nodes)

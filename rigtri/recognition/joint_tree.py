@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 
@@ -68,6 +68,11 @@ class Tree:
     def at(self) -> Mapping[int, Vector]:
         """Where each node stands."""
         return _Places(self.places)
+
+    def heights(self, nodes: Iterable[int], up: Vector) -> list[float]:
+        """How far each of some nodes stands along a direction."""
+        x, y, z = up.x, up.y, up.z
+        return [at.x * x + at.y * y + at.z * z for at in map(self.at.__getitem__, nodes)]
 
     @cached_property
     def span(self) -> float:

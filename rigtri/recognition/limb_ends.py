@@ -13,7 +13,7 @@ from rigtri.maths.angle_limits import cosine_below
 from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords
-from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.pose_samples import Poses, how_far
 from rigtri.recognition.symmetry import Pair
 
 # So many fingers make a hand, and so many joints a finger.
@@ -46,7 +46,7 @@ def next_toe(tree: Tree, ahead: Mapping[int, float], slack: float, past: float) 
     toes = [k for k, far in ahead.items() if 0.0 < _REACHING * (furthest - past) <= far - past]
     if len(toes) < PAW:
         return next(k for k, far in ahead.items() if far >= furthest - slack)
-    apart = [max((tree.at[k] - tree.at[other]).length for other in toes) for k in toes]
+    apart = [max(tree.at[k].distance(tree.at[other]) for other in toes) for k in toes]
     near = min(apart) + _AS_NEAR * (max(apart) - min(apart))
     return next(k for k, far in zip(toes, apart, strict=True) if far <= near)
 
@@ -67,7 +67,7 @@ def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: floa
     apart: the cosine of how far another way that is.
     """
     at = tree.at
-    far = [(at[chain[0]] - at[hand]).length for chain in chains]
+    far = [at[chain[0]].distance(at[hand]) for chain in chains]
     usual = sorted(far)[len(far) // 2]
     near = [k for k, size in enumerate(far) if size < _NEAR * usual]
     if len(near) == 1 and _leaves_row(tree, chains, near[0]):
@@ -91,7 +91,7 @@ def _leaves_row(tree: Tree, chains: Sequence[Sequence[int]], which: int) -> bool
     at, others = tree.at, [chain for k, chain in enumerate(chains) if k != which]
     if len(others) < 2:
         return True
-    one, other = max(combinations([at[k[0]] for k in others], 2), key=lambda two: (two[0] - two[1]).length)
+    one, other = max(combinations([at[k[0]] for k in others], 2), key=lambda two: two[0].distance(two[1]))
     along = (other - one).unit
     for joint in range(min(len(chain) for chain in chains)):
         places = [at[chain[joint]].dot(along) for chain in others]
@@ -108,9 +108,9 @@ def _is_within_row(tree: Tree, chains: Sequence[Sequence[int]], which: int, join
     row = [tree.at[chain[joint]] for k, chain in enumerate(chains) if k != which]
     if len(row) < 2:
         return False
-    one, other = max(combinations(row, 2), key=lambda two: (two[0] - two[1]).length)
+    one, other = max(combinations(row, 2), key=lambda two: two[0].distance(two[1]))
     along = (tree.at[chains[which][joint]] - one).dot((other - one).unit)
-    return 0.0 < along < (other - one).length
+    return 0.0 < along < other.distance(one)
 
 
 def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
@@ -163,7 +163,7 @@ def _is_along(tree: Tree, one: int, other: int) -> bool:
 
 def _is_second(tree: Tree, one: int, other: int) -> bool:
     """Whether a joint stands where another below the same one does, as a wrist beside a hand."""
-    near = (tree.at[one] - tree.at[other]).length < _ONE_PLACE * tree.bone[other]
+    near = tree.at[one].distance(tree.at[other]) < _ONE_PLACE * tree.bone[other]
     return one != other and near and (other < one or bool(tree.below[other]))
 
 
@@ -179,7 +179,7 @@ def loose_ends(tree: Tree, pair: Pair, poses: Poses, names: Mapping[int, LimbWor
         return pair
     (a, b) = (path[:2] for path in pair.paths)
     reach = min(
-        (tree.at[path[1]] - tree.at[path[0]]).length + (tree.at[end] - tree.at[path[1]]).length
+        tree.at[path[1]].distance(tree.at[path[0]]) + tree.at[end].distance(tree.at[path[1]])
         for path, end in zip((a, b), ends, strict=True)
     )
     return replace(pair, paths=((*a, ends[0]), (*b, ends[1])), reach=reach)
@@ -214,5 +214,4 @@ def moves_a_bone(tree: Tree, poses: Poses, joints: Sequence[int], size: float) -
     """
     middle, end = (tree.at[joint] for joint in joints)
     points = poses.box_of([joints[1]], tree.places)
-    far = max(((point - end).dot((end - middle).unit) for point in points), default=0.0)
-    return far > _FURTHER * size
+    return max(how_far(points, end, (end - middle).unit), default=0.0) > _FURTHER * size

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Literal
 
 from rigtri.maths.scalar_vector import Vector
@@ -50,14 +51,18 @@ class Limbs:
 
     def joints(self, which: int) -> tuple[int, ...]:
         """Start, middle and end of one of the two, or start and end."""
-        return tuple(self.pair.paths[which][k] for k in self.at)
+        return self._both[which]
+
+    @cached_property
+    def _both(self) -> list[tuple[int, ...]]:
+        return [tuple([path[k] for k in self.at]) for path in self.pair.paths]
 
 
 def _like_clavicles(tree: Tree, limbs: Limbs) -> bool:
     """Whether the first bones of two arms are short, or begin as near to each other, as clavicles do."""
     (start, middle, end), twin = limbs.joints(0), limbs.joints(1)[0]
     short = tree.bone[middle] < _COLLAR * tree.bone[end]
-    return short or (tree.at[start] - tree.at[twin]).length < CLAVICLES * limbs.size
+    return short or tree.at[start].distance(tree.at[twin]) < CLAVICLES * limbs.size
 
 
 def ends_in_hand(limbs: Limbs) -> bool:
@@ -179,12 +184,10 @@ def _middle_of(tree: Tree, node: int) -> int:
     """Of the joints that stand where ``node`` does, under one, the one whose branch ends midmost."""
     near = 0.01 * (tree.bone[node] + tree.reach[node])
     same = [
-        k
-        for k in tree.below[tree.above[node]]
-        if tree.below[k] and (tree.at[k] - tree.at[node]).length < near
+        k for k in tree.below[tree.above[node]] if tree.below[k] and tree.at[k].distance(tree.at[node]) < near
     ]
     if len(same) < 3:
         return node
     tips = [tree.at[tree.paths[k][-1]] for k in same]
-    spread = [max((other - tip).length for other in tips) for tip in tips]
+    spread = [max(other.distance(tip) for other in tips) for tip in tips]
     return same[spread.index(min(spread))]

@@ -219,7 +219,7 @@ def begin_as_one(tree: Tree, paths: Sequence[Sequence[int]], together: float = _
     if len(paths) < 2:
         return False
     (one, on), (other, off) = ((tree.at[path[0]], tree.at[path[1]]) for path in paths)
-    return (one - other).length < together * (on - off).length
+    return one.distance(other) < together * on.distance(off)
 
 
 def _leads_aside(tree: Tree, paths: Sequence[Sequence[int]], count: int) -> bool:
@@ -230,7 +230,7 @@ def _leads_aside(tree: Tree, paths: Sequence[Sequence[int]], count: int) -> bool
     size = fsum(tree.bone[node] for node in paths[0][1:count])
     across = (on - off).unit
     aside = min((on - one).unit.dot(across), (off - other).unit.dot(-across))
-    return aside > _ASIDE and (one - other).length < CLAVICLES * size
+    return aside > _ASIDE and one.distance(other) < CLAVICLES * size
 
 
 def _away(tree: Tree, joints: Sequence[int], towards: Vector) -> float:
@@ -324,11 +324,11 @@ def offset(start: Floats, middle: Floats, end: Floats) -> Floats:
 def within_upper(tree: Tree, path: Sequence[int], at: Sequence[int]) -> int:
     """The one joint within the upper bone of a limb, groups that stand where another does aside; or −1."""
     start, middle = (tree.at[path[k]] for k in at[:2])
-    least = SAME_PLACE * (middle - start).length
+    least = SAME_PLACE * middle.distance(start)
     inner = [
         k
         for k in path[at[0] + 1 : at[1]]
-        if min((tree.at[k] - start).length, (tree.at[k] - middle).length, tree.bone[k]) > least
+        if min(tree.at[k].distance(start), tree.at[k].distance(middle), tree.bone[k]) > least
     ]
     return inner[0] if len(inner) == 1 else -1
 

@@ -51,7 +51,7 @@ def many_legs(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> tuple[
         alike = [k for k in alike if abs(lowest(tree, k, up) - ground) < LEVEL * first.size]
         # A root on the ground is below knees, and below what they hang from.
         over = tree.way(-1, first.pair.above)
-        least = min(tree.at[k].dot(up) for k in tree.nodes if k not in over)
+        least = min(tree.heights([k for k in tree.nodes if k not in over], up))
         if len(alike) >= 3 and least > ground - LEVEL * first.size:
             return tuple(alike), up
     return (), standing

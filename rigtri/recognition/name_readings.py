@@ -131,6 +131,8 @@ def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Rea
     reading = Reading(scheme)
     numbered = words.items() if scheme.chains else ()
     chained = {node: each for node, each in numbered if each.plain in scheme.chains}
+    if not by_bone and not chained:
+        return reading
     for kind, parts in BENDS.items():
         for which in _SIDES:
             triple = _triple(tree, *(by_bone.get((part, which), []) for part in parts))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.character_draft import Draft, once
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.inanimate import (
@@ -94,16 +94,19 @@ def _needs_more(draft: Draft, each: Found) -> bool:
     return (is_named(draft, each) or by_words(each)) and not has_fingers(draft, each)
 
 
+@once
 def _has_trunk(draft: Draft) -> bool:
     """Whether names tell of a trunk, or of an animal's ears and tail."""
     return has_trunk(draft) or _roles(draft) >= _ANIMAL
 
 
+@once
 def _roles(draft: Draft) -> frozenset[str]:
     names = draft.tree.rig.names
     return frozenset[str]().union(*(roles_in_name(names[node]) for node in draft.tree.nodes))
 
 
+@once
 def _has_face_and_trunk(draft: Draft) -> bool:
     """Whether names are of a face, not of a nose alone, and of what a trunk is called."""
     names = [draft.tree.rig.names[k] for k in draft.tree.nodes]

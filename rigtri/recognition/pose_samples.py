@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -132,6 +132,16 @@ class Poses:
 
     def travel(self, nodes: Sequence[int]) -> Vector:
         """Which way the highest of the joints that clips move goes in them; zero for on the spot."""
+        key = tuple(nodes)
+        if key not in self._travelled:
+            self._travelled[key] = self._travel(key)
+        return self._travelled[key]
+
+    @cached_property
+    def _travelled(self) -> dict[tuple[int, ...], Vector]:
+        return {}
+
+    def _travel(self, nodes: Sequence[int]) -> Vector:
         rig, inside, total = self.rig, set(nodes), Vector()
         for moved, rows in self._translations:
             tops = [each for each in rows if each[0] in inside]
@@ -185,7 +195,7 @@ class Poses:
         """Whether something is drawn at a node itself, or at a child."""
         return any(self.rig.attachment[k] >= 0 for k in (node, *self.rig.children[node]))
 
-    @property
+    @cached_property
     def has_weights(self) -> bool:
         """Whether any joint moves points: a skeleton alone, as for motion, has no skin."""
         return bool(self._moving.any())
@@ -212,7 +222,7 @@ class Poses:
         return found
 
     @cached_property
-    def _corners(self) -> dict[tuple[int, tuple[int, ...]], list[Vector]]:
+    def _corners(self) -> dict[tuple[int, tuple[int, ...]], list[list[float]]]:
         return {}
 
     @cached_property
@@ -232,8 +242,8 @@ class Poses:
         bind = bind_pose(self.rig) if bound else None
         return self.rig.world if bind is None else bind
 
-    def box_of(self, nodes: Sequence[int], places: Floats) -> list[Vector]:
-        """The corners of boxes of what joints move, where all nodes stand at ``places``.
+    def box_of(self, nodes: Sequence[int], places: Floats) -> list[list[float]]:
+        """The corners of boxes of what joints move, three numbers each, where all nodes stand at ``places``.
 
         These are `rest` or `bind`, or those of a `turn`. It reads all meshes when first called.
         """
@@ -244,17 +254,25 @@ class Poses:
             self._corners[key] = self._box_of(nodes, world)
         return self._corners[key]
 
-    def _box_of(self, nodes: Sequence[int], world: Floats) -> list[Vector]:
+    def _box_of(self, nodes: Sequence[int], world: Floats) -> list[list[float]]:
         boxes_of = [(k, box) for k in nodes for box in self._boxes.get(k, ())]
         if not boxes_of:
             return []
         ends = transform_points(
             np.stack([box for _, box in boxes_of]), world[[k for k, _ in boxes_of], np.newaxis]
         )
-        return [Vector(*point) for point in finite(ends).reshape(-1, 3).tolist()]
+        found: list[list[float]] = finite(ends).reshape(-1, 3).tolist()
+        return found
 
     def named(self, pose: PoseName) -> Floats:
         return self.bind if pose == "bind" and self.bind is not None else self.rest
+
+
+def how_far(points: Iterable[Iterable[float]], start: Vector, way: Vector) -> list[float]:
+    """How far each of some points, three numbers each, is from a place in a direction."""
+    x, y, z = start
+    u, v, w = way
+    return [(a - x) * u + (b - y) * v + (c - z) * w for a, b, c in points]
 
 
 def bind_pose(rig: Rig) -> Floats | None:

@@ -40,13 +40,13 @@ def beside_end(draft: Draft, each: Found) -> str:
     if not _is_whole(each) or _ends_in_fingers(tree, each):
         return ""
     bones = list(pairwise(each.joints))
-    sizes = [(tree.at[end] - tree.at[start]).length for start, end in bones]
+    sizes = [tree.at[end].distance(tree.at[start]) for start, end in bones]
     levels: tuple[Level, Level] = ("lower", "end")
     for (start, end), far, other, level in zip(bones, sizes, reversed(sizes), levels, strict=True):
         open_to_doubt = tree.is_below(end, start) and not _is_called(draft, end, level)
         for over, on in pairwise(tree.way(start, end)) if open_to_doubt else ():
             least = _AS_FAR * far if on == end else _BALANCED * other
-            found = [k for k in tree.below[over] if (tree.at[k] - tree.at[start]).length > least]
+            found = [k for k in tree.below[over] if tree.at[k].distance(tree.at[start]) > least]
             found = [k for k in found if k != on and not _is_beside(draft, k)]
             if 0 < len(found) < HAND - 1:
                 return f"'{tree.rig.title(found[0])}' beside it may be its end, or its middle, as well"
@@ -109,7 +109,7 @@ def earlier_start(draft: Draft, each: Found) -> str:
         return ""
     one, other = (path[mine.at[0] - 1] for path in mine.pair.paths)
     start, middle, _ = mine.joints(0)
-    if (tree.at[one] - tree.at[other]).length < CLAVICLES * mine.size:
+    if tree.at[one].distance(tree.at[other]) < CLAVICLES * mine.size:
         return ""
     before, upper = tree.at[start] - tree.at[one], tree.at[middle] - tree.at[start]
     least = 0.0 if mine.named > 0.0 else _LONG
@@ -148,7 +148,7 @@ def _may_begin_at(draft: Draft, each: Found, over: int) -> bool:
         twin = tree.above[twin]
     if twin in (over, -1):
         return False
-    return each.kind == "leg" or (tree.at[over] - tree.at[twin]).length >= CLAVICLES * mine.size
+    return each.kind == "leg" or tree.at[over].distance(tree.at[twin]) >= CLAVICLES * mine.size
 
 
 def _goes_further(tree: Tree, each: Found) -> bool:

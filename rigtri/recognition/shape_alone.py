@@ -75,8 +75,8 @@ def _surely(draft: Draft, bare: Draft, each: Found, alone: Sequence[Found]) -> s
 
 def _stand_in_one_place(tree: Tree, one: Sequence[int], other: Sequence[int]) -> bool:
     """Whether three joints are three others, or other axes of these in the same places."""
-    size = (tree.at[one[0]] - tree.at[one[2]]).length
-    return all((tree.at[a] - tree.at[b]).length <= SAME_PLACE * size for a, b in zip(one, other, strict=True))
+    size = tree.at[one[0]].distance(tree.at[one[2]])
+    return all(tree.at[a].distance(tree.at[b]) <= SAME_PLACE * size for a, b in zip(one, other, strict=True))
 
 
 def _share_a_hock(draft: Draft, each: Found, other: Found) -> bool:

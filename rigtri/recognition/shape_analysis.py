@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -51,7 +52,7 @@ class Shape:
     is_rough: bool = False
     twist: Twist | None = None
 
-    @property
+    @cached_property
     def body(self) -> Body | None:
         return self.bodies[0] if self.bodies else None
 

@@ -8,7 +8,7 @@ from math import fsum, inf
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.body_shape import Body, height, lowest
 from rigtri.recognition.bone_noise import STRAIGHT
-from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.character_draft import Draft, once
 from rigtri.recognition.facing import long_feet
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.front_or_hind import head_end
@@ -18,6 +18,7 @@ from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import SAME_PLACE, begin_as_one, beside, within_upper
 from rigtri.recognition.limb_words import NO_WORDS, Level
 from rigtri.recognition.naming_schemes import roles_in_name
+from rigtri.recognition.pose_samples import how_far
 
 # A further chain at the chest that is so long a part of the arms may be an arm as well.
 _RIVAL = 0.2
@@ -159,7 +160,7 @@ def goes_on(draft: Draft, each: Found) -> str:
     if mine is None or len(mine.at) < 3 or mine.fingers >= HAND:
         return ""
     path, (_, middle, end) = mine.pair.paths[0], mine.at
-    lower = (tree.at[path[end]] - tree.at[path[middle]]).length
+    lower = tree.at[path[end]].distance(tree.at[path[middle]])
     further = _next_bone(tree, path[end + 1 :], lower)
     longer = further > (lower if mine.named <= 0.0 else lower / _HARDLY_ANY)
     if mine.named <= 0.0 and _ends_at_the_knee(draft, mine):
@@ -229,7 +230,7 @@ def later_start(draft: Draft, each: Found) -> str:
 def _leads_on(tree: Tree, joints: Sequence[int]) -> bool:
     """Whether the first of two bones goes on into the second and is more than half as long."""
     a, b, c = (tree.at[k] for k in joints)
-    return (b - a).unit.dot((c - b).unit) > GOES_ON and (b - a).length > _HALF * (c - b).length
+    return (b - a).unit.dot((c - b).unit) > GOES_ON and b.distance(a) > _HALF * c.distance(b)
 
 
 def middle_bone(draft: Draft, each: Found) -> str:
@@ -261,7 +262,14 @@ def other_end(draft: Draft, each: Found) -> str:
     mine, body, plane = each.pair, draft.shape.body, draft.shape.plane
     if mine is None or body is None or plane is None or mine not in (body.legs, body.arms):
         return ""
-    if head_end(draft.tree, body, plane, draft.poses, draft.shape.limbs):
+    return _no_head_end(draft)
+
+
+@once
+def _no_head_end(draft: Draft) -> str:
+    """That nothing shows of a body on four which end of it has the head."""
+    body, plane = draft.shape.body, draft.shape.plane
+    if body is None or plane is None or head_end(draft.tree, body, plane, draft.poses, draft.shape.limbs):
         return ""
     return "nothing shows which end of its trunk has the head"
 
@@ -274,7 +282,7 @@ def rival(draft: Draft, each: Found) -> str:
         return ""
     path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
     a, b, c = (tree.at[k] for k in mine.joints(0))
-    upper, lower = (b - a).length, (c - b).length
+    upper, lower = b.distance(a), c.distance(b)
     further = _next_bone(tree, (*path[end + 1 :], *tree.paths[path[-1]][1:]), lower)
     bend = (b - a).unit.dot((c - b).unit)
     at, fingers = branches(tree, path)
@@ -330,7 +338,7 @@ def _moves_a_foot(draft: Draft, mine: Limbs) -> bool:
         _, middle, end = mine.joints(which)
         on = draft.tree.at[end] - draft.tree.at[middle]
         points = draft.poses.box_of([end], draft.tree.places)
-        far = max(((point - draft.tree.at[end]).dot(on.unit) for point in points), default=inf)
+        far = max(how_far(points, draft.tree.at[end], on.unit), default=inf)
         if far > _SOLE * on.length:
             return False
     return True

@@ -112,13 +112,13 @@ def no_hand(draft: Draft, each: Found) -> str:
     Or one with nothing but a leaf below, like that which parts the lower bone, after what may be a clavicle.
     """
     tree, (start, middle, end) = draft.tree, each.joints
-    bones = (tree.at[middle] - tree.at[start]).length, (tree.at[end] - tree.at[middle]).length
+    bones = tree.at[middle].distance(tree.at[start]), tree.at[end].distance(tree.at[middle])
     if not tree.below[end] and bones[1] <= _PARTED * bones[0] and _is_parted(draft, start, middle):
         return f"'{tree.rig.title(end)}' may be a twist joint, like that of the upper bone"
     mine, below = each.pair, tree.below[end]
     if each.kind != "arm" or mine is None or len(below) != 1 or tree.below[below[0]]:
         return ""
-    near = (tree.at[mine.joints(0)[0]] - tree.at[mine.joints(1)[0]]).length < CLAVICLES * sum(bones)
+    near = tree.at[mine.joints(0)[0]].distance(tree.at[mine.joints(1)[0]]) < CLAVICLES * sum(bones)
     if near and _is_parted(draft, middle, end):
         return f"'{tree.rig.title(below[0])}' may be a twist joint, and its first bone a clavicle"
     return ""
@@ -136,8 +136,8 @@ def clavicle_part(draft: Draft, each: Found) -> str:
     path, at = mine.pair.paths[0], mine.at
     upper, lower = (_parts(tree, path[a : b + 1]) for a, b in pairwise(at))
     start, middle, end = (tree.at[path[k]] for k in at)
-    more, length = len(upper) - len(lower), (end - middle).length
-    whole, rest = ((middle - place).length for place in (start, tree.at[upper[max(0, more)]]))
+    more, length = len(upper) - len(lower), end.distance(middle)
+    whole, rest = (middle.distance(place) for place in (start, tree.at[upper[max(0, more)]]))
     too_long = min(rest, length) * max(whole, length) > min(whole, length) * max(rest, length)
     straight = (middle - start).unit.dot((end - middle).unit) > IN_LINE
     if too_long or (straight and more == 0 and len(upper) >= _MANY):
@@ -148,9 +148,9 @@ def clavicle_part(draft: Draft, each: Found) -> str:
 
 def _parts(tree: Tree, bone: Sequence[int]) -> list[int]:
     """The joints at which the parts of a bone begin, from its start on: those apart from the one before."""
-    least, found = SAME_PLACE * (tree.at[bone[-1]] - tree.at[bone[0]]).length, [bone[0]]
+    least, found = SAME_PLACE * tree.at[bone[-1]].distance(tree.at[bone[0]]), [bone[0]]
     for node in bone[1:-1]:
-        if min((tree.at[node] - tree.at[k]).length for k in (found[-1], bone[-1])) > least:
+        if min(tree.at[node].distance(tree.at[k]) for k in (found[-1], bone[-1])) > least:
             found.append(node)
     return found
 
@@ -166,7 +166,7 @@ def further_part(draft: Draft, each: Found) -> str:
     if each.kind != "arm" or tree.below[end] or not tree.is_below(end, start):
         return ""
     upper, lower = len(tree.way(start, middle)) - 1, len(tree.way(middle, end)) - 1
-    above, size = tree.above[start], (tree.at[middle] - tree.at[start]).length / max(upper, 1)
+    above, size = tree.above[start], tree.at[middle].distance(tree.at[start]) / max(upper, 1)
     before = tree.at[start] - tree.at[above] if above >= 0 else Vector()
     in_line = before.unit.dot((tree.at[middle] - tree.at[start]).unit) > STRAIGHT
     goes_on = upper > 1 and in_line and abs(before.length - size) < _SIMILAR_LENGTH * size
@@ -182,7 +182,7 @@ def _at_the_trunk(draft: Draft, each: Found) -> bool:
     if mine is None or mine.at[0] < 1:
         return False
     (start, _, end), (one, other) = mine.joints(0), (path[mine.at[0] - 1] for path in mine.pair.paths)
-    return (tree.at[one] - tree.at[other]).length < CLAVICLES * (tree.at[end] - tree.at[start]).length
+    return tree.at[one].distance(tree.at[other]) < CLAVICLES * tree.at[end].distance(tree.at[start])
 
 
 def _is_parted(draft: Draft, start: int, end: int) -> bool:

@@ -77,7 +77,8 @@ class Plane:
 
     def side_of(self, point: Vector) -> float:
         """How far a point is from the plane, to the side of the normal positive."""
-        return (point - self.point).dot(self.normal)
+        on, across = self.point, self.normal
+        return (point.x - on.x) * across.x + (point.y - on.y) * across.y + (point.z - on.z) * across.z
 
 
 def pairs_of(tree: Tree, *, rough: bool = False) -> list[Pair]:
@@ -283,7 +284,7 @@ def _off(tree: Tree, pair: Pair, plane: Plane) -> float:
     for k, weight in ((0, 1.0), (min(1, len(pair.paths[0]) - 1), 0.5), (-1, 0.25)):
         one, other = (tree.at[path[k]] for path in pair.paths)
         image = one - plane.normal * (2.0 * plane.side_of(one))
-        total += weight * (image - other).length
+        total += weight * image.distance(other)
     return total
 
 
@@ -300,10 +301,14 @@ def _apart(tree: Tree, pair: Pair) -> Vector:
 
 
 def _first_apart(tree: Tree, pair: Pair) -> tuple[Vector, Vector]:
-    ends = [(tree.at[a], tree.at[b]) for a, b in zip(*pair.paths, strict=True)]
-    apart = [(a - b).length for a, b in ends]
-    far = next((k for k, size in enumerate(apart) if size > 0.1 * pair.reach), apart.index(max(apart)))
-    return ends[far]
+    at, most, found = tree.at, -1.0, (Vector(), Vector())
+    for a, b in zip(*pair.paths, strict=True):
+        apart = at[a].distance(at[b])
+        if apart > 0.1 * pair.reach:
+            return at[a], at[b]
+        if apart > most:
+            most, found = apart, (at[a], at[b])
+    return found
 
 
 def _mirrored(places: Floats, point: Vector, normal: Vector, near: float) -> float:

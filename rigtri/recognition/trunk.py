@@ -313,8 +313,8 @@ def _is_small(draft: Draft, chain: Sequence[int]) -> bool:
         return False
     size = []
     for node in chain[-2:]:
-        ends = draft.poses.box_of([node], draft.tree.places)
-        size.append(max(((end - ends[0]).length for end in ends), default=0.0))
+        ends = [Vector(*end) for end in draft.poses.box_of([node], draft.tree.places)]
+        size.append(max([end.distance(ends[0]) for end in ends], default=0.0))
     return 0.0 < size[1] < _JAW * size[0]
 
 

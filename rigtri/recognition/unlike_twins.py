@@ -26,7 +26,7 @@ def unlike_twin(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         return ""
     tree = draft.tree
     for a, b in ((0, 1), (1, 2)):
-        mine, other = ((tree.at[k.joints[b]] - tree.at[k.joints[a]]).length for k in (each, twin))
+        mine, other = (tree.at[k.joints[b]].distance(tree.at[k.joints[a]]) for k in (each, twin))
         steps = [len(tree.way(k.joints[a], k.joints[b])) for k in (each, twin)]
         if abs(mine - other) > _TWINS * max(mine, other) or steps[0] != steps[1]:
             return f"the {twin.side} {twin.kind} has other bones"
@@ -72,10 +72,10 @@ def _beside_its_place(tree: Tree, joints: Sequence[int], twins: Sequence[int]) -
     found, at, last = list[tuple[bool, int, int]](), tree.at, len(joints) - 1
     for k, seen_from in [(k, k + 1) for k in range(last)] + [(k + 1, k) for k in range(last)]:
         node, start = joints[k], at[joints[seen_from]]
-        meant = (at[twins[k]] - at[twins[seen_from]]).length
-        left = _left_of(abs((at[node] - start).length - meant), meant)
+        meant = at[twins[k]].distance(at[twins[seen_from]])
+        left = _left_of(abs(at[node].distance(start) - meant), meant)
         beside = [*tree.below[node], *([tree.above[node]] if tree.above[node] >= 0 else [])]
-        found += [(n in joints, n, k) for n in beside if abs((at[n] - start).length - meant) < left]
+        found += [(n in joints, n, k) for n in beside if abs(at[n].distance(start) - meant) < left]
     return [(node, k) for _, node, k in sorted(found, key=lambda one: one[0])]
 
 
@@ -100,7 +100,7 @@ def _of_one_further(tree: Tree, joints: Sequence[int], twins: Sequence[int]) -> 
 def _bones(tree: Tree, above: int, joints: Sequence[int]) -> list[float]:
     """The lengths from a joint above the start of a limb, if any, to that, and on to each next joint."""
     chain = joints if above < 0 else (above, *joints)
-    return [(tree.at[b] - tree.at[a]).length for a, b in pairwise(chain)]
+    return [tree.at[b].distance(tree.at[a]) for a, b in pairwise(chain)]
 
 
 def _left_of(off: float, meant: float) -> float:

@@ -185,7 +185,7 @@ def _kneels_on_hands(tree: Tree, legs: Limbs, arms: Limbs, up: Vector) -> bool:
         return False
     joints = [(*arms.joints(which), *legs.joints(which)) for which in (0, 1)]
     parts = [part for k in joints for part in (tree.branch(k[2]), [k[4]], tree.branch(k[5]))]
-    lows = [min(tree.at[node].dot(up) for node in part) for part in parts]
+    lows = [min(tree.heights(part, up)) for part in parts]
     above = min(legs.starts.dot(up), arms.starts.dot(up)) - min(lows)
     return max(lows) - min(lows) < _GROUND * legs.size < above
 

@@ -53,7 +53,7 @@ def lies_along(tree: Tree, joints: Sequence[int], limb: Collection[int]) -> bool
     """
     chain = [tree.at[node] for node in joints]
     places = [tree.at[node] for node in limb]
-    near = _ALONG * sum((b - a).length for a, b in pairwise(places))
+    near = _ALONG * sum(b.distance(a) for a, b in pairwise(places))
     reached = 0.0
     for place in places if len(chain) > 2 else ():
         ways = ((k, *_beside(place, a, b)) for k, (a, b) in enumerate(pairwise(chain)))
@@ -74,10 +74,10 @@ def _beside(place: Vector, a: Vector, b: Vector) -> tuple[float, float]:
 def runs_along(tree: Tree, start: int, limb: Collection[int]) -> bool:
     """Whether joints of one chain at or below ``start`` stand near those of a limb, one after another."""
     places = [tree.at[node] for node in limb]
-    near = _ALONG * sum((b - a).length for a, b in pairwise(places))
+    near = _ALONG * sum(b.distance(a) for a, b in pairwise(places))
     reached = tree.branch(start)
     for place in places:
-        reached = [node for node in reached if (tree.at[node] - place).length <= near]
+        reached = [node for node in reached if tree.at[node].distance(place) <= near]
         if place is not places[-1]:
             reached = [below for node in reached for below in tree.branch(node) if below != node]
     return bool(reached)

@@ -170,11 +170,12 @@ def test_one_place_in_plain_numbers_is_as_one_in_an_array_to_the_same_bits(a: Fl
     assert_array_equal([*one.cross(other)], v.cross(a, b))
     assert one.dot(-other) == -v.dot(a, b)
     assert one.length == v.length(a)
+    assert one.distance(other) == v.distance(a, b)
     assert_array_equal([*one.unit], np.nan_to_num(v.normalise(a)))
 
 
 def test_what_has_no_direction_is_none_in_plain_numbers() -> None:
-    for numbers in ([0.0, 0.0, 0.0], [np.nan, 1.0, 0.0], [1.0, np.inf, 0.0]):
+    for numbers in ([0.0, 0.0, 0.0], [np.nan, 1.0, 0.0], [1.0, np.nan, 0.0], [1.0, np.inf, 0.0]):
         assert v.unit_of(numbers) is None
         assert np.isnan(v.normalise(np.array(numbers))).any()
 
