@@ -73,3 +73,18 @@ def test_a_mesh_that_moves_as_a_whole_keeps_its_weights_with_a_notice(tmp_path: 
     told = [notice.text for notice in outcome.report.warnings if notice.code == "rigid-not-split"]
     assert told == ["</Root/Skin> moves with its joints as a whole, so its weights were not split"]
     assert np.array_equal(stored(target)[2], stored(source)[2])
+
+
+def test_twist_joints_are_found_again_where_prims_have_the_paths_that_joints_are_called(
+    tmp_path: Path,
+) -> None:
+    tokens = '["/Root/a", "/Root/a/b", "/Root/a/b/c"]'
+    names = f"uniform token[] joints = {tokens}"
+    prims = 'def Xform "a"\n{\n    def Xform "b"\n    {\n    }\n}'
+    stage = scene(skeleton(joints=names), animation(joints=names), MESH, prims)
+    source, once, twice = save(tmp_path, stage), tmp_path / "once.usda", tmp_path / "twice.usda"
+    joint, to = "/Root/Skel:/Root/a", "/Root/Skel:/Root/a/b"
+    options = AddTwistOptions(joint=(joint,), to=(to,), upper=True, count=2, split_weights=True)
+    for path, result in ((source, once), (once, twice)):
+        edit(path, result, lambda rig, report: add_twist(rig, options=options, report=report))
+    assert once.read_bytes() == twice.read_bytes()

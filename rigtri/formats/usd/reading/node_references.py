@@ -100,6 +100,8 @@ class _Meaning:
             return name + _ELSEWHERE  # whatever has its name here is another one
         found = self.finder.at(path, name)
         if found is None:
+            found = self.finder.beside(self.node, name)
+        if found is None:
             found = self.finder.rig.known(name)
         return self.finder.nearest(self.node, name) if found is None else self.finder.rig.address(found)
 
@@ -135,6 +137,12 @@ class _Finder:
             if len(joints) == 1:
                 return joints[0]
         return self.prims[path]
+
+    def beside(self, node: int, name: str) -> int | None:
+        """The joint of a name in a joint's own Skeleton: joints have tokens, and prims may be called so."""
+        own = parts(self.rig.keys[node])
+        joints = self.joints.get((str(own[1]), name), ()) if own[:1] == ("joint",) else ()
+        return joints[0] if len(joints) == 1 else None
 
     def nearest(self, node: int, name: str) -> str:
         """The address of the node of a name that shares the most steps with a node, else the name."""
