@@ -299,7 +299,7 @@ def test_a_new_key_is_not_looked_for_among_the_tracks_of_all_clips() -> None:
     refuse_early(replace(rig, clips=clips), replace(rig, clips=(added, *others)))
 
 
-def test_other_morph_weights_are_distinguished(tmp_path: Path) -> None:
+def test_other_morph_weights_count_as_motion(tmp_path: Path) -> None:
     """The target ``bulge`` moves all points by one unit along z, and half of it is on top now."""
     source = arm().glb(tmp_path / "arm.glb")
 
@@ -317,11 +317,10 @@ def test_other_morph_weights_are_distinguished(tmp_path: Path) -> None:
     told = edit(source, tmp_path / "out.glb", fuller).verification
     assert told is not None
     assert told.motion is not None
-    assert told.motion.deviation == 0
-    assert {name: far * told.diagonal for name, far in told.motion.morphs.items()} == {
+    assert told.motion.deviation * told.diagonal == pytest.approx(0.5)
+    assert {name: far * told.diagonal for name, far in told.motion.per_mesh.items()} == {
         "Skin/0": pytest.approx(0.5)
     }
-    assert "other morph weights move vertices by up to" in told.summary()
 
 
 def test_a_build_reports_the_motion_of_its_steps(tmp_path: Path) -> None:

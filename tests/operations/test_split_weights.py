@@ -232,7 +232,7 @@ def test_the_command_reports_every_twist_joint(suffix: str, samples: Path, tmp_p
     document = json.loads(run.stdout)
     validator("report").validate(document)
     assert len(document["added"]) == 24
-    assert document["verification"]["moved"] > 0
+    assert document["verification"]["motion"]["deviation"] > 0
     assert {entry["weight"] < 0 for entry in document["added"]} == {False, True}
     assert all((entry["driver"] == entry["joint"]) is (entry["weight"] < 0) for entry in document["added"])
 

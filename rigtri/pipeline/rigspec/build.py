@@ -6,7 +6,6 @@ import shutil
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import field, replace
-from itertools import chain
 from pathlib import Path
 from tempfile import gettempdir
 from typing import Any
@@ -274,14 +273,6 @@ class _Work:
         motions = [one.motion for one in found if one.motion is not None]
         if worst is not None and motions:
             worst = replace(worst, motion=max(motions, key=lambda one: one.deviation))
-        moved = [one.moved for one in found if one.moved is not None]
-        if worst is not None and moved:
-            worst = replace(worst, moved=max(moved))
-        driven: dict[str, float] = {}
-        for mesh, far in chain.from_iterable(one.driven.items() for one in found):
-            driven[mesh] = max(far, driven.get(mesh, 0.0))
-        if worst is not None and driven:
-            worst = replace(worst, driven=driven)
         return Outcome(
             report,
             worst,

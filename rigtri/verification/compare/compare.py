@@ -20,7 +20,7 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.attachments import compare_attached
 from rigtri.verification.compare.correspondence import Correspondence, match, pair_meshes, played_together
-from rigtri.verification.compare.deviation import compared, measure, side_by_side
+from rigtri.verification.compare.deviation import compared
 from rigtri.verification.compare.probe_selection import (
     changed_nodes,
     frames,
@@ -28,7 +28,6 @@ from rigtri.verification.compare.probe_selection import (
     origins,
     own_frames,
     rigid_corners,
-    rotations,
     skin_corners,
 )
 from rigtri.verification.compare.probes import Probe, mesh_points, mesh_title
@@ -40,7 +39,6 @@ from rigtri.verification.compare.scene_facts import (
     newly_shown,
 )
 from rigtri.verification.compare.verdict import Comparison as Comparison
-from rigtri.verification.compare.verdict import Motion
 
 # How closely meshes are looked at: the boxes that a file states for its largest ones, boxes of all their
 # points, or the points themselves, at the weights that their morphs have. Boxes have room for what all
@@ -89,7 +87,7 @@ def verify(before: Source, after: Source, *, sized_by: Sequence[Mesh] | None = N
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=False)
     found = match(mine, theirs, by_key=False)
-    meshes, others = _measurable(before, before.meshes), _measurable(after, after.meshes)
+    meshes, others = measurable(before, before.meshes), measurable(after, after.meshes)
     sizes = sizes_of(mine, meshes if sized_by is None else sized_by)
     everything = np.ones(len(mine), dtype=bool)
     bodies, lost = _mesh_probes(mine, theirs, found, meshes, others)
@@ -103,7 +101,7 @@ def verify(before: Source, after: Source, *, sized_by: Sequence[Mesh] | None = N
     different, changed = compare_scene_facts((mine, theirs), shown, now, found)
     if shown.format == now.format:
         different += compare_attached(mine, theirs, found)
-        pairs, _ = _mesh_pairs(mine, found, meshes, others)
+        pairs, _ = mesh_pairs(mine, found, meshes, others)
         different += compare_surfaces(pairs, lambda mesh: mesh_title(mine, mesh))
         different += newly_shown(theirs, now, found)
     found = found.with_more(lost=lost, changed=changed)
@@ -128,16 +126,16 @@ def self_check(
         return verify(before, after)  # a split has counted the joints anew: look at the vertices themselves
     if _beyond_boxes(mine):
         detail = "points"
-    meshes = _measurable(
+    meshes = measurable(
         before,
         before.meshes if detail == "points" else lambda: before.outlines(closely=detail == "boxes"),
     )
     sizes = sizes_of(mine, meshes)
     moving = changed_nodes(mine, theirs, found)
-    bodies = _box_probes(mine, theirs, found, meshes, moving)
+    bodies = box_probes(mine, theirs, found, meshes, moving)
     if detail == "points" and bodies:
-        bodies, lost = _mesh_probes(mine, theirs, found, meshes, _measurable(after, after.meshes))
-        if len(meshes) < len(_measurable(before, before.outlines)):
+        bodies, lost = _mesh_probes(mine, theirs, found, meshes, measurable(after, after.meshes))
+        if len(meshes) < len(measurable(before, before.outlines)):
             lost.append("a mesh that is too large to move its vertices")
         found = found.with_more(lost=lost)
     probes: list[Probe] = [
@@ -162,32 +160,7 @@ def _beyond_boxes(rig: Rig) -> bool:
     return any(np.abs(column.key_values).max(initial=0.0) > _MOST_WEIGHT for column in columns)
 
 
-def motion_between(before: Source, after: Source, *, axes: bool = True, free: Collection[int] = ()) -> Motion:
-    """How far joints, meshes and nodes of one file are from where they are in another, with keys alike.
-
-    The corners of what each joint moves, as in `self_check`, and the axes of nodes that show nothing; what is
-    the same to the bit is not evaluated. Not the lenses of cameras, nor what rigtri itself has added.
-    axes: also those of nodes that show nothing; not where joints get others. free: nodes that may move, as
-    far as they show nothing.
-    """
-    mine, theirs = played_together(before.rig, after.rig, by_key=True)
-    found = match(mine, theirs, by_key=True)
-    meshes = _measurable(before, before.outlines)
-    sizes = sizes_of(mine, meshes)
-    moving = changed_nodes(mine, theirs, found)
-    watched = moving.copy()
-    watched[list(free)] = False
-    probes: list[Probe] = [
-        *_box_probes(mine, theirs, found, meshes, moving, free),
-        *(rotations(mine, found, meshes, watched, sizes) if axes else ()),
-        *instances(mine, theirs, found, moving, sizes),
-        origins(mine, found, watched),
-    ]
-    result = measure(*side_by_side(mine, theirs, found), probes, sizes)
-    return Motion(result.largest, result.worst, result.clips)
-
-
-def _box_probes(
+def box_probes(
     mine: Rig,
     theirs: Rig,
     m: Correspondence,
@@ -203,7 +176,7 @@ def _mesh_probes(
     mine: Rig, theirs: Rig, m: Correspondence, meshes: Sequence[Mesh], others: Sequence[Mesh]
 ) -> tuple[list[Probe], list[str]]:
     """The vertices of the meshes of both, and the meshes that the second lacks."""
-    pairs, lost = _mesh_pairs(mine, m, meshes, others)
+    pairs, lost = mesh_pairs(mine, m, meshes, others)
     probes: list[Probe] = [mesh_points(mine, theirs, a, b) for a, b in pairs]
     # Skins whose points nobody can read (Draco), by the places of their joints.
     read = {mesh.skin for mesh in meshes}
@@ -213,7 +186,7 @@ def _mesh_probes(
     return probes, lost
 
 
-def _measurable(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh]:
+def measurable(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh]:
     """The meshes that can be evaluated; none where they cannot be read.
 
     Not the lines of controls: what rigtri itself has added may move; but what others show with its nodes.
@@ -228,7 +201,7 @@ def _measurable(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh
     return [mesh for mesh in drawn if mesh.fits(rig.skins)]
 
 
-def _mesh_pairs(
+def mesh_pairs(
     before: Rig, m: Correspondence, mine: Sequence[Mesh], theirs: Sequence[Mesh]
 ) -> tuple[list[tuple[Mesh, Mesh]], list[str]]:
     """Meshes of both files with as many points, and what of the first's is lost."""

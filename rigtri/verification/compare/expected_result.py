@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import field, replace
+from functools import partial
 
 import numpy as np
 
@@ -26,17 +27,17 @@ from rigtri.verification.compare.compare import (
     DocumentView,
     MorphChanges,
     Source,
-    motion_between,
     passing_over,
     self_check,
     verify,
 )
 from rigtri.verification.compare.converted_lenses import resized_lens
-from rigtri.verification.compare.correspondence import same_track, timeline
+from rigtri.verification.compare.correspondence import timeline
 from rigtri.verification.compare.deviation import denormalisation, lost_unit_rotations
+from rigtri.verification.compare.motion import motion_between
 from rigtri.verification.compare.resting_skeletons import with_new_rest
 from rigtri.verification.compare.scene_facts import SceneFacts
-from rigtri.verification.compare.verdict import Comparison, Motion
+from rigtri.verification.compare.verdict import Comparison
 
 # The two documents of a comparison.
 Views = tuple[Source, Source]
@@ -94,7 +95,13 @@ class ExpectedResult:
         )
 
     @property
-    def takes_twist(self) -> bool:
+    def declares(self) -> bool:
+        """Whether anything is to look otherwise than in the source."""
+        redistributed = bool(self.rig.pending.weight_redistributions)
+        return bool(self.reposed or self.morph_changes or redistributed or self._takes_twist)
+
+    @property
+    def _takes_twist(self) -> bool:
         """Whether twist joints go that move vertices, so that bones twist them again as a whole."""
         from rigtri.verification.compare.without_twist import skinned_twist_joints
 
@@ -172,7 +179,9 @@ def check_result(expected: ExpectedResult, written: Source, tolerance: float) ->
         expected = replace(expected, source=ConvertedView(expected.source, converted, conversion))
     views = expected.views(written)
     result = compare_written(expected, views, tolerance)
-    return declared_differences(expected, written, views, result, tolerance)
+    if not expected.declares or not result.passes(tolerance):
+        return result
+    return declared_differences(expected, written, result, tolerance)
 
 
 def compare_written(expected: ExpectedResult, views: Views, tolerance: float) -> Comparison:
@@ -200,44 +209,27 @@ def compare_written(expected: ExpectedResult, views: Views, tolerance: float) ->
 
 
 def declared_differences(
-    expected: ExpectedResult, written: Source, views: Views, result: Comparison, tolerance: float
+    expected: ExpectedResult, written: Source, result: Comparison, tolerance: float
 ) -> Comparison:
-    """The comparison with how far what the edit declares to change looks otherwise than the source."""
-    if expected.rig.pending.weight_redistributions:
-        from rigtri.verification.compare.without_twist import twist_movement
-
-        begin_stage("measure twist")
-        return replace(result, moved=twist_movement(written))
-    if expected.rig.pending.strips:
-        driven = bool(expected.reposed or expected.morph_changes)  # by readers that go
-        if not (driven or expected.takes_twist):
-            return result
-        begin_stage("measure motion")
-        left = _with_lost_clips(written, expected.rig)
-        shown = _compare_remaining(replace(expected, morph_changes={}), expected.source, left)
-        if not driven:
-            return replace(result, moved=shown.largest_deviation)
-        return replace(result, motion=Motion(shown.largest_deviation, shown.worst, shown.per_clip))
-    if expected.morph_changes:
-        from rigtri.verification.compare.morph_changes import morph_movement
-
-        begin_stage("measure morph targets")
-        # Where joints move, too, the source is expected to have the new weights already.
-        before, after = (expected.source, written) if expected.reposed else views
-        result = replace(result, driven=morph_movement(before, after, expected.morph_changes))
-    if expected.reposed and result.passes(tolerance):
-        begin_stage("measure motion")
-        result = replace(result, motion=_motion(expected, *views))
-        clips = result.motion.per_clip if result.motion and expected.keeps_clips else {}
-        # What a USD animation holds without time is no motion, but what is seen at rest.
-        played = {name: far for name, far in clips.items() if not name.endswith("@default")}
-        moved = [
-            f"clip '{name}' moves otherwise by up to {far:.2g}"
-            for name, far in played.items()
-            if not far <= tolerance
-        ]
-        result = replace(result, different=(*result.different, *moved))
-    return result
+    """The comparison with how far the result looks otherwise than the source, whatever it is by."""
+    begin_stage("measure motion")
+    before, after = _source_and_result(expected, written)
+    free = {node for node, key in enumerate(before.rig.keys) if key in expected.moves}
+    by_key, axes = not expected.rig.pending.strips, not expected.keeps_clips
+    apart = partial(motion_between, before, after, by_key=by_key, axes=axes, free=free)
+    motion = apart()
+    result = replace(result, motion=motion)
+    if not (expected.reposed and expected.keeps_clips):
+        return result
+    if expected.morph_changes or expected.rig.pending.weight_redistributions:
+        motion = apart(other_points=False)
+    # What a USD animation holds without time is no motion, but what is seen at rest.
+    moved = [
+        f"clip '{name}' moves otherwise by up to {far:.2g}"
+        for name, far in motion.per_clip.items()
+        if not name.endswith("@default") and not far <= tolerance
+    ]
+    return replace(result, different=(*result.different, *moved))
 
 
 def _compare_remaining(expected: ExpectedResult, source: Source, written: Source) -> Comparison:
@@ -245,6 +237,48 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
 
     Those that are again as another file has them must be there; nobody looks where.
     """
+    removed, labels, source, written = _remaining(expected, source, written)
+    if expected.morph_changes:
+        source, written = _without_morphs(expected, source, written)
+    result = verify(written, source)
+    lost = [f"node {name}" for name in (Counter(labels) - Counter(written.rig.names)).elements()]
+    # A mesh without a name is called by the number of its node, which is another one now.
+    there = Counter(_mesh_key(mesh, written.rig) for mesh in written.meshes())
+    for mesh in source.meshes():
+        place = _mesh_key(mesh, source.rig)
+        there[place] -= 1
+        if mesh.node not in removed and there[place] < 0:
+            lost.append(f"mesh {mesh.name}")
+    different = (*result.different, *(f"{name} was removed, too" for name in lost))
+    unit = lost_unit_rotations(denormalisation(source.rig), denormalisation(written.rig))
+    return replace(result, different=different, lost=(*result.lost, *unit))
+
+
+def _without_morphs(expected: ExpectedResult, source: Source, written: Source) -> Views:
+    """Both without what is declared of morph targets, which are found by addresses: nodes are counted in
+    another way now."""
+    before = expected.source.rig
+    position = {key: node for node, key in enumerate(before.keys)}
+    changes: MorphChanges = {
+        before.address(position[key]): columns for key, columns in expected.morph_changes.items()
+    }
+    addressed = [
+        DocumentView(view, replace(view.rig, keys=tuple(map(view.rig.address, range(len(view.rig))))))
+        for view in (written, source)
+    ]
+    from rigtri.verification.compare.morph_changes import without_changes
+
+    now, was = (view.rig.clips for view in without_changes(addressed[0], addressed[1], changes))
+    return (
+        DocumentView(source, replace(source.rig, clips=was)),
+        DocumentView(written, replace(written.rig, clips=now)),
+    )
+
+
+def _remaining(
+    expected: ExpectedResult, source: Source, written: Source
+) -> tuple[set[int], list[str], Source, Source]:
+    """The nodes that go, the names of those that stay, and both files with keys and names for these alone."""
     before, rig = expected.source.rig, expected.rig
     gone = {rig.keys[node] for node in rig.pending.removed}
     removed = {node for node, key in enumerate(before.keys) if key in gone}
@@ -258,36 +292,7 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
     written = passing_over(written, again)
     if len(labels) == len(written.rig) and not all(before.names):
         written = DocumentView(written, replace(written.rig, names=tuple(labels)))
-    # Nodes are counted in another way now: morph targets are found by addresses.
-    position = {key: node for node, key in enumerate(before.keys)}
-    changes: MorphChanges = {
-        before.address(position[key]): columns for key, columns in expected.morph_changes.items()
-    }
-    if changes:
-        addressed = [
-            DocumentView(view, replace(view.rig, keys=tuple(map(view.rig.address, range(len(view.rig))))))
-            for view in (written, source)
-        ]
-        from rigtri.verification.compare.morph_changes import without_changes
-
-        rigs = [view.rig for view in without_changes(addressed[0], addressed[1], changes)]
-        written, source = (
-            DocumentView(view, replace(view.rig, clips=rig.clips))
-            for view, rig in zip((written, source), rigs, strict=True)
-        )
-    result = verify(written, source)
-    stay = labels
-    lost = [f"node {name}" for name in (Counter(stay) - Counter(written.rig.names)).elements()]
-    # A mesh without a name is called by the number of its node, which is another one now.
-    there = Counter(_mesh_key(mesh, written.rig) for mesh in written.meshes())
-    for mesh in source.meshes():
-        place = _mesh_key(mesh, source.rig)
-        there[place] -= 1
-        if mesh.node not in removed and there[place] < 0:
-            lost.append(f"mesh {mesh.name}")
-    different = (*result.different, *(f"{name} was removed, too" for name in lost))
-    unit = lost_unit_rotations(denormalisation(source.rig), denormalisation(written.rig))
-    return replace(result, different=different, lost=(*result.lost, *unit))
+    return removed, labels, source, written
 
 
 def _mesh_key(mesh: Mesh, rig: Rig) -> tuple[str, str]:
@@ -331,34 +336,28 @@ def _with_lost_clips(written: Source, rig: Rig) -> Source:
     return DocumentView(written, replace(written.rig, clips=(*clips, *left)))
 
 
-def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
-    """How far what the source shows moves otherwise in the result; view, made: its `ExpectedResult.views`.
-
-    At rest and in the clips that both have, at keys and between them.
-    """
-    source, rig = expected.source, expected.source.rig
-    keys = view.keys if isinstance(view, PosedView) else rig.keys
-    played = next((clip for clip in made.rig.clips if clip.key == PLAYED), None)
-    if played is not None:
-        rig = played_at_once(rig, played.name)
-        if all(clip.key != PLAYED for clip in rig.clips):  # nothing played
-            rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
+def _source_and_result(expected: ExpectedResult, written: Source) -> Views:
+    """The source as it is, and the written file, so that what is the same in both is known to be."""
+    if expected.rig.pending.strips:
+        _, _, *views = _remaining(expected, expected.source, _with_lost_clips(written, expected.rig))
+        return views[0], views[1]
+    source = expected.source
+    keyed = _keyed(source.rig, expected.rig, written.rig)
+    name = next((t.name for t in reversed(timelines(expected.rig))), "")
+    rig, made = (played_at_once(one, name) for one in (source.rig, written.rig))
+    played = next((clip for clip in made.clips if clip.key == PLAYED), None)
+    if played is not None and all(clip.key != PLAYED for clip in rig.clips):  # nothing played
+        rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
     rig = _bound_in(rig, expected.rig.pending.bind_sizes)
     if expected.keeps_clips and all(isinstance(clip.key, tuple) for clip in source.rig.clips):
-        rig = with_new_rest(rig, keys, made.rig)
+        rig = with_new_rest(rig, keyed.keys, made)
     # What the result knows as rigtri's is not compared where the source, exported, lacks the metadata.
-    known = {made.rig.keys[node]: made.rig.metadata[node] for node in made.rig.own & made.rig.metadata.keys()}
-    metadata = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
-    was = PosedView(source, replace(rig, keys=keys, metadata=metadata), made, keys, range(len(rig)))
-    free = {node for node, key in enumerate(source.rig.keys) if key in expected.moves}
-    found = motion_between(was, made, axes=not expected.keeps_clips, free=free)
-    others = {key: () for key in _other_weights(was.rig, made.rig) if key not in expected.morph_changes}
-    if not others:
-        return found
-    from rigtri.verification.compare.morph_changes import morph_movement
-
-    movement = morph_movement(was, made, others)
-    return replace(found, morphs={name: share for name, share in movement.items() if share > 0})
+    known = {made.keys[node]: made.metadata[node] for node in made.own & made.metadata.keys()}
+    metadata = {**{node: known[key] for node, key in enumerate(keyed.keys) if key in known}, **rig.metadata}
+    was = PosedView(
+        source, replace(rig, keys=keyed.keys, metadata=metadata), written, keyed.keys, range(len(rig))
+    )
+    return was, DocumentView(written, made)
 
 
 def _bound_in(rig: Rig, sizes: Mapping[int, Floats]) -> Rig:
@@ -368,22 +367,6 @@ def _bound_in(rig: Rig, sizes: Mapping[int, Floats]) -> Rig:
         smaller = np.diag([*1.0 / size, 1.0])
         skins[number] = replace(skins[number], inverse_bind=multiply(smaller, skins[number].inverse_bind))
     return replace(rig, skins=tuple(skins), pending=replace(rig.pending, bind_sizes=sizes))
-
-
-def _other_weights(before: Rig, after: Rig) -> set[Hashable]:
-    """The keys of the nodes whose morph weights are driven otherwise in a clip that both have."""
-    found: set[Hashable] = set()
-    theirs = {(clip.key, clip.name): clip for clip in after.clips}
-    for clip in before.clips:
-        other = theirs.get((clip.key, clip.name))
-        if other is not None:
-            was, now = _weights(before, clip), _weights(after, other)
-            found |= {key for key in was.keys() | now.keys() if not same_track(was.get(key), now.get(key))}
-    return found
-
-
-def _weights(rig: Rig, clip: Clip) -> dict[Hashable, Track]:
-    return {rig.keys[t.node]: t for t in clip.tracks if t.path == "weights"}
 
 
 def _holder(key: Hashable) -> Hashable:

@@ -43,14 +43,13 @@ class Worst:
 class Motion:
     """How far an edit moves on purpose what a file shows, at most; as a share of its size.
 
-    per_clip: by clip, of those that both files have. morphs: how far other morph weights move vertices
-    of each mesh, which the deviation does not count.
+    per_clip: by clip, of those that both files have. per_mesh: by mesh or skin, of those that were looked at.
     """
 
     deviation: float
     worst: Worst | None
     per_clip: Mapping[str, float]
-    morphs: Mapping[str, float] = field(default_factory=dict)
+    per_mesh: Mapping[str, float] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, Any]:
         worst = self.worst if self.deviation > 0 else None
@@ -58,19 +57,14 @@ class Motion:
             "deviation": _finite(self.deviation),
             "worst": worst and worst.as_json(),
             "clips": _finite_values(self.per_clip),
-            "morphs": _finite_values(self.morphs),
+            "meshes": _finite_values(self.per_mesh),
         }
 
     def summary(self) -> str:
-        """What moves otherwise; "" where nothing does."""
-        parts = []
-        if self.deviation != 0:
-            share = f"{self.deviation:.2g} of the model's size"
-            parts.append(f"motion differs from IN by up to {share} ({self.worst})")
-        if self.morphs:
-            name, most = _largest(self.morphs)
-            parts.append(f"other morph weights move vertices by up to {most:.2g} of the size ({name})")
-        return "; ".join(parts)
+        """What moves otherwise."""
+        if self.deviation == 0:
+            return "everything that IN shows moves as in IN"
+        return f"motion differs from IN by up to {self.deviation:.2g} of the model's size ({self.worst})"
 
 
 @dataclass(frozen=True)
@@ -90,9 +84,7 @@ class Comparison:
     the file states for all. unseen: what was not compared, such as variants of a USD file.
 
     What an edit declares to change (`expected_result.ExpectedResult`) is not in the deviation, and measured
-    by itself, relative to ``diagonal``: moved: how far twist joints, turning, move vertices; None where no
-    skin weights went to them. driven: how far other morph weights move vertices of each mesh.
-    motion: how far what the source shows moves otherwise; None where it is to move as before.
+    by itself: motion: how far what the source shows moves otherwise; None where it is to move as before.
     """
 
     deviation: float
@@ -111,8 +103,6 @@ class Comparison:
     boxed: tuple[str, ...] = ()
     unseen: tuple[str, ...] = ()
     raw_counts: bool = False
-    moved: float | None = None
-    driven: Mapping[str, float] = field(default_factory=dict)
     motion: Motion | None = None
 
     @property
@@ -124,8 +114,7 @@ class Comparison:
     @property
     def identical(self) -> bool:
         """Whether all that was there is the same to the bit, so that no pose had to be evaluated."""
-        declared = self.moved is not None or self.driven or self.motion is not None
-        return not (self.poses or declared or self.lost or self.changed or self.different)
+        return not (self.poses or self.motion is not None or self.lost or self.changed or self.different)
 
     @property
     def unmeasured(self) -> list[str]:
@@ -162,12 +151,8 @@ class Comparison:
         }
         if self.unseen:
             found["unseen"] = list(self.unseen)
-        if self.moved is not None:
-            found["moved"] = _finite(self.moved)
         if self.motion is not None:
             found["motion"] = self.motion.as_json()
-        if self.driven:
-            found["driven"] = _finite_values(self.driven)
         return found
 
     def summary(self, tolerance: float | None = None) -> str:
@@ -202,18 +187,7 @@ class Comparison:
             line += f"; nothing could be measured of {and_more(self.unmeasured, 3)}: {_NO_NUMBERS}"
         if self.boxed:
             line += f"; {len(self.boxed)} large meshes bounded by their boxes"
-        if self.moved is not None:
-            line += f"; measured without twist, which moves vertices by up to {self.moved:.2g}"
-        if self.driven:
-            name, most = _largest(self.driven)
-            line += (
-                f"; measured without driven morph targets, which move up to {most:.2g} of the size ({name})"
-            )
-        line = "; ".join([line, *differences])
-        if self.motion is None:
-            return line
-        still = "" if any(self.driven.values()) else "everything that IN shows moves as in IN"
-        return "; ".join(filter(None, [line, self.motion.summary() or still]))
+        return "; ".join([line, *differences, *([self.motion.summary()] if self.motion is not None else [])])
 
     def describe(self, *, verbose: bool = False) -> str:
         """All of it for people, the figure first; ``verbose`` names every mesh, clip and change."""
@@ -290,10 +264,6 @@ def _row(kind: str, name: str, value: float) -> str:
     if np.isnan(value):
         return f"{kind:<12}{'-':<8}  {name}: nothing could be measured, {_NO_NUMBERS}"
     return f"{kind:<12}{value:<8.2g}  {name}"
-
-
-def _largest(shares: Mapping[str, float]) -> tuple[str, float]:
-    return max(shares.items(), key=lambda item: item[1])
 
 
 def _first(rows: Sequence[Any], verbose: bool) -> Sequence[Any]:

@@ -11,18 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation import sampling, skinning
-from rigtri.frames.rig_size import placing_node, sizes_of
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.vectors import distance
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.progress import counted
 from rigtri.verification.compare.compare import Comparison, DocumentView, Source, self_check, verify
-
-# Times of a clip that are evaluated together.
-_AT_ONCE = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +47,11 @@ def compare_without_twist(before: Source, after: Source) -> Comparison:
     """
     result = self_check(before, after)
     pairs = _pairs(before, after)
-    changed = [(_some(a, rows), _some(b, rows)) for a, b in pairs if (rows := _changed_vertices(a, b)).any()]
+    changed = [
+        (some_vertices(a, rows), some_vertices(b, rows))
+        for a, b in pairs
+        if (rows := _changed_vertices(a, b)).any()
+    ]
     if not changed:
         return result
     mine, theirs = zip(*changed, strict=True)
@@ -74,32 +71,6 @@ def _pairs(before: Source, after: Source) -> list[tuple[Mesh, Mesh]]:
             left.setdefault(mesh.name, []).append(mesh)
     mine = [mesh for mesh in before.meshes() if mesh.node not in before.rig.own]
     return [(mesh, left[mesh.name].pop(0)) for mesh in mine if left.get(mesh.name)]
-
-
-def twist_movement(document: Source) -> float:
-    """How far vertices move at most because twist joints rotate in clips, as a share of their character."""
-    rig, still, every = document.rig, without_twist(document).rig, document.meshes()
-    twist, sizes = _twist_joints(rig), sizes_of(rig, every)
-    meshes = [few for mesh in every if (few := _weighted(rig, mesh, twist)) is not None]
-    largest = 0.0
-    clips = [
-        (clip, frozen)
-        for clip, frozen in zip(rig.clips, still.clips, strict=True)
-        if meshes and not clip.idle and len(frozen.tracks) != len(clip.tracks)
-    ]
-    for clip, frozen in counted(clips, "clips"):
-        times = sampling.key_times(frozen)
-        for start in counted(range(0, len(times), _AT_ONCE), "moments"):
-            some = times[start : start + _AT_ONCE]
-            worlds = [
-                sampling.worlds(r, sampling.locals_at(r, c, some)) for r, c in ((rig, clip), (still, frozen))
-            ]
-            for mesh in meshes:
-                morph = sampling.morph_weights(mesh, clip, some)
-                one, other = (skinning.deformed(mesh, rig, world, morph) for world in worlds)
-                far = float(distance(one, other).max(initial=0.0))
-                largest = max(largest, far / float(sizes[placing_node(rig, mesh)]))
-    return largest
 
 
 def skinned_twist_joints(document: Source) -> set[int]:
@@ -152,16 +123,7 @@ def _worse(bounds: Comparison, vertices: Comparison) -> Comparison:
     )
 
 
-def _weighted(rig: Rig, mesh: Mesh, joints: set[int]) -> Mesh | None:
-    """The vertices of a mesh that ``joints`` move, as a mesh; None where there are none."""
-    if mesh.skin is None or not mesh.joints.shape[1]:
-        return None
-    of = np.isin(rig.skins[mesh.skin].joints, list(joints))
-    rows = (of[mesh.joints] & (mesh.weights != 0)).any(axis=1)
-    return _some(mesh, rows) if rows.any() else None
-
-
-def _some(mesh: Mesh, rows: Booleans) -> Mesh:
+def some_vertices(mesh: Mesh, rows: Booleans) -> Mesh:
     """Some vertices of a mesh as a mesh; its faces stay behind."""
     return replace(
         mesh,

@@ -1,0 +1,116 @@
+"""How far the result of an edit looks otherwise than its source, on purpose: one measurement for all edits.
+
+Source against result, at rest and in every clip, at keys and between them, whatever it is that an edit
+declares to change: joints, skin weights, or morph targets. What is the same to the bit is not evaluated.
+Joints are bounded by the corners of what they move; points that other joints, weights or morphs move
+are compared one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+
+import numpy as np
+
+from rigtri.frames.rig_size import sizes_of
+from rigtri.maths.arrays import Booleans, Integers
+from rigtri.model.mesh import Mesh
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import Source, box_probes, measurable, mesh_pairs
+from rigtri.verification.compare.correspondence import Correspondence, match, played_together, same_track
+from rigtri.verification.compare.deviation import measure, side_by_side
+from rigtri.verification.compare.probe_selection import changed_nodes, instances, origins, rotations
+from rigtri.verification.compare.probes import MeshPoints
+from rigtri.verification.compare.verdict import Motion
+from rigtri.verification.compare.without_twist import some_vertices
+
+
+def motion_between(
+    before: Source,
+    after: Source,
+    *,
+    by_key: bool = True,
+    axes: bool = True,
+    free: Collection[int] = (),
+    other_points: bool = True,
+) -> Motion:
+    """How far joints, points and nodes of one file are from where they are in another, with keys alike.
+
+    Not the lenses of cameras, nor what rigtri itself has added. by_key: nodes are known by keys, as after an
+    edit in place, else by names. axes: also the axes of nodes that show nothing; not where joints get
+    others. free: nodes that may move, as far as they show nothing. other_points: also points that have other
+    joints, weights or morph weights.
+    """
+    mine, theirs = played_together(before.rig, after.rig, by_key=by_key)
+    found = match(mine, theirs, by_key=by_key)
+    meshes = measurable(before, before.outlines)
+    sizes = sizes_of(mine, meshes)
+    moving = changed_nodes(mine, theirs, found)
+    watched = moving.copy()
+    watched[list(free)] = False
+    probes = [
+        *box_probes(mine, theirs, found, meshes, moving, free),
+        *(rotations(mine, found, meshes, watched, sizes) if axes else ()),
+        *instances(mine, theirs, found, moving, sizes),
+        origins(mine, found, watched),
+    ]
+    if other_points:
+        pairs, _ = mesh_pairs(mine, found, measurable(before, before.meshes), measurable(after, after.meshes))
+        probes += _changed_points(mine, theirs, found, pairs)
+    result = measure(*side_by_side(mine, theirs, found), probes, sizes)
+    return Motion(result.largest, result.worst, result.clips, result.owners)
+
+
+def _changed_points(
+    mine: Rig, theirs: Rig, m: Correspondence, pairs: Sequence[tuple[Mesh, Mesh]]
+) -> Iterator[MeshPoints]:
+    """The points of meshes that other joints, weights or morphs move now, or that are others themselves."""
+    for mesh, other in pairs:
+        rows = _changed_rows(mine, theirs, m, mesh, other)
+        if mesh.morphs.shape == other.morphs.shape and _morphs_otherwise(mine, theirs, m, mesh, other):
+            rows = rows | (mesh.morphs != 0).any(axis=(0, 2))
+        if rows.any():
+            yield MeshPoints((mine, theirs), (some_vertices(mesh, rows), some_vertices(other, rows)))
+
+
+def _changed_rows(mine: Rig, theirs: Rig, m: Correspondence, mesh: Mesh, other: Mesh) -> Booleans:
+    """Which points of a mesh are others now, or have other influences, (v,)."""
+    every = np.ones(len(mesh.points), dtype=bool)
+    if mesh.morphs.shape != other.morphs.shape or (mesh.skin is None) != (other.skin is None):
+        return every
+    changed: Booleans = (mesh.points != other.points).any(axis=1)
+    if len(mesh.morphs):
+        changed = changed | (mesh.morphs != other.morphs).any(axis=(0, 2))
+    if mesh.skin is None or other.skin is None:
+        return changed
+    was, now = mine.skins[mesh.skin], theirs.skins[other.skin]
+    if len(now.joints) < len(was.joints):  # whose joints are not bounded by boxes
+        return every
+    width = max(mesh.joints.shape[1], other.joints.shape[1])
+    joints = _influencing(mesh, m.node[was.joints], width), _influencing(other, now.joints, width)
+    weights = [np.pad(x.weights, ((0, 0), (0, width - x.weights.shape[1]))) for x in (mesh, other)]
+    changed |= (joints[0] != joints[1]).any(axis=1) | (weights[0] != weights[1]).any(axis=1)
+    return changed
+
+
+def _influencing(mesh: Mesh, nodes: Integers, width: int) -> Integers:
+    """The nodes that move each point, (v, width); −1 where one has no weight."""
+    found = np.full((len(mesh.points), width), -1)
+    if mesh.joints.shape[1]:
+        found[:, : mesh.joints.shape[1]] = np.where(mesh.weights != 0, nodes[mesh.joints], -1)
+    return found
+
+
+def _morphs_otherwise(mine: Rig, theirs: Rig, m: Correspondence, mesh: Mesh, other: Mesh) -> bool:
+    """Whether the morph weights of a mesh are others, at rest or in a clip that both have."""
+    if not np.array_equal(mesh.morph_weights, other.morph_weights):
+        return True
+    for clip, partner in zip(mine.clips, m.clip.tolist(), strict=True):
+        if partner >= 0:
+            was, now = (
+                next((t for t in each.tracks if t.path == "weights" and t.node == node), None)
+                for each, node in ((clip, mesh.node), (theirs.clips[partner], other.node))
+            )
+            if not same_track(was, now):
+                return True
+    return False
