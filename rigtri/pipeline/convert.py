@@ -161,6 +161,8 @@ def verify_converted(before: Source, after: Source) -> Comparison | None:
         known = pair.node >= 0
         others = np.delete(known, list(pair.before.own))
         if any(2 * np.count_nonzero(each) > len(each) for each in (known, others)):
+            # As the source shows them, not as they are meant to be in the other format.
+            pair = replace(pair, clips=pair.from_sources, sources=())
             found = compare_converted(pair, at_all_keys=True)
             return replace(found, unseen=(*_inbetweens(before), *_inbetweens(after)))
     return None

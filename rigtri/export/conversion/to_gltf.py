@@ -81,12 +81,7 @@ class ToGltf:
         found = cls(before, "Root")
         found.writer = GltfWriter(found.scene, lambda image: image.name)
         found.writer.write()
-        pair = found._partners(after)
-        # As USD shows them, not as they are meant to be in glTF.
-        clips = [
-            (source or clip, other) for source, (clip, other) in zip(pair.sources, pair.clips, strict=True)
-        ]
-        return replace(pair, clips=clips, sources=())
+        return found._partners(after)
 
     def _partners(self, document: GltfDocument) -> Converted:
         before, after = self.scene.rig, document.rig

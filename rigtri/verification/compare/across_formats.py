@@ -65,6 +65,12 @@ class Converted:
     of_first: frozenset[int] = frozenset()
     looking: frozenset[int] = frozenset()
 
+    @property
+    def from_sources(self) -> list[tuple[Clip, Clip]]:
+        """``clips``, the first of each as it was before the conversion."""
+        sources = [*self.sources, *[None] * (len(self.clips) - len(self.sources))]
+        return [(source or clip, other) for source, (clip, other) in zip(sources, self.clips, strict=True)]
+
 
 @dataclass(frozen=True, eq=False)
 class _LookingFrames(FramePoints):
@@ -88,11 +94,10 @@ def compare_converted(pair: Converted, *, at_all_keys: bool = False) -> Comparis
     sizes = sizes_of(pair.before, [mesh for mesh, _ in pair.meshes])
     found = _measured(pair, sizes, pair.clips, at_all_keys)
     motion = None
-    sources = [*pair.sources, *[None] * (len(pair.clips) - len(pair.sources))]
     others = [
-        (source or clip, other)
-        for source, (clip, other) in zip(sources, pair.clips, strict=True)
-        if pair.source_meshes or source is not None
+        one
+        for one, (clip, _) in zip(pair.from_sources, pair.clips, strict=True)
+        if pair.source_meshes or one[0] is not clip
     ]
     if others or pair.source_meshes:
         moved = _measured(replace(pair, meshes=pair.source_meshes or pair.meshes), sizes, others, at_all_keys)
