@@ -102,11 +102,9 @@ class Accessors:
 
     def layout(self, index: int) -> Layout:
         """Where the numbers of accessor ``index`` lie. FileError for anything out of bounds."""
-        found = self._layouts.get(index)
-        if found is None:
-            found = self._lay_plain(self._items[index]) or self._lay(self.value(index))
-            self._layouts[index] = found
-        return found
+        if index not in self._layouts:
+            self._layouts[index] = self._lay_plain(self._items[index]) or self._lay(self.value(index))
+        return self._layouts[index]
 
     def forget_layouts(self) -> None:
         """Let go of where very many numbers lie: of 200,000 accessors that is as much as their JSON."""
@@ -201,8 +199,11 @@ class Accessors:
 
     def _lay_plain(self, raw: dict[str, Any]) -> Layout | None:
         """As `_lay`, for what is stored plainly, as nearly all is; None for what is not, or is wrong."""
-        kind, component = raw.get("type"), raw.get("componentType")
-        count, view, offset = raw.get("count"), raw.get("bufferView"), raw.get("byteOffset", 0)
+        try:
+            kind, component, count, view = raw["type"], raw["componentType"], raw["count"], raw["bufferView"]
+        except KeyError:
+            return None
+        offset = raw.get("byteOffset", 0)
         if not (type(component) is type(count) is type(view) is type(offset) is int and type(kind) is str):
             return None
         width, item = WIDTHS.get(kind), COMPONENTS.get(component)
@@ -266,7 +267,7 @@ class Accessors:
         stride = raw.get("byteStride", 0)
         if not type(buffer) is type(start) is type(length) is type(stride) is int:
             return None
-        if min(buffer, start, length, stride) < 0 or buffer >= len(self.buffers):
+        if buffer < 0 or start < 0 or length < 0 or stride < 0 or buffer >= len(self.buffers):
             return None
         return (buffer, start, length, stride) if start + length <= self.buffers.length(buffer) else None
 

@@ -61,7 +61,7 @@ def check_lists(gltf: Value) -> None:
         if key in gltf.object():
             # A null is not the same as nothing, and no reader behind this one looks out for it.
             value = gltf.need(key)
-            if key in LISTS and not all(isinstance(item, dict) for item in value.entries()):
+            if key in LISTS and not {*map(type, value.entries())} <= {dict}:
                 for item in value.items():
                     item.object()
 
