@@ -611,6 +611,7 @@ def test_a_target_that_is_partly_met_at_rest_is_warned_of(
     texts = [notice.text for notice in report.warnings if notice.code == "target-at-rest"]
     assert len(texts) == bool(told)
     assert all(f"the weight {told} at rest" in text for text in texts)
+    assert all("without a clip the file looks as before" in text for text in texts)
 
 
 # --- corrective joints

@@ -351,7 +351,8 @@ class _Builder:
                 self.report.warn(
                     "target-at-rest",
                     f"Target '{goal.name}' of '{self.name}' has the weight {weight:.2g} at rest already, so "
-                    "what it drives changes at rest, too: name another direction or pose, or --axis",
+                    "clips show what it drives while its driver rests; without a clip the file looks as "
+                    "before. Name another direction or pose, or --axis",
                 )
         self.report.added.append(
             {
