@@ -468,6 +468,16 @@ def test_a_scale_of_zero_has_no_offset() -> None:
     constrain(replace(rig, scale=scale), options=options("point", "driver"))
 
 
+def test_a_child_that_has_no_rotation_is_named_with_a_driver() -> None:
+    """Before, a traceback where no offset is kept: none of the drivers was to blame."""
+    rig = random_pose(0)
+    scale = rig.scale.copy()
+    scale[rig.find("child", "node")] = 0
+    keeping = replace(options("parent", "driver"), maintain_offset=False)
+    with pytest.raises(GeometryError, match="'child' cannot follow 'driver'"):
+        constrain(replace(rig, scale=scale), options=keeping)
+
+
 def test_a_second_rule_for_the_same_channels_takes_the_place_of_the_first() -> None:
     report = Report()
     once = constrain(random_pose(0), options=options("parent", "driver"))

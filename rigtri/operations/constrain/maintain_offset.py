@@ -37,9 +37,10 @@ def measured(rig: Rig, rule: Constraint, *, keep: bool) -> Constraint:
     lost = ~np.isfinite(offsets).all(axis=(1, 2))
     fine = rule.kind in ("point", "polevector") or np.isfinite(to_parts(local[rule.child]).rotation).all()
     if lost.any() or not fine:
-        names = [rule.drivers[k] for k in np.flatnonzero(lost)] if count > 1 else list(rule.drivers)
+        # Where the child itself has no frame, the first driver is as good as any.
+        driver = rule.drivers[int(np.argmax(lost)) if count > 1 else 0]
         raise GeometryError(
-            f"'{rig.title(rule.child)}' cannot keep its offset to '{rig.title(names[0])}': one of "
+            f"'{rig.title(rule.child)}' cannot follow '{rig.title(driver)}': one of "
             "the two, or a node above, has a scale of zero, or numbers that are not finite"
         )
     return replace(rule, offsets=offsets)

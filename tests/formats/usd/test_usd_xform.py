@@ -10,14 +10,14 @@ import pytest
 from numpy.testing import assert_allclose
 from places import SAMPLES, slow
 from program import cli
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton, skinned, turned, write
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.sampling import sample
 from rigtri.formats.usd.opinions.xform_edits import stands_by, transform_ops
-from rigtri.formats.usd.reading.sampled_xforms import sampled_tracks
+from rigtri.formats.usd.reading.sampled_xforms import matrices_at, sampled_tracks
 from rigtri.frames.reframe import reframe
 from rigtri.maths.matrices import compose, decompose, nearest_rotation
 from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, from_axis_angle, multiply, unit
@@ -568,3 +568,14 @@ def test_a_prim_that_follows_nothing_takes_keys_and_still_follows_nothing(
     rig = replace(document.rig, clips=(replace(clip, tracks=(*clip.tracks, keys)),))
     out = write(document, rig, tmp_path / "out.usda")
     assert_allclose([places(out)[loose, time][3, :3] for time in (1.0, 9.0)], keys.values)
+
+
+def test_an_orient_op_of_another_type_is_no_traceback(tmp_path: Path) -> None:
+    """Before, it was: a damaged crate may hold anything in the place of quaternions."""
+    stage = Usd.Stage.CreateNew(str(tmp_path / "in.usda"))
+    prim = UsdGeom.Xform.Define(stage, "/a")
+    held = prim.GetPrim().CreateAttribute("xformOp:orient", Sdf.ValueTypeNames.Half2)
+    for time in (1.0, 3.0):
+        held.Set(Gf.Vec2h(1.0, 0.0), time)
+    prim.GetXformOpOrderAttr().Set(["xformOp:orient"])
+    assert matrices_at(prim, [2.0]).shape == (1, 4, 4)

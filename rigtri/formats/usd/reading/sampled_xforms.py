@@ -34,6 +34,8 @@ _LOOKS = 1000
 _ASIDE = 0.381966
 # The largest angle from key to key at which tracks are compared halfway: whole turns look like none there.
 _QUARTER = 90.0
+# What an orient op holds; a blocked sample is None, and a damaged file may hold anything.
+_QUATERNIONS = (Gf.Quatd, Gf.Quatf, Gf.Quath)
 
 
 def sampled_tracks(
@@ -146,7 +148,7 @@ def turning_ops(xformable: Any) -> list[Any]:
 def along_arcs(op: Any, time: float) -> Any:
     """The matrix of an op at a time code; quaternions between two samples lie on their arc."""
     turn = op.Get(time) if op.GetOpType() == UsdGeom.XformOp.TypeOrient else None
-    if turn is None:
+    if not isinstance(turn, _QUATERNIONS):
         return op.GetOpTransform(time)
     matrix = Gf.Matrix4d().SetRotate(_arc_of_halves(op, time) or Gf.Quatd(turn).GetNormalized())
     return matrix.GetInverse() if op.IsInverseOp() else matrix
@@ -162,7 +164,7 @@ def _arc_of_halves(op: Any, time: float) -> Any:
     if not start < time < end:
         return None
     one, other = attribute.Get(start), attribute.Get(end)
-    if one is None or other is None:  # a blocked sample
+    if not (isinstance(one, _QUATERNIONS) and isinstance(other, _QUATERNIONS)):
         return None
     sides = (Gf.Quatd(side).GetNormalized() for side in (one, other))
     return Gf.Slerp((time - start) / (end - start), *sides).GetNormalized()
