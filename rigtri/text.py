@@ -11,6 +11,8 @@ from textwrap import wrap
 LONGEST_NAME = 60
 # Longer numbers count nothing.
 _DIGITS = 18
+# What Blender puts behind a name that is taken, and what its exporter of USD makes of that.
+NUMBER = re.compile(r"[._]\d{3}$")
 # Bends of fewer degrees are rounding, and no number says more of them.
 STRAIGHT = 1e-4
 # Characters that change the direction of what follows, as bidirectional classes.
@@ -93,6 +95,11 @@ def and_more(names: Iterable[object], most: int = 6) -> str:
 def identifier(name: str) -> str:
     """A name as exporters of USD write it, an underscore for what no identifier has."""
     return re.sub(r"\W", "_", name)
+
+
+def unnumbered(name: str) -> str:
+    """A name without the number that Blender puts behind one that is taken."""
+    return NUMBER.sub("", name)
 
 
 def counted(count: int, noun: str, plural: str = "") -> str:

@@ -25,12 +25,12 @@ from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
 from rigtri.model.dataclass import dataclass
 from rigtri.model.format_rules import FormatRules
+from rigtri.model.ik_switches import switch_ends
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import ADDED, DRIVE, RECORDS, SWITCH, Place, Record, references, with_references
 from rigtri.model.node_names import NodeNames
 from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.skin import Skin
-from rigtri.text import identifier
 
 R = TypeVar("R", bound=Record)
 T = TypeVar("T")
@@ -264,14 +264,11 @@ class Rig(NodeNames):
             if self.attachment[child] < 0 and made.issuperset(self.children[child] or (-1,))
         )
         # What the script of export-blender puts below IK ends; in USD joints have nothing below.
-        ends = {identifier(f"rigtri_ik_{self.names[node]}") for node in made}
+        drives = (k for k, name in enumerate(self.names) if SWITCH.fullmatch(name) and name.startswith(DRIVE))
         switches = (
             node
-            for node, name in enumerate(self.names)
-            if SWITCH.fullmatch(name)
-            and (self.parents[node] in made or identifier(name) in ends or name.startswith(DRIVE))
-            and self.attachment[node] < 0
-            and not self.children[node]
+            for node in (*switch_ends(self.names, self, made), *drives)
+            if self.attachment[node] < 0 and not self.children[node]
         )
         return frozenset(made.union(self.drawings, between, switches))
 

@@ -22,6 +22,7 @@ from rigtri.model.metadata import ControlRecord, PoleVectorRecord, with_referenc
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.bake.bake import bake
+from rigtri.operations.take_clips.ik_switches import switches, switches_of
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
@@ -279,3 +280,28 @@ def test_a_character_that_is_there_twice_is_left_out_as_a_whole(tmp_path: Path) 
     with pytest.raises(GeometryError, match=r"exclude='/B.001/\*'"):
         take_clips(rig, from_=edited)
     assert take_clips(rig, from_=edited, exclude=("/B.001/*",)).clips
+
+
+@pytest.mark.parametrize("numbers", [("", "_001"), ("_002", "")])
+def test_switches_of_ik_are_those_of_the_character_that_they_are_below(
+    shot: Rig, numbers: tuple[str, str]
+) -> None:
+    """Blender numbers them in the scene, and bones in their armature. Before, they were found by name alone:
+    IK that was switched off on the second character was lost.
+    """
+    edited = exported(shot)
+    ends = [node for node, record in shot.records(ControlRecord).items() if record.kind == "ik"]
+    of = pairs(shot, edited).of
+    edited = replace(edited, names=tuple("c_ik_ctl" if k in ends else n for k, n in enumerate(edited.names)))
+    above = [edited.find("A"), edited.find("B")]
+    named = [f"rigtri_ik_c_ik_ctl{number}" for number in numbers]
+    edited = edited.with_nodes(named, above, np.zeros((2, 3)), np.tile([0.0, 0, 0, 1], (2, 1)))
+    edited = replace(edited, scale=np.concatenate([edited.scale[:-2], [[1.5] * 3, [0.5] * 3]]))
+    found = switches_of(shot, edited, of, report := Report())
+    first, second = sorted(ends, key=lambda node: shot.labels[node])
+    assert (found.on, found.off) == ({first}, {second})
+    assert not report.warnings
+    assert {node for node, name in enumerate(edited.names) if name in named} <= edited.own
+    # One character alone does not take the switch of another one for its own.
+    assert switches(edited, {of[second]: second}).off == {second}
+    assert switches(edited, {of[first]: first}).on == {first}

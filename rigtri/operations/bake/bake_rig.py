@@ -10,11 +10,12 @@ from rigtri.model.rig import Rig
 from rigtri.operations.options.bake import BakeOptions
 from rigtri.operations.rigtri_nodes import readdressed
 from rigtri.operations.take_clips.messages import warn_shown_otherwise
-from rigtri.operations.take_clips.node_matching import pairs, unnumbered
+from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.recognition.one_character import alone, of_character
 from rigtri.report import Report
+from rigtri.text import unnumbered
 
 
 def with_rig(rig: Rig, rigged: Rig, options: BakeOptions, report: Report) -> Rig:

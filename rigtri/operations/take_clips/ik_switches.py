@@ -20,10 +20,11 @@ from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.maths.matrices import decompose
 from rigtri.model.animation import Path, Track
 from rigtri.model.dataclass import dataclass
+from rigtri.model.ik_switches import switch_ends
 from rigtri.model.metadata import DRIVE, SWITCH, ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.report import Report
-from rigtri.text import identifier, list_names
+from rigtri.text import list_names
 
 _PATH: Path = "translation"
 # Scales between off and none, and between none and on.
@@ -44,7 +45,7 @@ class Switches:
 
 def switches(edited: Rig, ends: Mapping[int, int]) -> Switches:
     """The switches of a file's IK ends: ``ends`` has their nodes there, and what they are in the rig."""
-    sizes = {ends[end]: _size(edited, node) for end, node in _of(edited, ends).items()}
+    sizes = {ends[end]: _size(edited, node) for node, end in switch_ends(edited.names, edited, ends).items()}
     on = frozenset(end for end, size in sizes.items() if size > _ON)
     off = frozenset(end for end, size in sizes.items() if size < _OFF)
     alone = (k for k, name in enumerate(edited.names) if name.startswith(DRIVE) and SWITCH.fullmatch(name))
@@ -72,7 +73,7 @@ def warn_lost_switches(rig: Rig, edited: Rig, ends: Mapping[int, int], report: R
     ends: their nodes in the rig, and what they are there. Where the setup has made bones of controls, Blender
     exports keys of what its constraints did to joints and offsets.
     """
-    found = _of(edited, set(ends.values()))
+    found = set(switch_ends(edited.names, edited, set(ends.values())).values())
     lost = [
         rig.title(node)
         for node, theirs in ends.items()
@@ -88,22 +89,6 @@ def warn_lost_switches(rig: Rig, edited: Rig, ends: Mapping[int, int], report: R
             geometry=True,
             names=lost,
         )
-
-
-def _of(edited: Rig, ends: Collection[int]) -> dict[int, int]:
-    """The nodes of switches by their IK ends: a child, or one called after it, as in USD, whose joints have
-    no prims below them."""
-    named: dict[str, list[int]] = {}
-    for end in ends:
-        named.setdefault(identifier(f"rigtri_ik_{edited.names[end]}"), []).append(end)
-    found = {}
-    for node, name in enumerate(edited.names):
-        if SWITCH.fullmatch(name):
-            above = int(edited.parents[node])
-            of = [above] if above in ends else named.get(identifier(name), [])
-            if len(of) == 1:
-                found[of[0]] = node
-    return found
 
 
 def ik_ends(rig: Rig) -> list[int]:

@@ -16,9 +16,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import DRAWING, Rig
-
-# What Blender puts behind a name that is taken.
-_NUMBER = re.compile(r"[._]\d{3}$")
+from rigtri.text import NUMBER, unnumbered
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +126,7 @@ def _called(name: str, is_joint: bool) -> str:
 def _number(rig: Rig, node: int, above: int) -> int:
     """The number that Blender has put behind the name of a node, else of the nearest above it; 0 for none."""
     while node != above:
-        if found := _NUMBER.search(rig.names[node]):
+        if found := NUMBER.search(rig.names[node]):
             return int(found.group()[1:])
         node = int(rig.parents[node])
     return 0
@@ -158,11 +156,6 @@ def _grouped(named: Mapping[Any, list[int]], above: Sequence[int]) -> dict[tuple
     return groups
 
 
-def unnumbered(name: str) -> str:
-    """A name without the number that Blender puts behind one that is taken."""
-    return _NUMBER.sub("", name)
-
-
 def _without_drawings(rig: Rig, other: Rig) -> Rig:
     """The rig with the names of controls of the other one where Blender gave them those of their curves.
 
@@ -172,7 +165,7 @@ def _without_drawings(rig: Rig, other: Rig) -> Rig:
     names = list(rig.names)
     for node, parent in enumerate(rig.parents.tolist()):
         if rig.attachment[node] == node and parent >= 0 and rig.children[parent] == (node,):
-            number = _NUMBER.search(names[parent])
+            number = NUMBER.search(names[parent])
             plain = unnumbered(names[parent])
             control = plain.removesuffix(f"_{DRAWING}")
             held = rig.parents[parent] >= 0 and unnumbered(names[rig.parents[parent]]) == control
