@@ -42,7 +42,7 @@ from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_alone import agreed
 from rigtri.recognition.shape_analysis import MOST, shape_of, tree_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
-from rigtri.recognition.worn_chains import worn_in
+from rigtri.recognition.worn_chains import known_limbs, limbs_in_words, worn_beside, worn_in
 
 # What the legs of a side are called that are no three, from the front on; the last one is behind.
 _IN_A_ROW = ("front", "second", "third", "fourth", "fifth", "sixth", "seventh")
@@ -119,9 +119,14 @@ def _draft(
         poses.measured.clear()
         reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
     worn = worn_in(own_tree, poses, reading, certain)
+    worn |= worn_beside(own_tree, poses, known_limbs(reading, certain), bones)
     body = [node for node in body if node not in worn]
     words = limb_names(rig, body, reading)
     shape = shape_of(body, poses, words)
+    if more := worn_beside(shape.tree, poses, limbs_in_words(shape.limbs), bones):
+        worn, body = worn | more, [node for node in body if node not in more]
+        words = limb_names(rig, body, reading)
+        shape = shape_of(body, poses, words)
     draft = Draft(shape, poses, reading, certain, words, controls, segments, worn)
     if not (reading is not None and reading.limbs) and not certain and lay_hands(draft):
         return draft

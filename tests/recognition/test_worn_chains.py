@@ -202,3 +202,70 @@ def test_an_arm_with_fingers_and_a_leg_with_toes_stay_sure_beside_cloth(limb: st
     found = sure_of([*BONES, *both(in_cloth(limb, below, 3, 0.3, 0.9))])
     assert found.keys() == LIMBS
     assert found["left leg" if limb is LEG else "left arm"] == limb.split()
+
+
+# Words that nobody has listed for what is worn, made of syllables, and where chains hang: below which joint,
+# from where, and how each of its joints stands from the one before.
+MADE_UP = ["leg_dolu_{}.L", "mopa_leg_{}.L", "LegRisk{}.L", "thigh_vebi_{}.L", "kufa_foot_{}.L", "zolg_{}.L"]
+HANGING = {
+    "before the legs": ("hips", (0.12, 1.0, 0.1), (0.02, -0.17, 0.01)),
+    "behind the legs": ("hips", (0.12, 1.0, -0.1), (0.03, -0.15, -0.01)),
+    "at the side": ("hips", (0.2, 1.0, 0.0), (0.05, -0.2, 0.0)),
+    "on the chest": ("chest", (0.1, 1.3, 0.12), (-0.02, -0.06, 0.01)),
+    "down the back": ("chest", (0.14, 1.3, -0.1), (0.03, -0.22, -0.03)),
+    "at the head": ("head", (0.1, 1.7, -0.03), (0.03, -0.2, -0.02)),
+}
+BEHIND = [(0.12, 0.95, -0.1), (0.14, 0.75, -0.11), (0.17, 0.5, -0.12)]
+
+
+def with_chain(where: str, word: str, count: int) -> list[Joint]:
+    """A man with chains of so many joints on both sides, of whose names this is one."""
+    over, start, step = HANGING[where]
+    names = " ".join(word.format(number) for number in range(1, count + 1))
+    places = [tuple(np.array(start) + k * np.array(step)) for k in range(count)]
+    return [*BONES, *both(line(names, over, *places))]
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+@pytest.mark.parametrize("where", HANGING)
+def test_a_person_whose_limbs_names_know_is_one_whatever_hangs_there(where: str, count: int) -> None:
+    """Before, chains called by a word beside "leg" made a creature of it that looks up, legs still sure."""
+    for word in MADE_UP:
+        joints = with_chain(where, word, count)
+        (man,) = recognise(rig_with(joints)).characters
+        assert man.form == "biped"
+        assert man.up == pytest.approx((0, 1, 0), abs=1e-3)
+        assert man.facing == pytest.approx((0, 0, 1), abs=1e-3)
+        limbs = [chain for chain in man.limbs if chain.kind in ("arm", "leg")]
+        assert {chain.name for chain in limbs} == LIMBS
+        assert all(chain.is_sure for chain in limbs)
+
+
+def test_poles_stand_before_the_knees_whatever_hangs_at_the_hips() -> None:
+    rig = add_polevector(rig_with(with_chain("behind the legs", MADE_UP[0], 3)), limbs="auto")
+    pole, knee = (rig.world[rig.names.index(name), 3, :3] for name in ("shin.L_pole", "shin.L"))
+    assert (pole - knee)[2] > 0.1
+
+
+def test_legs_on_the_ground_away_from_those_that_names_know_stay_legs() -> None:
+    """So does half a spider: what stands elsewhere carries it."""
+    more = line("q.L r.L s.L", "hips", (0.4, 0.95, -0.5), (0.5, 0.6, -0.55), (0.55, 0.03, -0.6))
+    (body,) = recognise(rig_with([*BONES, *both(more)])).characters
+    assert sum(chain.kind == "leg" for chain in body.chains) == 4
+
+
+def test_words_of_limbs_that_no_scheme_has_know_a_person_as_well() -> None:
+    """Before, names of Skyrim or Resident Evil beside such chains made a creature that looks up."""
+    joints = [*BONES, *both(line("lusu_leg_1.L lusu_leg_2.L lusu_leg_3.L", "hips", *BEHIND))]
+    called = {
+        "upper_arm": "humerus arm {}",
+        "thigh": "femur leg {}",
+        "shin": "tibia leg {}",
+        "foot": "ankle leg {}",
+    }
+    names = {f"{word}.{side}": form.format(side) for word, form in called.items() for side in "LR"}
+    rig = rig_with([(names.get(name, name), names.get(above, above), place) for name, above, place in joints])
+    (man,) = recognise(rig).characters
+    assert man.form == "biped"
+    assert man.up == pytest.approx((0, 1, 0), abs=1e-3)
+    assert {chain.name for chain in man.limbs if chain.kind in ("arm", "leg")} == LIMBS
