@@ -1,10 +1,10 @@
 """How the names of a scheme are written: the ``[write]`` table of its TOML file.
 
 ``sided`` is how a name of one side is made of the bone's ``{name}`` and the side: ``{Side}`` is Left,
-``{side}`` left, ``{S}`` L, ``{s}`` l, ``{左}`` the same in Japanese. Then a line for each bone of VRM 1.0's
-humanoid, without ``left`` and ``right``, and three names for each finger. ``Spine`` and ``Neck`` are names
-of longer chains than the humanoid has bones for, from the hips on. A scheme without the table is written as
-it is read: the first word of each bone, with ``_l`` and ``_r`` behind.
+``{side}`` left, ``{S}`` L, ``{s}`` l, ``{si}`` le, ``{左}`` the same in Japanese. Then a line for each bone
+of VRM 1.0's humanoid, without ``left`` and ``right``, and three names for each finger. ``Spine`` and ``Neck``
+are names of longer chains than the humanoid has bones for, from the hips on. A scheme without the table is
+written as it is read: the first word of each bone, with ``_l`` and ``_r`` behind.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def with_side(pattern: str, name: str, side: Side) -> str:
     """
     pattern = name if "{" in name else pattern
     words = {"{name}": name, "{side}": side, "{Side}": side.title(), "{s}": side[:1], "{S}": side[:1].upper()}
-    for word, text in {**words, "{左}": _CJK.get(side, "")}.items():
+    for word, text in {**words, "{si}": side[:2], "{左}": _CJK.get(side, "")}.items():
         pattern = pattern.replace(word, text)
     return pattern
 

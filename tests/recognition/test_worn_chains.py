@@ -269,3 +269,43 @@ def test_words_of_limbs_that_no_scheme_has_know_a_person_as_well() -> None:
     assert man.form == "biped"
     assert man.up == pytest.approx((0, 1, 0), abs=1e-3)
     assert {chain.name for chain in man.limbs if chain.kind in ("arm", "leg")} == LIMBS
+
+
+# The bones of Call of Duty, by those of the man.
+DUTY = {
+    "hips": "j_mainroot",
+    "spine": "j_spinelower",
+    "chest": "j_spineupper",
+    "neck": "j_neck",
+    "head": "j_head",
+    "clavicle": "j_clavicle_{}",
+    "upper_arm": "j_shoulder_{}",
+    "forearm": "j_elbow_{}",
+    "hand": "j_wrist_{}",
+    "thigh": "j_hip_{}",
+    "shin": "j_knee_{}",
+    "foot": "j_ankle_{}",
+    "toe": "j_ball_{}",
+}
+
+
+@pytest.mark.parametrize("worn", ["Couter.{} Vambrace.{} Gauntlet.{}", "zolg.{} upperarm_mipe.{} Tekko.{}"])
+def test_names_of_call_of_duty_say_sides_and_which_arm_is_worn(worn: str) -> None:
+    """Before, the armour was the arm at 0.93, or the arms were on the other side each at 0.93."""
+    at = {name: place for name, _, place in BONES}
+    chain: list[Joint] = []
+    for name, bone in zip(worn.format("L", "L", "L").split(), ARM.split(), strict=True):
+        x, y, z = at[bone]
+        chain.append((name, chain[-1][0] if chain else "clavicle.L", (x + 0.01, y, z + 0.03)))
+
+    def called(name: str) -> str:
+        word, _, side = name.partition(".")
+        return DUTY.get(word, name).format({"L": "le", "R": "ri"}.get(side, ""))
+
+    rig = rig_with([(called(a), called(b) if b else "", place) for a, b, place in [*BONES, *both(chain)]])
+    (man,) = recognise(rig).characters
+    found = {limb.name: [rig.names[k] for k in limb.bend] for limb in man.limbs if limb.is_sure}
+    assert found.keys() == LIMBS
+    assert found["left arm"] == ["j_shoulder_le", "j_elbow_le", "j_wrist_le"]
+    assert found["right leg"] == ["j_hip_ri", "j_knee_ri", "j_ankle_ri"]
+    assert man.bones["leftToes"] == rig.names.index("j_ball_le")
