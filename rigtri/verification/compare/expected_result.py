@@ -8,7 +8,7 @@ must look as in the source; what it does declare is taken out of the comparison,
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping
 from dataclasses import field, replace
 from functools import partial
 
@@ -20,7 +20,6 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
-from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
 from rigtri.progress import begin_stage
 from rigtri.verification.compare.compare import (
@@ -31,12 +30,11 @@ from rigtri.verification.compare.compare import (
     self_check,
     verify,
 )
-from rigtri.verification.compare.converted_lenses import resized_lens
 from rigtri.verification.compare.correspondence import timeline
 from rigtri.verification.compare.deviation import denormalisation, lost_unit_rotations
+from rigtri.verification.compare.expected_views import ConvertedView, PosedView
 from rigtri.verification.compare.motion import motion_between
 from rigtri.verification.compare.resting_skeletons import with_new_rest
-from rigtri.verification.compare.scene_facts import SceneFacts
 from rigtri.verification.compare.verdict import Comparison
 
 # The two documents of a comparison.
@@ -109,65 +107,6 @@ class ExpectedResult:
         before = self.source.rig
         going = {node for node in before.nodes_of("twist") if before.keys[node] in gone}
         return bool(going) and bool(going & skinned_twist_joints(self.source))
-
-
-@dataclass(frozen=True, eq=False)
-class ConvertedView(DocumentView):
-    """A document as it looks in a scene of another unit and up axis."""
-
-    conversion: Conversion
-
-    def scene_facts(self, *, closely: bool = False) -> SceneFacts:
-        found = self.document.scene_facts(closely=closely)
-        metrics = {"up axis": self.conversion.up.upper(), "metersPerUnit": self.conversion.metres}
-        nodes = found.nodes
-        if self.conversion.size != 1.0:
-            nodes = {node: resized_lens(facts, self.conversion.size) for node, facts in nodes.items()}
-        return replace(found, whole={**found.whole, **metrics}, nodes=nodes)
-
-
-@dataclass(frozen=True, eq=False)
-class PosedView(DocumentView):
-    """What a document shows, moved as another rig with its nodes moves it.
-
-    written: the result. keys: of the document's nodes in the result. position: where the rig has
-    the document's nodes, (n,). redrawn: control shapes that are others on purpose, by node.
-    """
-
-    written: Source
-    keys: tuple[Hashable, ...]
-    position: Sequence[int]
-    redrawn: frozenset[int] = frozenset()
-
-    def meshes(self) -> Sequence[Mesh]:
-        return self._placed(self.document.meshes())
-
-    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
-        return self._placed(self.document.outlines(closely=closely))
-
-    def _placed(self, meshes: Sequence[Mesh]) -> list[Mesh]:
-        """Meshes at the nodes of the rig, with its morph weights at rest, bound in its sizes."""
-        found = []
-        for mesh in meshes:
-            node = self.position[mesh.node]
-            weights = self.rig.pending.morph_weights.get(node, mesh.morph_weights)
-            if node != mesh.node or weights is not mesh.morph_weights:
-                mesh = replace(mesh, node=node, morph_weights=weights)
-            size = self.rig.pending.bind_sizes.get(mesh.skin) if mesh.skin is not None else None
-            if size is not None:
-                mesh = replace(mesh, bind=multiply(mesh.bind, np.diag([*size, 1.0])))
-            found.append(mesh)
-        return found
-
-    def scene_facts(self, *, closely: bool = False) -> SceneFacts:
-        found = self.document.scene_facts(closely=closely)
-        nodes = dict(found.nodes)
-        if self.redrawn:
-            now = self.written.scene_facts(closely=closely).nodes
-            there = {key: node for node, key in enumerate(self.written.rig.keys)}
-            nodes |= {node: now.get(there.get(self.keys[node], -1), {}) for node in self.redrawn}
-        moved = {self.position[node]: shown for node, shown in nodes.items()}
-        return replace(found, nodes=moved, own={self.position[node]: own for node, own in found.own.items()})
 
 
 def check_result(expected: ExpectedResult, written: Source, tolerance: float) -> Comparison:
