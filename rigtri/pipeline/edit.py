@@ -33,7 +33,7 @@ from rigtri.operations.operation import from_keywords, with_keywords
 from rigtri.pipeline.rig_checks import check_numbers, check_order
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
-from rigtri.verification.compare.compare import Comparison, self_check
+from rigtri.verification.compare.compare import Comparison, Source, self_check
 from rigtri.verification.compare.expected_result import ExpectedResult, check_result
 
 Step = Callable[[Rig, Report], Rig]
@@ -71,7 +71,8 @@ class EditRequest(RunOptions):
 
     target: ``-`` is standard output. side_files: what the caller will write besides. document: the source,
     where it was read already, with the same ``options``. ahead: copies that the caller has begun
-    (`files.background_copy`). ready: is called when the output has passed and is about to take its name.
+    (`files.background_copy`). measured: is called with what the output was to be, what it is, and how far
+    they are apart. ready: is called when the output has passed and is about to take its name.
     shared, passing: others write beside it at the same time, nobody needs it afterwards
     (`files.staged_output`).
     """
@@ -82,6 +83,7 @@ class EditRequest(RunOptions):
     side_files: Sequence[Path] = ()
     document: Document | None = None
     ahead: BackgroundCopies | None = None
+    measured: Callable[[ExpectedResult, Source, Comparison], None] | None = None
     ready: Callable[[Outcome, StagedOutput], None] | None = None
     shared: bool = False
     passing: bool = False
@@ -245,7 +247,7 @@ def _deliver(
     begin_stage("verify")
     tolerance = request.tolerance
     with called(names):
-        result = _compared(document, path, rig, written.part, tolerance, report)
+        expected, output, result = _compared(document, path, rig, written.part, tolerance, report)
     clock.lap("verify")
     if not result.passes(tolerance):
         from rigtri.verification.compare.advice import why_near
@@ -255,20 +257,25 @@ def _deliver(
             f"The result would look different: {result.summary(tolerance)}. Nothing was written."
             f"{why_near(document.rig, rig, result, tolerance)}"
         )
+    if request.measured is not None:
+        with called(names):
+            request.measured(expected, output, result)
+        clock.lap("verify")
     return result
 
 
 def _compared(
     document: Document, path: Path, rig: Rig, part: Path, tolerance: float, report: Report
-) -> Comparison:
-    """Compare the part with what was expected of the edit."""
-    small = part.stat().st_size < _LARGE
-    if small and rig is document.rig and filecmp.cmp(path, part, shallow=False):
-        return self_check(document, document)
+) -> tuple[ExpectedResult, Source, Comparison]:
+    """Compare the part with what was expected of the edit: that, the part as it was read, and the verdict."""
     reposed = (report.reposed or report.rekeyed) and rig is not document.rig
     moves = frozenset(report.moves)
     expected = ExpectedResult(document, rig, report.morph_changes, reposed, not report.reposed, moves)
-    return check_result(expected, document.reopen(part), tolerance)
+    small = part.stat().st_size < _LARGE
+    if small and rig is document.rig and filecmp.cmp(path, part, shallow=False):
+        return expected, document, self_check(document, document)
+    written = document.reopen(part)
+    return expected, written, check_result(expected, written, tolerance)
 
 
 def _to_stdout(written: StagedOutput) -> None:

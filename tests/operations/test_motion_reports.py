@@ -31,7 +31,9 @@ from rigtri.operations.snap import SnapOptions, snap
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.pipeline.edit import Outcome, edit
+from rigtri.pipeline.rigspec.build import build
 from rigtri.report import Report
+from rigtri.verification.compare.verdict import Comparison
 
 NAMES = ["biped.glb", slow("biped.usda")]
 MOVE = np.array([0.3, 0.0, 0.4])  # half a unit
@@ -359,3 +361,55 @@ def test_fewer_weights_without_clips_are_measured_at_rest_alone(clips: bool, sam
     rigtri.limit_weights(rig, max_influences=1, report=report)
     assert report.added
     assert report.warned("no-clips") is not clips
+
+
+def built(source: Path, target: Path, *steps: str) -> Comparison:
+    """What a build by a spec of these steps says of its output."""
+    spec = target.with_name("rig.yaml")
+    spec.write_text("steps:\n" + "".join(f"- {{{step}}}\n" for step in steps), "utf-8")
+    found = build(source, target, spec).outcome.verification
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_steps_of_a_build_that_undo_each_other_move_nothing(name: str, tmp_path: Path) -> None:
+    """Also where joints are renamed between them."""
+    steps = ("do: set-rest, pose: tpose", "do: conform, to: unreal", "do: set-rest, pose: bind")
+    told = built(SAMPLES / name, tmp_path / name, *steps)
+    assert told.motion is not None
+    assert told.motion.deviation < 1e-6
+    first = built(SAMPLES / name, tmp_path / f"first.{name}", steps[0])
+    assert first.motion is not None
+    assert first.motion.deviation > 0.2
+
+
+def test_steps_of_a_build_that_move_one_way_add_up(tmp_path: Path) -> None:
+    """Three poses, each a third of the way: what is said is the whole way, of the mesh as of the joints."""
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+
+    def shifted(rig: Rig, report: Report) -> Rig:
+        root, rest = rig.find("hips"), rig.translation[rig.find("hips")]
+        report.reposed = True
+        thirds = np.array([rest + MOVE * share for share in (1 / 3, 2 / 3, 1.0)])
+        track = Track(root, "translation", "STEP", np.arange(3.0) * rig.rules.per_second, thirds)
+        return replace(rig, clips=(replace(rig.clips[0], tracks=(track,)),))
+
+    edit(SAMPLES / "biped.glb", source, shifted)
+    told = built(source, out, *(f"do: pose, at: walk@{time}" for time in (0, 1, 2)))
+    assert told.motion is not None
+    assert told.motion.worst is not None
+    assert told.motion.deviation * told.diagonal == pytest.approx(0.5, rel=1e-4)
+    assert told.motion.worst.clip == ""
+
+
+def test_a_build_measures_what_points_move_with_whose_joints_went(tmp_path: Path) -> None:
+    """Twist joints go, all is posed, and other twist joints come: each point is looked at."""
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    twist = "do: add-twist, limbs: auto, split-weights: true"
+    built(SAMPLES / "biped.glb", source, twist)
+    told = built(source, out, "do: strip", "do: set-rest, pose: tpose", twist)
+    assert told.motion is not None
+    alone = built(SAMPLES / "biped.glb", tmp_path / "alone.glb", "do: set-rest, pose: tpose").motion
+    assert alone is not None
+    assert told.motion.deviation >= alone.deviation * (1 - 1e-3)

@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import field, replace
+from functools import partial
 from pathlib import Path
 from tempfile import gettempdir
 from typing import Any
@@ -21,6 +22,7 @@ from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.input_stream import called, opened
 from rigtri.files.staged_output import check_not_an_input
+from rigtri.formats import ReadOptions, read
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
@@ -33,8 +35,12 @@ from rigtri.pipeline.rigspec.missing_names import fault_of, named
 from rigtri.pipeline.rigspec.positions import Tree
 from rigtri.pipeline.rigspec.validation import where_of
 from rigtri.pipeline.steps import applied
-from rigtri.progress import as_part
+from rigtri.progress import as_part, begin_stage
 from rigtri.report import Report
+from rigtri.verification.compare.compare import Comparison, Source
+from rigtri.verification.compare.expected_result import ExpectedResult
+from rigtri.verification.compare.motion_of_steps import Trail
+from rigtri.verification.compare.verdict import Motion
 
 
 @dataclass(frozen=True)
@@ -123,7 +129,8 @@ def _of_root(tree: Tree, error: RigtriError) -> Fault:
 class _Work:
     """A build as it goes on: where the character is, what was done, what it has not. spared: what the
     build will write, which must be no file that the source refers to. hint: as in `build_file`. source: the
-    file as it came. keys: how the spec writes the options of the step.
+    file as it came. keys: how the spec writes the options of the step. trail: where its nodes are now.
+    motion: how far all steps together move it on purpose, where several do.
 
     Each step goes through a file, as its command does: it finds numbers as they are stored, so that a
     second build finds the same, and is measured against what was there before it.
@@ -141,6 +148,8 @@ class _Work:
     outcomes: list[Outcome] = field(default_factory=list)
     lost: list[tuple[list[Fault], RigtriError]] = field(default_factory=list)
     keys: Spelling = AS_FLAGS
+    trail: Trail | None = None
+    motion: Motion | None = None
 
     def do(self, one: PlannedStep, place: Path | None) -> bool:
         """Do a step; whether there is anything of it at ``place``, or of the last one at the target."""
@@ -215,11 +224,9 @@ class _Work:
         return report
 
     def _request(self, place: Path | None) -> EditRequest:
-        whole, model, options = self.request, self.spec.model, self.spec.reading
+        whole, model, options = self.request, self.spec.model, self._reading
         if self.outcomes:  # what a step has written may refer to files of the source
-            options = replace(options, allow_external_paths=True)
-        elif whole.options.from_stream or str(whole.source) == "-":
-            options = replace(options, from_stream=True)
+            options = replace(self.spec.reading, allow_external_paths=True)
         if place is not None:
             options = replace(options, edit_target="root", resources="copy")
             side_files = () if self.outcomes else self.spared
@@ -234,7 +241,22 @@ class _Work:
             tolerance=model.edits.tolerance,
             strict=model.edits.strict,
             dry_run=whole.dry_run or (place is None and bool(self.lost)),
+            measured=partial(self._follow, last=place is None) if len(self.spec.steps) > 1 else None,
         )
+
+    def _follow(self, expected: ExpectedResult, written: Source, found: Comparison, *, last: bool) -> None:
+        """Note what a step has made of the nodes of the file as it came; of the last, how far all move it."""
+        trail = Trail.of(expected.source.rig) if self.trail is None else self.trail
+        self.trail = trail.after(expected, written, found.motion)
+        if last and self.trail.moves > 1:
+            begin_stage("measure motion")
+            self.motion = self.trail.motion(read(self.source, self._reading), written, expected.rig)
+
+    @property
+    def _reading(self) -> ReadOptions:
+        """How the file is read as it came."""
+        streamed = self.request.options.from_stream or str(self.request.source) == "-"
+        return replace(self.spec.reading, from_stream=True) if streamed else self.spec.reading
 
     def _call(self, report: Report) -> None:
         """Let warnings speak of the spec's keys and the user's file, not of one that a step has written."""
@@ -253,7 +275,7 @@ class _Work:
             raise SpecError(faults, self.lost[0][1].exit_code) from self.lost[0][1]
 
     def whole(self, last: Outcome | None = None) -> Outcome:
-        """What is to be said of all steps together; of deviations, and of motion, the largest of a step.
+        """What is to be said of all steps together; of deviations the largest of a step.
 
         last: what the last step has done, as long as it is under way.
         """
@@ -272,7 +294,7 @@ class _Work:
         worst = max(found, key=lambda one: one.deviation) if found else None
         motions = [one.motion for one in found if one.motion is not None]
         if worst is not None and motions:
-            worst = replace(worst, motion=max(motions, key=lambda one: one.deviation))
+            worst = replace(worst, motion=self.motion or max(motions, key=lambda one: one.deviation))
         return Outcome(
             report,
             worst,

@@ -8,7 +8,7 @@ must look as in the source; what it does declare is taken out of the comparison,
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
 
@@ -152,7 +152,7 @@ def declared_differences(
 ) -> Comparison:
     """The comparison with how far the result looks otherwise than the source, whatever it is by."""
     begin_stage("measure motion")
-    before, after = _source_and_result(expected, written)
+    before, after = source_and_result(expected, written)
     free = {node for node, key in enumerate(before.rig.keys) if key in expected.moves}
     by_key, axes = not expected.rig.pending.strips, not expected.keeps_clips
     apart = partial(motion_between, before, after, by_key=by_key, axes=axes, free=free)
@@ -275,28 +275,38 @@ def _with_lost_clips(written: Source, rig: Rig) -> Source:
     return DocumentView(written, replace(written.rig, clips=(*clips, *left)))
 
 
-def _source_and_result(expected: ExpectedResult, written: Source) -> Views:
+def source_and_result(expected: ExpectedResult, written: Source) -> Views:
     """The source as it is, and the written file, so that what is the same in both is known to be."""
     if expected.rig.pending.strips:
         _, _, *views = _remaining(expected, expected.source, _with_lost_clips(written, expected.rig))
         return views[0], views[1]
-    source = expected.source
-    keyed = _keyed(source.rig, expected.rig, written.rig)
+    source, sizes = expected.source, expected.rig.pending.bind_sizes
+    keys = _keyed(source.rig, expected.rig, written.rig).keys
     name = next((t.name for t in reversed(timelines(expected.rig))), "")
+    was, now = beside_result(source, written, keys, name, sizes)
+    if expected.keeps_clips and all(isinstance(clip.key, tuple) for clip in source.rig.clips):
+        was = replace(was, rig=with_new_rest(was.rig, keys, now.rig))
+    return was, now
+
+
+def beside_result(
+    source: Source, written: Source, keys: Sequence[Hashable], name: str, sizes: Mapping[int, Floats]
+) -> tuple[PosedView, DocumentView]:
+    """A source, and what became of it, with like keys and clips.
+
+    keys: of the source's nodes in the result. name: of the clip of all that plays at once. sizes: how many
+    times as large points are bound now, by the number of a skin.
+    """
     rig, made = (played_at_once(one, name) for one in (source.rig, written.rig))
     played = next((clip for clip in made.clips if clip.key == PLAYED), None)
     if played is not None and all(clip.key != PLAYED for clip in rig.clips):  # nothing played
         rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
-    rig = _bound_in(rig, expected.rig.pending.bind_sizes)
-    if expected.keeps_clips and all(isinstance(clip.key, tuple) for clip in source.rig.clips):
-        rig = with_new_rest(rig, keyed.keys, made)
+    rig = _bound_in(rig, sizes)
     # What the result knows as rigtri's is not compared where the source, exported, lacks the metadata.
     known = {made.keys[node]: made.metadata[node] for node in made.own & made.metadata.keys()}
-    metadata = {**{node: known[key] for node, key in enumerate(keyed.keys) if key in known}, **rig.metadata}
-    was = PosedView(
-        source, replace(rig, keys=keyed.keys, metadata=metadata), written, keyed.keys, range(len(rig))
-    )
-    return was, DocumentView(written, made)
+    metadata = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
+    rig = replace(rig, keys=tuple(keys), metadata=metadata)
+    return PosedView(source, rig, written, tuple(keys), range(len(rig))), DocumentView(written, made)
 
 
 def _bound_in(rig: Rig, sizes: Mapping[int, Floats]) -> Rig:

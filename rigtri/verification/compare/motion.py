@@ -9,6 +9,7 @@ are compared one by one.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,7 +20,13 @@ from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import Source, box_probes, measurable, mesh_pairs
 from rigtri.verification.compare.correspondence import Correspondence, match, played_together, same_track
 from rigtri.verification.compare.deviation import measure, side_by_side
-from rigtri.verification.compare.probe_selection import changed_nodes, instances, origins, rotations
+from rigtri.verification.compare.probe_selection import (
+    changed_nodes,
+    instances,
+    like_skins,
+    origins,
+    rotations,
+)
 from rigtri.verification.compare.probes import MeshPoints
 from rigtri.verification.compare.verdict import Motion
 from rigtri.verification.compare.without_twist import some_vertices
@@ -41,7 +48,7 @@ def motion_between(
     others. free: nodes that may move, as far as they show nothing. other_points: also points that have other
     joints, weights or morph weights.
     """
-    mine, theirs = played_together(before.rig, after.rig, by_key=by_key)
+    mine, theirs = played_together(_with_keys(before.rig), after.rig, by_key=by_key)
     found = match(mine, theirs, by_key=by_key)
     meshes = measurable(before, before.outlines)
     sizes = sizes_of(mine, meshes)
@@ -59,6 +66,11 @@ def motion_between(
         probes += _changed_points(mine, theirs, found, pairs)
     result = measure(*side_by_side(mine, theirs, found), probes, sizes)
     return Motion(result.largest, result.worst, result.clips, result.owners)
+
+
+def _with_keys(rig: Rig) -> Rig:
+    """The rig with a key also for nodes that went: points move with them, as with others."""
+    return replace(rig, keys=tuple(("gone", k) if key is None else key for k, key in enumerate(rig.keys)))
 
 
 def _changed_points(
@@ -83,9 +95,9 @@ def _changed_rows(mine: Rig, theirs: Rig, m: Correspondence, mesh: Mesh, other: 
         changed = changed | (mesh.morphs != other.morphs).any(axis=(0, 2))
     if mesh.skin is None or other.skin is None:
         return changed
-    was, now = mine.skins[mesh.skin], theirs.skins[other.skin]
-    if len(now.joints) < len(was.joints):  # whose joints are not bounded by boxes
+    if like_skins(mine, theirs, m, mesh.skin) is None:  # whose joints are not bounded by boxes
         return every
+    was, now = mine.skins[mesh.skin], theirs.skins[other.skin]
     width = max(mesh.joints.shape[1], other.joints.shape[1])
     joints = _influencing(mesh, m.node[was.joints], width), _influencing(other, now.joints, width)
     weights = [np.pad(x.weights, ((0, 0), (0, width - x.weights.shape[1]))) for x in (mesh, other)]

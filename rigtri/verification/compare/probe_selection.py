@@ -97,13 +97,11 @@ def skin_corners(
     free: joints of which only what they move counts, as of ours.
     """
     loose = [*before.own, *free]
-    for number, partner in enumerate(m.skin.tolist()):
-        if partner < 0:
+    for number in range(len(m.skin)):
+        skins = like_skins(before, after, m, number)
+        if skins is None:
             continue
-        mine = _of_source(before, number)
-        theirs = _without_added(after, partner, m, len(mine.joints))
-        if len(theirs.joints) < len(mine.joints):
-            continue
+        mine, theirs = skins
         count = len(mine.joints)
         joints = theirs.joints[:count]
         same = np.array_equal(mine.inverse_bind, theirs.inverse_bind[:count], equal_nan=True)
@@ -131,6 +129,16 @@ def skin_corners(
             yield FramePoints(
                 (mine.joints[rows], joints[rows]), (moved[0], moved[1]), titles, [owner] * len(rows)
             )
+
+
+def like_skins(before: Rig, after: Rig, m: Correspondence, number: int) -> tuple[Skin, Skin] | None:
+    """A skin of both, by its number in the first, without what the edit adds; None where joints went."""
+    partner = int(m.skin[number])
+    if partner < 0:
+        return None
+    mine = _of_source(before, number)
+    theirs = _without_added(after, partner, m, len(mine.joints))
+    return None if len(theirs.joints) < len(mine.joints) else (mine, theirs)
 
 
 def _of_source(before: Rig, skin: int) -> Skin:
