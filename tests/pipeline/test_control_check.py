@@ -28,7 +28,7 @@ from rigtri.operations.add_twist.split_weights import twists_skin
 from rigtri.operations.rigtri_nodes import with_record
 from rigtri.pipeline.rigspec import auto, control_check
 from rigtri.pipeline.rigspec.control_check import CheckedControl, check_controls, refuse_idle_controls
-from rigtri.verification.compare.without_twist import _changed_vertices
+from rigtri.verification.compare.changed_points import changed_points
 
 from write_gltf import glb  # isort: skip - recognition.bodies has put the samples on the path
 
@@ -238,7 +238,7 @@ def test_vertices_that_are_others_or_have_other_influences_have_changed() -> Non
     mine = Mesh("m", 0, points, 0, joints, np.full((3, 2), 0.5), morphs=np.zeros((2, 3, 3)))
 
     def changed(**other: Any) -> list[int]:
-        found = _changed_vertices(mine, replace(mine, **other))
+        found = changed_points(mine, replace(mine, **other))
         assert found.shape == (3,)
         return list(np.flatnonzero(found))
 
@@ -255,9 +255,9 @@ def test_vertices_that_are_others_or_have_other_influences_have_changed() -> Non
     # Columns that one of them has more count where they hold something.
     wider = np.pad(joints, ((0, 0), (0, 2))), np.pad(mine.weights, ((0, 0), (0, 2)))
     assert changed(joints=wider[0], weights=wider[1]) == []
-    assert not _changed_vertices(replace(mine, joints=wider[0], weights=wider[1]), mine).any()
+    assert not changed_points(replace(mine, joints=wider[0], weights=wider[1]), mine).any()
     assert changed(joints=wider[0], weights=with_one(wider[1], 1, 3)) == [1]
     for shape in ({"points": np.zeros((4, 3))}, {"morphs": np.zeros((1, 3, 3))}):
         assert changed(**shape) == [0, 1, 2]
     rigid = replace(mine, joints=np.zeros((3, 0), dtype=np.int64), weights=np.zeros((3, 0)))
-    assert not _changed_vertices(rigid, rigid).any()
+    assert not changed_points(rigid, rigid).any()

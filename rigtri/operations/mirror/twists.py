@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from rigtri.model.metadata import Triple, TwistRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import moving_points
 from rigtri.operations.add_twist.twist import NAME, AddTwistOptions, add_twist
 from rigtri.operations.mirror.counterparts import (
     direction,
@@ -48,7 +47,8 @@ def _twists(rig: Rig, nodes: list[int], options: MirrorOptions, report: Report) 
         axis = direction(rig, rig.find(first.joint), rig.find(joint), axis, options)
     known = {number: find(rig, TwistRecord, joint=joint, to=to, number=number) for number in by_number}
     there = [node for node in known.values() if node is not None]
-    split = _weighted(rig, nodes) and not _weighted(rig, there)
+    moving = moving_points(rig.skins, len(rig))
+    split = bool(moving[nodes].any()) and not moving[there].any()
     if not split and all(_same_twist(rig, records[number], known[number], axis) for number in by_number):
         # They follow already, and have been carried along where axes turned: keys keep their bits.
         for node in there:
@@ -93,8 +93,3 @@ def _named_as_twins(rig: Rig, new: Mapping[int, int], bone: tuple[str, str], rep
                 if entry["node"] == was:
                     report.added[k] = entry | {"node": rig.names[found]}
     return rig
-
-
-def _weighted(rig: Rig, nodes: list[int]) -> bool:
-    """Whether any of these joints moves points."""
-    return any(skin.weighted[np.isin(skin.joints, nodes)].any() for skin in rig.skins)

@@ -21,6 +21,7 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.skin import moving_points
 from rigtri.progress import begin_stage
 from rigtri.verification.compare.compare import (
     DocumentView,
@@ -101,12 +102,10 @@ class ExpectedResult:
     @property
     def _takes_twist(self) -> bool:
         """Whether twist joints go that move vertices, so that bones twist them again as a whole."""
-        from rigtri.verification.compare.without_twist import skinned_twist_joints
-
         gone = {self.rig.keys[node] for node in self.rig.pending.removed}
         before = self.source.rig
-        going = {node for node in before.nodes_of("twist") if before.keys[node] in gone}
-        return bool(going) and bool(going & skinned_twist_joints(self.source))
+        going = [node for node in before.nodes_of("twist") if before.keys[node] in gone]
+        return bool(going) and bool(moving_points(before.skins, len(before))[going].any())
 
 
 def check_result(expected: ExpectedResult, written: Source, tolerance: float) -> Comparison:

@@ -14,9 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.frames.rig_size import sizes_of
-from rigtri.maths.arrays import Booleans, Integers
+from rigtri.maths.arrays import Booleans
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.verification.compare.changed_points import changed_points, some_points
 from rigtri.verification.compare.compare import Source, box_probes, measurable, mesh_pairs
 from rigtri.verification.compare.correspondence import Correspondence, match, played_together, same_track
 from rigtri.verification.compare.deviation import measure, side_by_side
@@ -29,7 +30,6 @@ from rigtri.verification.compare.probe_selection import (
 )
 from rigtri.verification.compare.probes import MeshPoints
 from rigtri.verification.compare.verdict import Motion
-from rigtri.verification.compare.without_twist import some_vertices
 
 
 def motion_between(
@@ -78,39 +78,21 @@ def _changed_points(
 ) -> Iterator[MeshPoints]:
     """The points of meshes that other joints, weights or morphs move now, or that are others themselves."""
     for mesh, other in pairs:
-        rows = _changed_rows(mine, theirs, m, mesh, other)
+        rows = _changed(mine, theirs, m, mesh, other)
         if mesh.morphs.shape == other.morphs.shape and _morphs_otherwise(mine, theirs, m, mesh, other):
             rows = rows | (mesh.morphs != 0).any(axis=(0, 2))
         if rows.any():
-            yield MeshPoints((mine, theirs), (some_vertices(mesh, rows), some_vertices(other, rows)))
+            yield MeshPoints((mine, theirs), (some_points(mesh, rows), some_points(other, rows)))
 
 
-def _changed_rows(mine: Rig, theirs: Rig, m: Correspondence, mesh: Mesh, other: Mesh) -> Booleans:
+def _changed(mine: Rig, theirs: Rig, m: Correspondence, mesh: Mesh, other: Mesh) -> Booleans:
     """Which points of a mesh are others now, or have other influences, (v,)."""
-    every = np.ones(len(mesh.points), dtype=bool)
-    if mesh.morphs.shape != other.morphs.shape or (mesh.skin is None) != (other.skin is None):
-        return every
-    changed: Booleans = (mesh.points != other.points).any(axis=1)
-    if len(mesh.morphs):
-        changed = changed | (mesh.morphs != other.morphs).any(axis=(0, 2))
     if mesh.skin is None or other.skin is None:
-        return changed
+        return changed_points(mesh, other)
     if like_skins(mine, theirs, m, mesh.skin) is None:  # whose joints are not bounded by boxes
-        return every
+        return np.ones(len(mesh.points), dtype=bool)
     was, now = mine.skins[mesh.skin], theirs.skins[other.skin]
-    width = max(mesh.joints.shape[1], other.joints.shape[1])
-    joints = _influencing(mesh, m.node[was.joints], width), _influencing(other, now.joints, width)
-    weights = [np.pad(x.weights, ((0, 0), (0, width - x.weights.shape[1]))) for x in (mesh, other)]
-    changed |= (joints[0] != joints[1]).any(axis=1) | (weights[0] != weights[1]).any(axis=1)
-    return changed
-
-
-def _influencing(mesh: Mesh, nodes: Integers, width: int) -> Integers:
-    """The nodes that move each point, (v, width); −1 where one has no weight."""
-    found = np.full((len(mesh.points), width), -1)
-    if mesh.joints.shape[1]:
-        found[:, : mesh.joints.shape[1]] = np.where(mesh.weights != 0, nodes[mesh.joints], -1)
-    return found
+    return changed_points(mesh, other, (m.node[was.joints], now.joints))
 
 
 def _morphs_otherwise(mine: Rig, theirs: Rig, m: Correspondence, mesh: Mesh, other: Mesh) -> bool:

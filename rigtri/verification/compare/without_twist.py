@@ -9,12 +9,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from rigtri.maths.arrays import Booleans
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.verification.compare.changed_points import changed_points, some_points
 from rigtri.verification.compare.compare import Comparison, DocumentView, Source, self_check, verify
 
 
@@ -48,9 +46,7 @@ def compare_without_twist(before: Source, after: Source) -> Comparison:
     result = self_check(before, after)
     pairs = _pairs(before, after)
     changed = [
-        (some_vertices(a, rows), some_vertices(b, rows))
-        for a, b in pairs
-        if (rows := _changed_vertices(a, b)).any()
+        (some_points(a, rows), some_points(b, rows)) for a, b in pairs if (rows := changed_points(a, b)).any()
     ]
     if not changed:
         return result
@@ -73,34 +69,8 @@ def _pairs(before: Source, after: Source) -> list[tuple[Mesh, Mesh]]:
     return [(mesh, left[mesh.name].pop(0)) for mesh in mine if left.get(mesh.name)]
 
 
-def skinned_twist_joints(document: Source) -> set[int]:
-    """The twist joints that vertices have weight of."""
-    rig, found = document.rig, set[int]()
-    for mesh in document.meshes():
-        if mesh.skin is not None and mesh.joints.shape[1]:
-            found.update(rig.skins[mesh.skin].joints[np.unique(mesh.joints[mesh.weights != 0])].tolist())
-    return found & _twist_joints(rig)
-
-
 def _twist_joints(rig: Rig) -> set[int]:
     return set(rig.nodes_of("twist"))
-
-
-def _changed_vertices(mine: Mesh, theirs: Mesh) -> Booleans:
-    """Which vertices of a mesh are others now, or have other influences, (v,)."""
-    if mine.points.shape != theirs.points.shape or mine.morphs.shape != theirs.morphs.shape:
-        return np.ones(len(mine.points), dtype=bool)
-    width = max(mine.joints.shape[1], theirs.joints.shape[1])
-    one, other = (
-        [np.pad(rows, ((0, 0), (0, width - rows.shape[1]))) for rows in (mesh.joints, mesh.weights)]
-        for mesh in (mine, theirs)
-    )
-    changed = (mine.points != theirs.points).any(axis=1)
-    if width:  # a rigid mesh has no influences
-        changed |= (one[0] != other[0]).any(axis=1) | (one[1] != other[1]).any(axis=1)
-    if len(mine.morphs):
-        changed |= (mine.morphs != theirs.morphs).any(axis=(0, 2))
-    return np.asarray(changed)
 
 
 def _worse(bounds: Comparison, vertices: Comparison) -> Comparison:
@@ -120,16 +90,4 @@ def _worse(bounds: Comparison, vertices: Comparison) -> Comparison:
         absolute=vertices.absolute,
         worst=vertices.worst,
         raw_deviation=vertices.deviation,
-    )
-
-
-def some_vertices(mesh: Mesh, rows: Booleans) -> Mesh:
-    """Some vertices of a mesh as a mesh; its faces stay behind."""
-    return replace(
-        mesh,
-        surface=None,
-        points=mesh.points[rows],
-        joints=mesh.joints[rows],
-        weights=mesh.weights[rows],
-        morphs=mesh.morphs[:, rows] if len(mesh.morphs) else mesh.morphs,
     )
