@@ -12,7 +12,7 @@ from numbers import Real
 from typing import Annotated, Any, Literal
 
 from rigtri.errors import UsageError
-from rigtri.limits import fits
+from rigtri.limits import LARGEST, fits
 from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
 from rigtri.model.options import Kind, option
@@ -246,7 +246,9 @@ OnConstraint = Annotated[
 ]
 StageUpAxis = Annotated[UpAxis, Kind("choice", help="Up axis of a new USD file.")]
 MetersPerUnit = Annotated[
-    float, Kind("number", "METRES", low=0, low_open=True, help="Metres per unit of a new USD file.")
+    # A metre of so many units is as long as any number may be.
+    float,
+    Kind("number", "METRES", low=1 / LARGEST, help="Metres per unit of a new USD file."),
 ]
 Point = Annotated[Vector, Kind("point", "X,Y,Z", parse=point)]
 Points = Annotated[tuple[Vector, ...], Kind("points", "X,Y,Z", parse=point)]

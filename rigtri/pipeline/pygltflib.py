@@ -32,6 +32,8 @@ def from_pygltflib(gltf: GLTF2, options: ReadOptions | None = None) -> Rig:
     options: how it is read. `to_pygltflib` makes a GLTF2 of the rig again, `rigtri.write` a .glb. Raises
     as `rigtri.read`.
     """
+    if not hasattr(gltf, "gltf_to_json"):
+        raise TypeError(f"from_pygltflib: gltf must be a pygltflib.GLTF2, not {type(gltf).__name__}")
     options = options or ReadOptions()
     blob = gltf.binary_blob()
     held = blob is not None and gltf.buffers and gltf.buffers[0].uri is None

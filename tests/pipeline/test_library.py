@@ -387,9 +387,9 @@ def test_what_no_option_can_be_is_an_error_of_usage(
 def test_what_is_drawn_and_described_is_checked_too() -> None:
     rig = rigtri.read(BIPED)
     with pytest.raises(UsageError, match="width=nan: give a whole number"):
-        rigtri.describe(rig, width=float("nan"))  # type: ignore[arg-type]
+        rigtri.describe(rig, width=float("nan"))
     with pytest.raises(TypeError, match=r"draw: title must be a text, not dict"):
-        rigtri.draw(rig, title={})  # type: ignore[arg-type]
+        rigtri.draw(rig, title={})
 
 
 def test_help_of_keywords_speaks_of_no_command_line() -> None:
@@ -803,6 +803,9 @@ ENDLESS = "1" * 5000
         (lambda rig: rigtri.verify(rig, BIPED), TypeError, "give the path of a file, not a Rig"),
         (lambda rig: rigtri.diff(BIPED, rig), TypeError, "give the path of a file, not a Rig"),
         (lambda _: rigtri.check(BIPED, profile="unreal5"), UsageError, "profile='unreal5': give one of"),
+        (lambda _: rigtri.check(BIPED, profile=np.zeros(3)), UsageError, "give one of"),
+        (lambda _: rigtri.from_pygltflib(b""), TypeError, "gltf must be a pygltflib.GLTF2, not bytes"),
+        (lambda _: rigtri.convert(BIPED, "x.usda", meters_per_unit=1e-40), UsageError, "1e-15"),
         (lambda _: rigtri.auto(NUMBERS, "out.glb"), TypeError, "give the path of a file, not a ndarray"),
         (lambda _: rigtri.auto(BIPED, "out.glb", preset=NUMBERS), TypeError, "auto: preset must be a text"),
         (lambda _: rigtri.auto(BIPED, "out.glb", spec_out=""), UsageError, "the name of the file is empty"),

@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import quote, urlsplit
 from uuid import uuid4
 
 from rigtri.errors import FileError, RigtriError, UsageError
@@ -199,6 +199,8 @@ def _store(url: str) -> tuple[Any, str]:
         import fsspec
     except ImportError:
         raise UsageError(f'{url}: URLs need more packages: pip install "rigtri[remote]"') from None
+    if not _closes_brackets(url):
+        raise UsageError(f"{url} is no URL: [ and ] in the name of a host are for an IPv6 address")
     user = _users.get(host(url))
     whole = url.replace("://", f"://{user}@", 1) if user else url
     try:
@@ -208,6 +210,15 @@ def _store(url: str) -> tuple[Any, str]:
     except ValueError as error:
         raise UsageError(f"{url}: {_without_secrets(str(error))}") from None
     return store, path
+
+
+def _closes_brackets(url: str) -> bool:
+    """Whether brackets of the host, if it has any, hold an address; fsspec may fail anyhow."""
+    try:
+        urlsplit(url)
+    except ValueError:
+        return False
+    return True
 
 
 @contextmanager

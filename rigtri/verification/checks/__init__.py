@@ -39,7 +39,7 @@ def check(
     Every id is in `RULES`, but those of OpenUSD, which have a colon.
     """
     path = path_of(path)
-    if profile is not None and profile not in PROFILES:
+    if profile is not None and not (isinstance(profile, str) and profile in PROFILES):
         raise UsageError(f"profile={profile!r}: give one of {', '.join(map(repr, PROFILES))}")
     findings = Findings({**RULES, **PROFILE_RULES})
     try:

@@ -46,6 +46,12 @@ def test_a_pattern_without_files_is_reported(store: Any) -> None:
         urls.glob("memory://in/*.fbx")
 
 
+@pytest.mark.parametrize("url", ["http://[a/b.glb", "s3://[::1/*.glb", "https://a]/b.glb"])
+def test_a_bracket_that_holds_no_address_is_named(url: str) -> None:
+    with pytest.raises(UsageError, match=r"is no URL: \[ and \] in the name of a host are for"):
+        urls.glob(url)
+
+
 def test_a_file_is_written_whole_and_fetched_with_its_hash(store: Any, tmp_path: Path) -> None:
     place = tmp_path / "here" / "a.glb"
     assert urls.get("memory://in/a.glb", place) == ""
