@@ -20,7 +20,8 @@ VERSION = 1
 TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
 # What the script of export-blender puts below an IK end, with its name; before, with Blender's number.
 # And what it puts below a character without IK whose pose readers drive.
-SWITCH, DRIVE = re.compile(r"rigtri_(ik([._].+)?|drive([._][0-9]+)?)"), "rigtri_drive"
+# And for each control one whose place is the control's scale, of which USD keeps half floats.
+SWITCH, DRIVE = re.compile(r"rigtri_((ik|scale)([._].+)?|drive([._][0-9]+)?)"), "rigtri_drive"
 
 Triple = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]

@@ -25,7 +25,7 @@ from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
 from rigtri.model.dataclass import dataclass
 from rigtri.model.format_rules import FormatRules
-from rigtri.model.ik_switches import switch_ends
+from rigtri.model.ik_switches import IK, SCALE, switch_ends
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import ADDED, DRIVE, RECORDS, SWITCH, Place, Record, references, with_references
 from rigtri.model.node_names import NodeNames
@@ -267,7 +267,8 @@ class Rig(NodeNames):
         drives = (k for k, name in enumerate(self.names) if SWITCH.fullmatch(name) and name.startswith(DRIVE))
         switches = (
             node
-            for node in (*switch_ends(self.names, self, made), *drives)
+            for kind in (IK, SCALE)
+            for node in (*switch_ends(self.names, self, made, kind), *drives)
             if self.attachment[node] < 0 and not self.children[node]
         )
         return frozenset(made.union(self.drawings, between, switches))

@@ -34,7 +34,7 @@ RIG: dict[str, Any] = json.loads("{}")
 MARK = "rigtri_setup"
 PREFIX = "rigtri "
 CHARACTER = "rigtri_character"
-DRIVE, SWITCH = "rigtri_drive", "rigtri_ik"
+DRIVE, SWITCH, SCALE = "rigtri_drive", "rigtri_ik", "rigtri_scale"
 # What an imported control was called before its bone took the name. Rivets of USD have a "rigtri_name".
 NAME = "rigtri_called"
 GROUPS = {"root": "Root", "ik": "IK", "pole": "IK", "fk": "FK", "offset": "Offsets"}
@@ -779,6 +779,9 @@ class Setup:
             property_of(rig.pose.bones[bone], SWITCH, value, "1: IK moves the limb; 0: its FK controls")
             rig.update_tag()
             self.add_switch(rig, bone)
+        for about in RIG["controls"]:
+            if about["kind"] != "offset":
+                self.add_scale(*self.target(about["node"]))
         self.names: list[str] = []
         self.frames: list[Matrix] = []
         self.solver: Any = None
@@ -813,11 +816,7 @@ class Setup:
         the end's name: Blender's USD has no prims below joints. Without a bone, below the character, it
         says that pose readers drive, where no limb has IK.
         """
-        switch = self.added(SWITCH)
-        switch.name = f"{SWITCH}_{bone}" if bone else DRIVE
-        switch.hide_viewport = switch.hide_render = False
-        switch.empty_display_size = 1e-4
-        switch.parent = rig
+        switch = self.seen(f"{SWITCH}_{bone}" if bone else DRIVE, rig)
         if bone:
             switch.parent_type, switch.parent_bone = "BONE", bone
         for curve in switch.driver_add("scale"):
@@ -827,6 +826,26 @@ class Setup:
                 path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"]["{SWITCH}"]'
                 self.by_switches(curve.driver, [("ik", rig, path)])
                 curve.driver.expression = "1 + drive * (ik - 0.5)"
+
+    def seen(self, name: str, rig: Any) -> Any:
+        """A visible empty below an armature, which every export has."""
+        thing = self.added(name)
+        thing.name = name
+        thing.hide_viewport = thing.hide_render = False
+        thing.empty_display_size = 1e-4
+        thing.parent = rig
+        return thing
+
+    def add_scale(self, rig: Any, bone: str) -> None:
+        """A visible empty whose location is the scale of a control, for what is exported as USD.
+
+        A SkelAnimation has the scales of bones as half floats, and Blender's export leaves out samples that
+        change by less than a hundredth. Those of an object it writes as they are.
+        """
+        for k, curve in enumerate(self.seen(f"{SCALE}_{bone}", rig).driver_add("location")):
+            path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].scale[{k}]'
+            self.by_switches(curve.driver, [("scale", rig, path)])
+            curve.driver.expression = "scale"
 
     def empty(self, about: dict[str, Any]) -> Any:
         thing = self.added(about["name"])

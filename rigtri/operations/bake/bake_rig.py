@@ -9,6 +9,8 @@ from rigtri.model.characters import characters
 from rigtri.model.rig import Rig
 from rigtri.operations.options.bake import BakeOptions
 from rigtri.operations.rigtri_nodes import readdressed
+from rigtri.operations.take_clips.exact_scales import with_exact_scales
+from rigtri.operations.take_clips.ik_switches import ik_ends, switches
 from rigtri.operations.take_clips.messages import warn_shown_otherwise
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.rejoin_clips import joined
@@ -24,6 +26,9 @@ def with_rig(rig: Rig, rigged: Rig, options: BakeOptions, report: Report) -> Rig
     if options.character is not None:
         rigged = _same_character(rig, rigged, options.character)
         rig = _as_in_asset(of_character(rig, options.character), rigged, options.character)
+    of = pairs(rigged, rig).of
+    ends = {of[node]: of[node] for node in ik_ends(rigged) if node in of}
+    rig = with_exact_scales(rig, rigged, of, drives=switches(rig, ends).drives)
     shown, rig = rig, joined(rig, rigged, names=options.as_, between=options.between, report=report)
     seen = as_described(rig, rigged, report=report)
     if options.to == "joints":

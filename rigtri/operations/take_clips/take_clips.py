@@ -33,6 +33,7 @@ from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.crowds import refuse_lost_instances
 from rigtri.operations.take_clips.driven_channels import Driven, driven_channels
+from rigtri.operations.take_clips.exact_scales import with_exact_scales
 from rigtri.operations.take_clips.generated_names import span
 from rigtri.operations.take_clips.ik_switches import (
     Switches,
@@ -89,6 +90,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     of = pairs(rig, edited).of
     refuse_lost_instances(rig, edited, of)
     switched = switches_of(rig, edited, of, report)
+    edited = with_exact_scales(edited, rig, of, drives=switched.drives)
     if switched.on | switched.off:
         edited = put_back(edited, rig, of, report)
     _warn_unkeyed(rig, edited, of, report)

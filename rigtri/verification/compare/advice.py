@@ -175,7 +175,11 @@ def _other_scales(before: Rig, after: Rig, joints: list[int]) -> str:
     records = before.records(ControlRecord)
     if not records and after.records(ControlRecord):
         return "Transfer the keys with rigtri take-clips instead, export glTF in place of USD, "
+    there = {key: node for node, key in enumerate(before.keys) if key is not None}
     scaled = {track.node for clip in before.clips for track in clip.tracks if track.path == "scale"}
+    # take-clips brings new ones.
+    fresh = {track.node for clip in after.clips for track in clip.tracks if track.path == "scale"}
+    scaled |= {there[after.keys[node]] for node in fresh if after.keys[node] in there}
     controls = [
         node for node in sorted(scaled & records.keys()) if before.known(records[node].joint) in joints
     ]
@@ -206,8 +210,9 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
         reach = LeverArm(before).exact.copy()
     except FileError:
         return []
-    # The whole frames of what rigtri has added are compared, as long as the rig.
-    reach[list(before.with_ancestors(before.own))] += 1.0
+    # The whole frames of what rigtri has added are compared, with three axes as long as the rig.
+    own = {there[after.keys[node]] for node in after.own if after.keys[node] in there}  # bake --rig knows it
+    reach[list(before.with_ancestors(before.own | own))] += 3.0**0.5
     effect = off * reach
     # A reach is that of bones in one line; in a pose they are not.
     whole = _GROWN * sum(effect.tolist())

@@ -4,7 +4,8 @@ JOBS is a list of objects: the script ``script`` imports the file that lies besi
 controls of ``keys`` get keys in a clip of their own: at frame 1 where they stand, at frame 25 moved by ``by``
 in their own channels, and turned by ``turn`` degrees about their y axis. ``off`` are IK ends whose IK is off.
 With ``clip``, all keys of ``keys``' controls in that action are moved by ``by`` instead, and all actions
-exported, or with the suffix of a USD ``target`` what plays.
+exported, or with the suffix of a USD ``target`` what plays. ``grow``: controls that get a scale key a
+frame then, up to this factor at frame 25.
 ``runs``: how often the script runs, once else. ``move``: where the armature object is put then.
 What is visible is exported to ``target``; ``seen``, a .npz, gets the places of all joints, of all frames, in
 the file's axes.
@@ -69,6 +70,11 @@ def work(job):
     if "clip" in job:
         for name, given in job["keys"].items():
             edit(job["clip"], name, given["by"])
+        for name, factor in job.get("grow", {}).items():
+            control = imported().pose.bones[name]
+            for frame in range(1, 26):
+                control.scale = [1.0 + (factor - 1.0) * (frame - 1) / 24] * 3
+                control.keyframe_insert("scale", frame=frame)
         if job["target"].endswith(".glb"):
             bpy.ops.export_scene.gltf(filepath=job["target"], use_visible=True)
         else:

@@ -1,0 +1,80 @@
+"""take-clips and bake --rig: scale keys of controls, of which Blender's USD keeps few half floats."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rigs import rig_of
+
+from rigtri.errors import GeometryError
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
+from rigtri.operations.take_clips.exact_scales import with_exact_scales
+
+FRAMES = np.arange(1.0, 26.0)
+GROWN = np.tile(1.0 + 0.03 * (FRAMES[:, np.newaxis] - 1.0) / 24.0, 3)
+OF = {1: 1, 2: 2}
+
+
+def exported(written: Floats | None, told: Floats | None) -> Rig:
+    """A control, a joint in Blender's USD. written: its scales; told: the places of the script's node."""
+    names = ["armature", "joint", "ctl", *(["rigtri_scale_ctl_001"] if told is not None else [])]
+    rig = rig_of(names, [-1, 0, 0, 0][: len(names)], np.ones((len(names), 3)))
+    skin = Skin("skin", np.array([1, 2]), np.broadcast_to(np.eye(4), (2, 4, 4)))
+    turn = np.tile([0.0, 0.0, 0.0, 1.0], (len(FRAMES), 1))
+    tracks = [Track(2, "rotation", "LINEAR", FRAMES, turn)]
+    if written is not None:
+        tracks.append(Track(2, "scale", "LINEAR", FRAMES[[8, 9, 17, 18]], written))
+    if told is not None and len(told) > 1:
+        tracks.append(Track(3, "translation", "LINEAR", FRAMES, told))
+    metadata = {2: {"type": "control", "joint": "joint", "kind": "fk"}}
+    rules = replace(rig.rules, raw_quaternions=True)
+    return replace(rig, rules=rules, skins=(skin,), clips=(Clip("Anim", tuple(tracks)),), metadata=metadata)
+
+
+def scales(rig: Rig) -> list[Track]:
+    return [track for track in rig.clips[0].tracks if (track.node, track.path) == (2, "scale")]
+
+
+# What Blender's export leaves of these: no sample that differs by less than 0.01 from the one before.
+THINNED = np.repeat(GROWN[[0, 9, 18]].astype(np.float16).astype(np.float64), [1, 2, 1], axis=0)
+
+
+@pytest.mark.parametrize("written", [THINNED, None])
+def test_scale_keys_are_those_that_the_node_of_the_script_has(written: Floats | None) -> None:
+    """Before, keys were off by up to 0.01, and slow ones lost with "EDITED has no changes"."""
+    few = 1.0 + (GROWN - 1.0) * (1.0 if written is not None else 0.3)
+    edited = exported(written, few)
+    (track,) = scales(with_exact_scales(edited, edited, OF, drives=True))
+    assert np.array_equal(track.values, few)
+    assert np.array_equal(track.times, FRAMES)
+
+
+def test_scales_that_nobody_has_keyed_stay_without_keys() -> None:
+    edited = exported(None, np.ones((1, 3)))
+    assert with_exact_scales(edited, edited, OF, drives=True) is edited
+
+
+def test_a_scale_that_is_held_is_the_one_that_the_node_has() -> None:
+    edited = exported(np.full((4, 3), 1.0 + 2.0**-10), np.ones((1, 3)))
+    (track,) = scales(with_exact_scales(edited, edited, OF, drives=True))
+    assert np.array_equal(track.values, np.ones((1, 3)))
+
+
+@pytest.mark.parametrize("told", [None, GROWN + 0.1], ids=["no node", "another node"])
+def test_scale_keys_that_are_lost_are_refused_by_the_name_of_their_control(told: Floats | None) -> None:
+    edited = exported(THINNED, told)
+    with pytest.raises(GeometryError, match=r"scale keys of 'ctl' are lost .* or export glTF in place"):
+        with_exact_scales(edited, edited, OF, drives=True)
+
+
+def test_scale_keys_of_others_and_of_gltf_are_taken_as_they_are() -> None:
+    edited = exported(THINNED, None)
+    assert with_exact_scales(edited, edited, OF, drives=False) is edited
+    full = exported(THINNED, GROWN)
+    gltf = replace(full, rules=replace(full.rules, raw_quaternions=False))
+    assert with_exact_scales(gltf, gltf, OF, drives=True) is gltf
