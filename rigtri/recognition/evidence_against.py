@@ -6,15 +6,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rigtri.recognition import rival_joints
-from rigtri.recognition.arms_legs import AGREED
+from rigtri.recognition.arms_legs import AGREED, FACES
 from rigtri.recognition.arms_on_the_ground import (
     arm_as_front_leg,
     arm_below_a_lying_trunk,
     arm_called_front,
     arm_on_the_ground,
 )
-from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.character_draft import Draft, once
 from rigtri.recognition.cloth import hangs_as_cloth, skirt
+from rigtri.recognition.doubled_chains import moves_nothing
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.guessed_hierarchy import (
     called_end,
@@ -43,6 +44,7 @@ from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.names_of_several import named_twice, one_of_several
 from rigtri.recognition.naming_schemes import limb_kind_in_name, roles_in_name
 from rigtri.recognition.no_body import beside_things, by_words, is_named, no_body, no_trunk
+from rigtri.recognition.rival_joints import beside_another
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
     arm_as_leg,
@@ -78,6 +80,7 @@ def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
     weighed = []
     for each, first in zip(found, against, strict=True):
         why = first or of_twin(each, found, doubts) or _by_the_legs(draft, each, found, doubts)
+        why = why or _by_what_is_worn(draft, each, found, doubts)
         weighed.append(unsure(draft, each, why) if why and each.is_sure else each)
     return weighed
 
@@ -129,6 +132,21 @@ def _trunk_aside(draft: Draft, each: Found) -> str:
             if draft.words.get(node, NO_WORDS).trunk:
                 return f"{_title(draft, node)} before it has a name of the trunk"
     return ""
+
+
+def _moves_no_vertex(draft: Draft, each: Found) -> str:
+    """A limb none of whose joints moves points, of a character of which others do: controls are so."""
+    if not moves_nothing(draft, each.joints) or not any(map(draft.poses.moves_points, draft.tree.nodes)):
+        return ""
+    return "it moves no vertex, and other joints do"
+
+
+def _beyond_the_known(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """A limb that shape alone tells, of a kind and side of which names know another: it may be worn."""
+    if each.pair is None or each.pair.named > 0.0 or each.pair in draft.shape.legs:
+        return ""
+    known = (k for k in found if (k.kind, k.side) == (each.kind, each.side) and is_named(draft, k))
+    return next((f"names know {_title(draft, k.joints[0])} as the first joint of that" for k in known), "")
 
 
 def _other_side(draft: Draft, each: Found) -> str:
@@ -240,6 +258,31 @@ def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found], doubts: Mapp
     return "its legs are not sure" if not hand and (denied or any(skirt(draft, k) for k in legs)) else ""
 
 
+def _by_what_is_worn(draft: Draft, each: Found, found: Sequence[Found], doubts: Mapping[int, str]) -> str:
+    """A side that the body tells, where a pair of its limbs may be worn: that may be what turns it round.
+
+    Names of other joints may tell the side as well.
+    """
+    if not any(words.startswith(FACES) for words in each.evidence) or draft.side_in_names(each.joints):
+        return ""
+    if _agrees_with_names(draft):
+        return ""
+    for other in found:
+        mine = other.joints == each.joints or len(other.joints) != 3
+        if not mine and (why := doubts[id(other)]) and why == beside_another(draft, other):
+            return f"its side is told by a body of which {_title(draft, other.joints[0])} may be worn"
+    return ""
+
+
+@once
+def _agrees_with_names(draft: Draft) -> bool:
+    """Whether most joints that names put on a side stand on it."""
+    sides = {node: parse_name(draft.tree.rig.names[node]).side for node in draft.tree.nodes}
+    named = [(node, side) for node, side in sides.items() if side and draft.side_of([node])]
+    right = len([node for node, side in named if draft.side_of([node]) == side])
+    return 2 * right > len(named)
+
+
 _Doubt = Callable[[Draft, Found, Sequence[Found]], str]
 
 
@@ -258,7 +301,7 @@ _OF_JOINTS = (other_bend, ankle_as_knee, later_start, goes_on, middle_bone, reac
 # single words tell: each gives what speaks against a limb, in words, or "". What is plainer comes first.
 _OF_ANY = (
     *_alone(_other_limb, _trunk_aside, _other_side, turned_in_file, _against_the_tree, folded),
-    *_alone(*rival_joints.OF_ANY),
+    *_alone(_moves_no_vertex, *rival_joints.OF_ANY),
     miscounted,
     no_trunk,
     no_body,
@@ -275,6 +318,7 @@ _OF_NAMES = (
     *_alone(arm_called_front),
 )
 _OF_SHAPES = (
+    _beyond_the_known,
     upside_down,
     at_the_top,
     arm_as_leg,

@@ -40,7 +40,7 @@ from rigtri.recognition.naming_schemes import Scheme, are_marked, own_schemes, s
 from rigtri.recognition.order_in_names import followers
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_alone import agreed
-from rigtri.recognition.shape_analysis import MOST, shape_of, tree_of
+from rigtri.recognition.shape_analysis import MOST, shape_of, taken_for_limbs, tree_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
 from rigtri.recognition.worn_chains import known_limbs, limbs_in_words, worn_beside, worn_in
 
@@ -119,12 +119,14 @@ def _draft(
         poses.measured.clear()
         reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
     worn = worn_in(own_tree, poses, reading, certain)
-    worn |= worn_beside(own_tree, poses, known_limbs(reading, certain), bones)
     body = [node for node in body if node not in worn]
     words = limb_names(rig, body, reading)
     shape = shape_of(body, poses, words)
-    if more := worn_beside(shape.tree, poses, limbs_in_words(shape.limbs), bones):
-        worn, body = worn | more, [node for node in body if node not in more]
+    known = known_limbs(reading, certain)
+    known = known if len(known) == 4 else limbs_in_words(shape.limbs)
+    beside = worn_beside(shape.tree, poses, known, bones)
+    if any(not beside.isdisjoint(limbs.pair.nodes) for limbs in taken_for_limbs(shape)):
+        worn, body = worn | beside, [node for node in body if node not in beside]
         words = limb_names(rig, body, reading)
         shape = shape_of(body, poses, words)
     draft = Draft(shape, poses, reading, certain, words, controls, segments, worn)

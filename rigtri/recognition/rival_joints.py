@@ -12,6 +12,7 @@ from rigtri.recognition.doubled_chains import moves_nothing
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_ends import HAND, branches
+from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import CLAVICLES, SAME_PLACE, SET_OFF
 from rigtri.recognition.limb_words import NO_WORDS, Level, limb_words
 from rigtri.recognition.name_parsing import parse_name
@@ -27,6 +28,8 @@ _FURTHER = radians_below(5)
 _EXACT = 0.1
 # What goes as far as this part of a bone, and does not end it, may be the bone's end.
 _AS_FAR = 0.85
+# Further from the plane of a body than this part of a limb is beside it.
+_OFF = 0.05
 # A last bone is so short a part of others to be another kind; what leads to an arm in line is so long.
 _SHORT, _LONG = 0.6, 0.5
 
@@ -124,7 +127,7 @@ def beside_another(draft: Draft, each: Found) -> str:
     Words of limbs do not tell which: ``armor_forearm`` is one, and the bone below may be called by a code.
     """
     tree, mine = draft.tree, set(each.joints)
-    if each.pair is not None:
+    if each.pair is not None and not _is_on_one_side(draft, each.pair):
         mine.update(*each.pair.pair.paths)
     further = _goes_further(tree, each)
     ways = ((above, child) for above in tree.way(-1, each.joints[0]) for child in tree.below[above])
@@ -136,6 +139,15 @@ def beside_another(draft: Draft, each: Found) -> str:
         if along or (runs_along(tree, child, each.joints) and not (further and over == each.joints[0])):
             return f"the joints from '{tree.rig.title(child)}' on run along it: one of both may be worn"
     return ""
+
+
+def _is_on_one_side(draft: Draft, limbs: Limbs) -> bool:
+    """Whether both limbs of a pair stand on one side of the body: one is no twin, but worn on the other."""
+    plane = draft.shape.plane
+    if plane is None:
+        return False
+    far = [plane.side_of(draft.tree.at[joint]) for which in (0, 1) for joint in limbs.joints(which)]
+    return min(map(abs, far)) > _OFF * limbs.size and (min(far) > 0.0 or max(far) < 0.0)
 
 
 def _may_begin_at(draft: Draft, each: Found, over: int) -> bool:

@@ -57,6 +57,13 @@ class Shape:
         return self.bodies[0] if self.bodies else None
 
 
+def taken_for_limbs(shape: Shape) -> list[Limbs]:
+    """The pairs of a shape that are arms or legs of its likeliest body, or are called so."""
+    body = shape.body
+    mine = {body.legs, body.arms, *shape.legs} if body is not None else {*shape.legs}
+    return [limbs for limbs in shape.limbs if limbs in mine or limbs.kind in ("arm", "leg")]
+
+
 def tree_of(nodes: Sequence[int], poses: Poses, pose: PoseName) -> Tree:
     """The tree of joints; where all are children of one, each is a child of its neighbour.
 

@@ -19,6 +19,7 @@ from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.name_readings import Reading
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.symmetry import SIMILAR_LENGTH
 
 # The joints of limbs by kind and side.
 _Known = Mapping[tuple[LimbKind, Side], tuple[int, ...]]
@@ -60,8 +61,9 @@ def worn_beside(tree: Tree, poses: Poses, limbs: _Known, bones: Mapping[str, int
     """The joints of further chains of a person, whose four limbs are these, that these do not explain.
 
     However it is called, what hangs at the hips, or is called a leg, is no leg unless it stands on the ground
-    away from the legs; what is short, or hangs at the head, is no limb. Wings stay, and so do what is of the
-    middle, as a tail, and what is called as the limbs are. bones: by name, as far as they are known.
+    away from the legs; what is short, or hangs from above unlike an arm, is no limb. Wings stay, and so do
+    what is of the middle, as a tail, what is called as the limbs are, and what runs along one: either of both
+    may be the limb. bones: by name, as far as they are known.
     """
     person = _person(tree, limbs)
     if person is None or (poses.has_weights and not all(map(poses.moves_points, person.starts))):
@@ -71,14 +73,24 @@ def worn_beside(tree: Tree, poses: Poses, limbs: _Known, bones: Mapping[str, int
     head = {bones[bone] for bone in ("head", "neck") if bones.get(bone) in tree.below}
     around = {over for node in (*person.starts, *head) for over in tree.way(-1, node)}
     found, asked = set[int](), [k for over in around for k in tree.below[over] if k not in around]
-    for child in asked:  # it grows as it is walked: what is in the middle holds what is of one side
+    for child in asked:  # it grows as it is walked: what branches in the middle holds what is of one side
         if child in own or _words(names[child]) in called:
             continue
         if person.is_in_the_middle(tree.at[child]):
-            asked += tree.below[child]
+            asked += tree.below[child] if len(tree.below[child]) > 1 else ()
         elif own.isdisjoint(branch := tree.branch(child)) and _is_worn(tree, child, person, head):
-            found.update(branch)
+            found.update(() if any(runs_along(tree, child, limb) for limb in limbs.values()) else branch)
     return frozenset(found)
+
+
+def _is_built_as(tree: Tree, path: Sequence[int], limb: Sequence[int]) -> bool:
+    """Whether two bones of a chain, one after the other, are as long as those of a limb."""
+    bones = [tree.at[b].distance(tree.at[a]) for a, b in pairwise(path)]
+    own = [tree.at[b].distance(tree.at[a]) for a, b in pairwise(limb)]
+    return any(
+        all(abs(a - b) < SIMILAR_LENGTH * max(a, b) for a, b in zip(two, own, strict=True))
+        for two in pairwise(bones)
+    )
 
 
 def _words(name: str) -> tuple[str, str]:
@@ -91,10 +103,12 @@ def _words(name: str) -> tuple[str, str]:
 class _Person:
     """Where someone stands whose four limbs are known. legs, arms: how long these are, in file units.
 
-    starts: the joints where all four begin. thighs: where the legs do. up, across: unit directions.
+    starts: the joints where all four begin. arm: the joints of one. thighs: where the legs do. up,
+    across: unit directions.
     """
 
     starts: tuple[int, ...]
+    arm: tuple[int, ...]
     thighs: tuple[Vector, Vector]
     hips: Vector
     shoulders: Vector
@@ -138,7 +152,9 @@ def _person(tree: Tree, limbs: _Known) -> _Person | None:
     left, right = (at[0] for at in places["leg"])
     lengths = [sum(b.distance(a) for a, b in pairwise(places[kind][0])) for kind in ("leg", "arm")]
     starts = tuple(limb[0] for limb in four)
-    return _Person(starts, (left, right), hips, shoulders, feet, up, (left - right).unit, *lengths)
+    return _Person(
+        starts, limbs["arm", "left"], (left, right), hips, shoulders, feet, up, (left - right).unit, *lengths
+    )
 
 
 def _middle(places: Iterable[Vector]) -> Vector:

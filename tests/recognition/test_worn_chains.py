@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -309,3 +310,115 @@ def test_names_of_call_of_duty_say_sides_and_which_arm_is_worn(worn: str) -> Non
     assert found["left arm"] == ["j_shoulder_le", "j_elbow_le", "j_wrist_le"]
     assert found["right leg"] == ["j_hip_ri", "j_knee_ri", "j_ankle_ri"]
     assert man.bones["leftToes"] == rig.names.index("j_ball_le")
+
+
+# Words of bones that no scheme has, and sides that none reads.
+_LATIN = {
+    "clavicle": "clavicula_{}",
+    "upper_arm": "humerus_{}",
+    "forearm": "ulna_{}",
+    "hand": "manus_{}",
+    "thigh": "femur_{}",
+    "shin": "tibia_{}",
+    "foot": "pes_{}",
+}
+
+
+def in_latin(worn: Sequence[Joint], bones: Sequence[Joint] = BONES) -> Rig:
+    """Someone whose sides nobody reads, with what is worn on both sides."""
+
+    def called(name: str) -> str:
+        word, _, side = name.partition(".")
+        return _LATIN[word].format({"L": "sin", "R": "dex"}[side]) if word in _LATIN else name
+
+    joints = [*bones, *both(worn)]
+    return rig_with([(called(name), called(above) if above else "", place) for name, above, place in joints])
+
+
+@pytest.mark.parametrize(
+    "names", ["bicep_wrap.L forearm_wrap.L palm_wrap.L", "fur_upperarm.L fur_forearm.L fur_hand.L"]
+)
+def test_of_two_chains_below_one_clavicle_neither_is_the_twin_of_the_other(names: str) -> None:
+    """Before, armour over the arm was its twin, so it was a sure arm beside it, at 0.85 to 0.93."""
+    at = {name: np.array(place) for name, _, place in BONES}
+    places = [tuple(at[bone] + [0.01, 0.0, 0.03]) for bone in ARM.split()]
+    rig = in_latin(line(names, "clavicle.L", *places))
+    (man,) = recognise(rig).characters
+    sure = [rig.names[limb.bend[0]] for limb in man.limbs if limb.is_sure and limb.kind == "arm"]
+    assert not [name for name in sure if not name.startswith("humerus")]
+
+
+# Someone upright without toes or fingers, and someone with arms that hang; each with chains on both sides.
+ARMOURED = [
+    *line("hips spine_1 spine_2 spine_3", "", (0, 0.98, 0), (0, 1.1, 0), (0, 1.22, 0), (0, 1.34, 0)),
+    *line("cervix cranium", "spine_3", (0, 1.49, 0), (0, 1.58, 0.02)),
+    ("mandibula", "cranium", (0, 1.6, 0.05)),
+    *both([("oculus.L", "cranium", (0.03, 1.66, 0.09))]),
+    *both(
+        line(
+            "clavicle.L upper_arm.L forearm.L hand.L",
+            "spine_3",
+            *((0.03, 1.42, 0.02), (0.19, 1.41, 0), (0.47, 1.41, 0), (0.73, 1.41, 0)),
+        )
+    ),
+    *both(line("thigh.L shin.L foot.L", "hips", (0.08, 0.94, 0), (0.09, 0.48, 0.02), (0.09, 0.06, 0))),
+]
+CAPED = [
+    *line("hips spine_1 spine_2", "", (0, 0.91, 0), (0, 1.02, -0.01), (0, 1.14, -0.01)),
+    *line("spine_3 spine_4", "spine_2", (0, 1.25, -0.01), (0, 1.36, -0.01)),
+    *line("neck head", "spine_4", (0, 1.52, 0), (0, 1.61, 0.02)),
+    *both(
+        line(
+            "clavicle.L upper_arm.L forearm.L hand.L",
+            "spine_4",
+            *((0.03, 1.45, 0.02), (0.16, 1.44, 0), (0.35, 1.27, 0), (0.55, 1.07, 0.02)),
+        )
+    ),
+    *both(
+        line(
+            "thigh.L shin.L foot.L toe.L",
+            "hips",
+            *((0.1, 0.87, 0), (0.11, 0.44, 0.04), (0.11, 0.06, 0.01), (0.12, 0, 0.15)),
+        )
+    ),
+]
+
+
+def test_no_side_is_sure_that_a_body_tells_which_legs_of_armour_may_have_turned_round() -> None:
+    """Before, the arms were on the other side each, at 0.97."""
+    places = ((0.1, 0.94, 0.03), (0.11, 0.48, 0.05), (0.11, 0.06, 0.03))
+    rig = in_latin(line("gago_thigh.L gago_calf.L volozo.L", "hips", *places), ARMOURED)
+    rig = replace(rig, names=tuple(re.sub("[.]L$", "_sin", re.sub("[.]R$", "_dex", k)) for k in rig.names))
+    for limb in (limb for one in recognise(rig).characters for limb in one.limbs if limb.is_sure):
+        assert rig.names[limb.bend[0]].endswith("sin" if limb.side == "left" else "dex")
+
+
+def test_a_further_arm_that_shape_alone_tells_is_not_sure_beside_those_that_names_know() -> None:
+    """Before, three joints down the back as long as an arm were a second pair of arms at 0.94."""
+    places = ((0.14, 1.19, -0.11), (0.17, 0.97, -0.16), (0.2, 0.74, -0.23))
+    worn = line("wrist_guzori_1.L wrist_guzori_2.L wrist_guzori_3.L", "spine_1", *places)
+    (man,) = recognise(rig_with([*CAPED, *both(worn)])).characters
+    assert sorted(limb.name for limb in man.limbs if limb.is_sure) == sorted(LIMBS)
+
+
+def test_a_limb_that_moves_no_vertex_is_never_sure() -> None:
+    """Before, chains of a mechanism two centimetres off the bones were limbs at 0.97 beside these."""
+    at = {name: np.array(place) for name, _, place in BONES}
+    more: list[Joint] = []
+    for limb, over in ((ARM, "clavicle.L"), (LEG, "hips")):
+        names = " ".join(f"MCH-{bone}" for bone in limb.split())
+        more += line(names, over, *(tuple(at[bone] + [0.0, 0.0, 0.02]) for bone in limb.split()))
+    rig = in_latin(more)
+    moved = np.array([not name.startswith("MCH-") for name in rig.names])
+    rig = replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moved),))
+    sure = [limb for one in recognise(rig).characters for limb in one.limbs if limb.is_sure]
+    assert all(moved[joint] for limb in sure for joint in limb.bend)
+    assert len(sure) >= 4
+
+
+def test_a_tail_that_sways_aside_stays_whole_on_a_person() -> None:
+    places = [(0.0, 0.95, -0.1 - 0.1 * k) for k in range(3)]
+    places += [(0.1 * k, 0.95, -0.4 - 0.05 * k) for k in (1, 2, 3)]
+    tail = line("tail_1 tail_2 tail_3 tail_4 tail_5 tail_6", "hips", *places)
+    (man,) = recognise(rig_with([*BONES, *tail])).characters
+    assert [len(chain.joints) for chain in man.chains if chain.kind == "tail"] == [6]
