@@ -15,6 +15,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.maths.matrices import (
+    compose,
     handedness,
     inverse,
     multiply,
@@ -72,6 +73,18 @@ def twist_joints(rig: Rig) -> list[TwistJoint]:
     for a bone without length.
     """
     return [twist_of(rig, node, record) for node, record in sorted(rig.records(TwistRecord).items())]
+
+
+def untwisted(rig: Rig) -> Rig:
+    """The rig with its twist joints as they stand without twist, where their rest pose has some."""
+    stood = {n: r.standing for n, r in rig.records(TwistRecord).items() if r.standing is not None}
+    if not stood:
+        return rig
+    nodes, turns = list(stood), np.array([*stood.values()])
+    rotation, matrix, local = rig.rotation.copy(), rig.matrix.copy(), rig.local[nodes]
+    rotation[nodes] = turns  # also what a clip with other channels of a matrix plays
+    matrix[nodes] = compose(local[:, 3, :3], turns, length(local[:, :3, :3]))
+    return replace(rig, rotation=rotation, matrix=matrix)
 
 
 def twist_of(rig: Rig, node: int, record: TwistRecord) -> TwistJoint:

@@ -238,12 +238,9 @@ def test_take_clips_reports_a_pose_without_keys_without_the_script_of_export_ble
     """Before, nothing was said of it in a file without the script's IK switches."""
     rig, report = biped(), Report()
     control = rig.find("head_ctl", "node")
-    # EDITED is in centimetres, without metadata, below a node that makes metres of them.
-    translation, scale, root = rig.translation * 100.0, rig.scale.copy(), np.flatnonzero(rig.parents < 0)
-    translation[root] /= 100.0
-    scale[root] *= 0.01
-    translation[control] += 10.0
-    edited = replace(rig, metadata={}, translation=translation, scale=scale)
+    translation = rig.translation.copy()
+    translation[control] += 0.1
+    edited = replace(rig, metadata={}, translation=translation)
     rigtri.take_clips(rig, options=TakeClipsOptions(from_=edited), report=report)
     (text,) = [notice.text for notice in report.warnings if notice.code == "held-without-keys"]
     assert "No clip of EDITED has keys of 'head_ctl (translation)', whose pose" in text

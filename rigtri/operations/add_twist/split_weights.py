@@ -8,7 +8,7 @@ from dataclasses import field, replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.twist_joints import bone
+from rigtri.evaluation.twist_joints import bone, untwisted
 from rigtri.limits import TOLERANCE
 from rigtri.maths.matrices import inverse, transform_points
 from rigtri.maths.trigonometry import Floats
@@ -81,9 +81,11 @@ def split_weights(rig: Rig, made: list[BoneTwist], options: AddTwistOptions, rep
     """The rig that shares the weight of bones among their twist joints."""
     _refuse_moved(rig, {joint.node for joint in made if not joint.new})  # they are about to get weight
     bones: dict[Bone, list[BoneTwist]] = {}
+    still = untwisted(rig)
     for joint in made:
         bones.setdefault(joint.of, []).append(joint)
-        rig = rig if joint.new else bind_joint(rig, joint.node, rig.skins)
+        still = still if joint.new else bind_joint(still, joint.node, still.skins)
+    rig = replace(rig, skins=still.skins)
     skins: dict[int, list[int]] = {of.joint: [] for of in bones}
     for number, skin in enumerate(rig.skins):
         for node in {*skin.joints.tolist()}.intersection(skins):

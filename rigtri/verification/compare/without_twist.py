@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from rigtri.evaluation.twist_joints import untwisted
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
@@ -27,8 +28,8 @@ class _SomeVertices(DocumentView):
 
 
 def without_twist(document: Source) -> DocumentView:
-    """The document with its twist joints frozen: no clip rotates them."""
-    rig = document.rig
+    """The document with its twist joints frozen as they stand without twist: no clip rotates them."""
+    rig = untwisted(document.rig)
     frozen = _twist_joints(rig)
     clips = (
         replace(clip, tracks=tuple(t for t in clip.tracks if t.path != "rotation" or t.node not in frozen))
