@@ -343,7 +343,7 @@ def test_a_mesh_that_only_new_joints_make_readable_is_compared_with_none(tmp_pat
 def test_a_second_split_after_pose_changes_no_byte_and_strip_takes_it_out(
     suffix: str, samples: Path, tmp_path: Path
 ) -> None:
-    """Before, twist joints were bound anew where they stood posed, and were compared so: both ended with 6."""
+    """Before, twist joints were bound anew where they stood posed, and so compared: both ended with 6."""
     split, posed, again = (tmp_path / f"{name}{suffix}" for name in ("split", "posed", "again"))
     twist = ("--limbs", "auto", "--split-weights")
     cli("add-twist", samples / f"biped{suffix}", "-o", split, *twist, code=0)

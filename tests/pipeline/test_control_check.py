@@ -95,6 +95,12 @@ def test_the_ik_control_of_a_limb_that_rests_folded_is_moved_to_where_the_limb_c
     assert "hand_L_ik_ctl" not in faults(rigged)
 
 
+@pytest.mark.parametrize("soft", [0.1, 0.3])
+def test_the_end_of_a_soft_limb_lags_behind_its_control_by_design(soft: float) -> None:
+    """Before, from 0.1 on, auto refused characters whose limbs others had made soft."""
+    assert not faults(rigtri.add_controls(read(SAMPLES / "biped.glb").rig, whole_character=True, soft=soft))
+
+
 def test_what_a_root_control_leaves_behind_is_named() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     top = rig.parents.copy()

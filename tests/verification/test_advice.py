@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from places import SAMPLES
+from program import cli
 from rigs import chain
 
 import rigtri
@@ -162,6 +164,13 @@ def test_scales_that_half_floats_round_too_much_are_named_the_most_telling_first
     exported = replace(scaled(1), metadata=control.metadata)
     said = why_near(rig, exported, result(1e-4), 1e-5)
     assert "Transfer the keys with rigtri take-clips instead, export glTF in place of USD, or allow" in said
+
+
+def test_scales_that_a_pose_reader_drives_are_its_to_leave_out(tmp_path: Path) -> None:
+    """Before, the advice was of freeze, another command."""
+    reader = ["--driver", "shin_L", "--target", "bent=walk@10", "--joint", "bent", "spine", "sx=1.3"]
+    ran = cli("add-posereader", SAMPLES / "biped.usda", "-o", tmp_path / "out.usda", *reader, code=6)
+    assert "They come from what 'shin_L_reader' drives: let it drive no scale, or allow more" in ran.stderr
 
 
 def test_twist_joints_of_a_file_without_a_skin_are_to_blame_for_nothing() -> None:

@@ -27,6 +27,7 @@ from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.dependency_graph import moved_by
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.two_bone_ik import distance_for
 from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.frames.skeleton import Skeleton, skeleton
 from rigtri.maths.arrays import Booleans, Integers
@@ -270,7 +271,7 @@ class _Run:
         if trial.kind == "ik":
             goal = self.posed.world(trial.control)[:, 3, :3]
             way = goal[trial.row] - goal[0]
-            apart = float(length(self._way(joint, trial) - way))
+            apart = float(length(self._reached(trial) - way))
             lazy = lazy or ([joint] if apart > _PLACE * self.size else [])
         if lazy:
             follow = "does" if len(lazy) == 1 else "do"
@@ -309,6 +310,19 @@ class _Run:
         """How far a trial moves a node, (3,)."""
         places = self.posed.world(node)[:, 3, :3]
         return np.asarray(places[self._row(node, trial, len(places))] - places[0])
+
+    def _reached(self, trial: _Trial) -> Floats:
+        """How far the target that the end of a limb answers to has moved, (3,): a soft limb's end lags."""
+        limb = trial.limb
+        if limb is None or not limb.soft or limb.stretch:
+            return self._way(trial.joint, trial)
+        start, mid, end = (self.posed.world(node)[:, 3, :3] for node in limb.chain)
+        away = end - start
+        upper, lower = (length(b - a) for a, b in ((start, mid), (mid, end)))
+        reach = length(away)
+        share = distance_for(reach, upper + lower, limb.soft) / np.where(reach > 0, reach, 1.0)
+        places = start + away * share[:, np.newaxis]
+        return np.asarray(places[self._row(trial.joint, trial, len(places))] - places[0])
 
     def _off(self, node: int, trial: _Trial) -> float:
         return float(length(self._way(node, trial)))

@@ -13,7 +13,7 @@ from rigtri.maths.matrices import SKEW, multiply, skew
 from rigtri.maths.quaternions import off_unit
 from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
-from rigtri.model.metadata import ControlRecord, TwistRecord
+from rigtri.model.metadata import ControlRecord, PoseReaderRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.text import and_more
 from rigtri.verification.compare.compare import Comparison
@@ -168,7 +168,8 @@ def why_far(rig: Rig, result: Comparison) -> str:
 
 
 def _other_scales(before: Rig, after: Rig, joints: list[int]) -> str:
-    """What to do about scales of joints that half floats cannot hold: about keys of controls, else freeze.
+    """What to do about scales of joints that half floats cannot hold: about what keys of controls or pose
+    readers make them, else freeze.
 
     Controls that the source does not know of are of another file (bake --rig): a DCC has made joints of them.
     """
@@ -183,6 +184,13 @@ def _other_scales(before: Rig, after: Rig, joints: list[int]) -> str:
     controls = [
         node for node in sorted(scaled & records.keys()) if before.known(records[node].joint) in joints
     ]
+    readers = [
+        f"'{record.name}'"
+        for record in after.records(PoseReaderRecord).values()
+        if any(each.scale is not None and before.known(each.joint) in joints for each in record.outputs)
+    ]
+    if readers:
+        return f"They come from what {and_more(readers, 4)} drives: let it drive no scale, "
     if not controls:
         return f"Keep {'its' if len(joints) == 1 else 'their'} scale (freeze: --only above), "
     names = and_more([f"'{before.title(node)}'" for node in controls], 4)
