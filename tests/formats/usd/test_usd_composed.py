@@ -85,6 +85,24 @@ def test_strip_leaves_the_rig_of_an_asset_and_names_its_layer(tmp_path: Path) ->
     assert bare.read_text() == shot.read_text()
 
 
+def test_strip_names_the_sublayer_that_holds_keys_of_the_rig_of_another(tmp_path: Path) -> None:
+    hero, rig, keys, out = (tmp_path / f"{name}.usda" for name in ("hero", "rig", "keys", "out"))
+    hero.write_text(scene(skeleton(), animation(), MESH))
+    cli("add-controls", hero, "-o", rig, "--joints", "a", code=0)
+    built = Usd.Stage.Open(str(rig))
+    (control,) = [prim.GetPath() for prim in built.Traverse() if prim.GetName() == "a_ctl"]
+    stage = Usd.Stage.CreateNew(str(keys))
+    spin = UsdGeom.Xformable(stage.OverridePrim(control)).AddOrientOp()
+    spin.Set(Gf.Quatf(1, 0, 0, 0), 1)
+    stage.Save()
+    shot = save(tmp_path, "#usda 1.0\n(\n    subLayers = [@./keys.usda@, @./rig.usda@]\n)\n", "shot.usda")
+    printed = cli("strip", shot, "-o", out, code=3).output
+    assert "with --edit-target keys.usda, then strip rig.usda" in " ".join(printed.split())
+    cli("strip", shot, "-o", out, "--edit-target", "keys.usda", code=0)
+    assert "a_ctl" in keys.read_text()
+    assert "a_ctl" not in out.read_text()
+
+
 def test_the_rig_of_a_shot_comes_out_where_an_asset_has_classes(tmp_path: Path) -> None:
     """What is composed from others is looked at before what goes; that was not found, and named this file."""
     hero = scene(skeleton(), animation(), MESH).replace(

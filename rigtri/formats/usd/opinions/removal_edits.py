@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any
 
-from pxr import Sdf
+from pxr import Ar, Sdf
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats.usd.composition import layers
@@ -32,12 +32,23 @@ def removals(source: Source, rig: Rig) -> list[Edit]:
             names = " and in ".join(spec.layer.GetDisplayName() for spec in stack)
             raise FileError(
                 f"<{rig.labels[node]}> is written in {names}, so it cannot be taken out of one of them. "
-                f"Strip {stack[-1].layer.GetDisplayName()}, and take what is about it out of the other"
+                f"{_first_from(source, stack)}"
             )
     _refuse_others_below(rig, paths)
     erased = (rig.labels[node] for node in tops if not _goes_along(source, rig.labels[node], paths))
     kept = (rig.labels[node] for node in sorted(rig.pending.restored))
     return [*(_erase(source, path) for path in erased), *map(_restore, kept)]
+
+
+def _first_from(source: Source, stack: Sequence[Any]) -> str:
+    """How to take a prim out of its layers one by one: its opinions in sublayers first, which build on it."""
+    below = stack[-1].layer.GetDisplayName()
+    sublayers = [layer for layer in source.stage.GetLayerStack(False) if layer != source.layer]
+    for layer in (spec.layer for spec in stack[:-1]):
+        if layer in sublayers and not Ar.IsPackageRelativePath(layer.identifier):
+            name = layer.GetDisplayName()
+            return f"Take out what {name} says of it with --edit-target {name}, then strip {below}"
+    return f"Strip {below}, and take what is about it out of the other"
 
 
 def _goes_along(source: Source, path: str, gone: Collection[str]) -> bool:
