@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from rigtri.recognition import rival_joints
 from rigtri.recognition.arms_legs import AGREED, FACES
@@ -67,6 +68,8 @@ from rigtri.recognition.unlike_twins import joint_more, unlike_twin
 _UNSURE = 0.6
 # Bones of one limb are at least so long a part of each other.
 _BALANCE = 0.4
+# Joints that stand nearer to those of a limb than this part of its length are beside it.
+_BESIDE = 0.1
 # Bones of counted joints are clearly those of a limb if they are so much alike.
 _CLEARLY = 0.45
 
@@ -135,10 +138,19 @@ def _trunk_aside(draft: Draft, each: Found) -> str:
 
 
 def _moves_no_vertex(draft: Draft, each: Found) -> str:
-    """A limb none of whose joints moves points, of a character of which others do: controls are so."""
-    if not moves_nothing(draft, each.joints) or not any(map(draft.poses.moves_points, draft.tree.nodes)):
+    """A limb none of whose joints moves points, beside joints that do: controls stand so.
+
+    In a file that has but a part of a body, such as its hair, nothing stands beside the limbs.
+    """
+    if not moves_nothing(draft, each.joints):
         return ""
-    return "it moves no vertex, and other joints do"
+    tree = draft.tree
+    own = {*tree.branch(each.joints[0])}
+    others = [k for k in tree.nodes if draft.poses.moves_points(k) and k not in own]
+    places = [tree.at[joint] for joint in each.joints]
+    near = _BESIDE * sum(b.distance(a) for a, b in pairwise(places))
+    beside = all(any(tree.at[k].distance(place) <= near for k in others) for place in places)
+    return "it moves no vertex, and joints beside it do" if beside else ""
 
 
 def _beyond_the_known(draft: Draft, each: Found, found: Sequence[Found]) -> str:
