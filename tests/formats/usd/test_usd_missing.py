@@ -41,6 +41,25 @@ def test_a_damaged_layer_is_an_error_with_the_reason_of_usd(arc: str, tmp_path: 
 
 
 @pytest.mark.parametrize("arc", ARCS)
+@pytest.mark.parametrize("kept", [0.5, 20])
+def test_a_crate_that_is_cut_off_is_left_out_where_that_is_allowed(
+    arc: str, kept: float, tmp_path: Path
+) -> None:
+    whole, part = save(tmp_path, WHOLE, "whole.usda"), tmp_path / "part.usdc"
+    Sdf.Layer.FindOrOpen(str(whole)).Export(str(part))
+    content = part.read_bytes()
+    part.write_bytes(content[: int(kept * len(content)) if kept < 1 else int(kept)])
+    shot = save(tmp_path, ARCS[arc].replace("part.usda", "part.usdc"), "shot.usda")
+    out = tmp_path / "out.usda"
+    words = cli("orient-joints", shot, "-o", out, code=3).stderr
+    assert "part.usdc: a damaged USD file: it is cut off" in words
+    assert "or leave it out with --allow-missing" in words
+    allowed = cli("orient-joints", shot, "-o", out, "--allow-missing", code=0).stderr
+    assert "warning: USD cannot read part.usdc, which is left out: " in allowed
+    assert cli("verify", shot, out, "--allow-missing").exit_code in (0, 1)
+
+
+@pytest.mark.parametrize("arc", ARCS)
 def test_a_layer_that_is_not_there_is_a_warning(arc: str, tmp_path: Path) -> None:
     save(tmp_path, WHOLE, "whole.usda")
     (notice,) = read(save(tmp_path, ARCS[arc], "shot.usda")).warnings

@@ -28,14 +28,20 @@ _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
 
 
 def check(
-    path: Path, *, allow_external: bool, variables: Variables | None = None, root: Any = None
+    path: Path,
+    *,
+    allow_external: bool,
+    allow_missing: bool = False,
+    variables: Variables | None = None,
+    root: Any = None,
 ) -> list[Any]:
     """Look at every layer that composing ``path`` may open; returns those layers, still open.
 
     variables: of the layer stack that it will be part of; its own where there is none above. root: what was
     read of ``path`` before, instead of what is there now.
     FileError for one that lies outside the folder of ``path`` (unless allowed), on a network or
-    in no plain file, naming the layer and the prim that refer to it.
+    in no plain file, naming the layer and the prim that refer to it; and for a damaged one, but for those
+    that USD leaves out by itself if that is allowed (``allow_missing``).
     """
     known_root = root
     root = root or Sdf.Layer.FindOrOpen(str(path))
@@ -59,12 +65,17 @@ def check(
             layer = held_layers.renew(layer)
         seen.append(given)
         found[layer.identifier] = layer
-        waiting += _below(layer, given, path, allow_external, sound)
+        waiting += _below(layer, given, path, allow_external, allow_missing, sound)
     return list(found.values())
 
 
 def _below(
-    layer: Any, variables: Variables, path: Path, allow_external: bool, sound: set[str]
+    layer: Any,
+    variables: Variables,
+    path: Path,
+    allow_external: bool,
+    allow_missing: bool,
+    sound: set[str],
 ) -> Iterator[tuple[Any, Variables]]:
     """The layers that one refers to and that are composed, each with the variables it gets there.
 
@@ -75,12 +86,23 @@ def _below(
         if not identifier:
             continue
         if identifier not in sound:
-            layer_content.check(identifier)
+            _check_content(identifier, allow_missing)
             sound.add(identifier)
         # Layers of value clips are not composed, and opened one by one when needed.
         if arc != "clip" and (found := _opened(identifier)) is not None:
             # A sublayer is of the same layer stack; the variables of another stack are weaker.
             yield found, variables if arc == "sublayer" else {**variables_of(found), **variables}
+
+
+def _check_content(identifier: str, allow_missing: bool) -> None:
+    """FileError for a damaged layer; not for one that USD can leave out, if that is allowed."""
+    if not layer_content.is_cut_off(identifier):
+        layer_content.check(identifier)
+    elif not allow_missing:
+        try:
+            layer_content.check(identifier)
+        except FileError as error:
+            raise FileError(f"{error}, or leave it out with --allow-missing") from None
 
 
 def _opened(identifier: str) -> Any:
@@ -216,7 +238,7 @@ def _matching(template: str, layer: Any) -> Iterator[str]:
 def files(stage: Any, path: Path) -> Iterator[tuple[Path, str]]:
     """Every file that the layers of a file read or name, in all variants, each with who names it."""
     root = stage.GetRootLayer()
-    opened = check(path, allow_external=True, root=root if root.realPath else None)
+    opened = check(path, allow_external=True, allow_missing=True, root=root if root.realPath else None)
     # What a clip has opened, no walk through the layers finds.
     used = [layer for layer in stage.GetUsedLayers(True) if layer not in opened]
     for layer in (*opened, *used):

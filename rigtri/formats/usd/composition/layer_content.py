@@ -42,6 +42,13 @@ def check(identifier: str) -> None:
     (tables.check if _is_crate(content) else _check_brackets)(content, str(file))
 
 
+def is_cut_off(identifier: str) -> bool:
+    """Whether a layer is a crate that is not whole, which USD reports and leaves out unharmed."""
+    file = Path(Sdf.Layer.SplitIdentifier(identifier)[0])
+    content = load(file) if file.is_file() else memoryview(b"")
+    return _is_crate(content) and tables.is_cut_off(content)
+
+
 def outer_file(name: str) -> Path:
     """A file, or the package it is in: ``[`` may also stand in the name of a folder."""
     return Path(Ar.SplitPackageRelativePathOuter(name)[0])

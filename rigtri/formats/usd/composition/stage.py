@@ -130,10 +130,11 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
         raise FileError(f"{path}: the file is empty.")
     with quiet(f"{path}: no USD file, or a damaged one") as texts:
         layer_content.check(str(path))
-        held = [layers.fresh(path), *external_paths.check(path, allow_external=allow_external)]
-        composition_limits.check(path, held[1:])
+        checked = external_paths.check(path, allow_external=allow_external, allow_missing=allow_missing)
+        held = [layers.fresh(path), *checked]
+        composition_limits.check(path, checked)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
-        del held  # they had to stay open until the stage has them
+        del held, checked  # they had to stay open until the stage has them
     if not stage:
         raise FileError(f"{path}: no USD file, or a damaged one.")
     with quiet(f"{path}: USD cannot read it"):
@@ -229,7 +230,9 @@ def open_over(
     with quiet(f"{below}: USD cannot read it"):
         # What their expressions name is known only with the variables of that file.
         variables = variables_of(stage.GetRootLayer())
-        held = external_paths.check(path, allow_external=allow_external, variables=variables)
+        held = external_paths.check(
+            path, allow_external=allow_external, allow_missing=allow_missing, variables=variables
+        )
         both = layers.over(layer, stage.GetRootLayer())
         del held  # they had to stay open until the stage has them
     return both, warnings

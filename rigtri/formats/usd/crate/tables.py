@@ -63,6 +63,14 @@ def check(content: memoryview, name: str) -> None:
         ) from None
 
 
+def is_cut_off(content: memoryview) -> bool:
+    """Whether a crate ends before its table of contents, which stands last: USD refuses it by itself, too."""
+    if len(content) < _BOOTSTRAP.size:
+        return True
+    _, *numbers = _BOOTSTRAP.unpack_from(content)
+    return not 0 <= numbers[8] < len(content)
+
+
 class _Crate:
     """The tables of a crate, read in the order in which they refer to each other."""
 
