@@ -50,6 +50,7 @@ from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.key_baking import keyed
 from rigtri.operations.bake.bake_rig import with_rig
+from rigtri.operations.bake.characters_apart import Baked, characters_apart, moved_nodes, together
 from rigtri.operations.bake.dependents import (
     rebake_followers,
     refuse_cycles,
@@ -232,11 +233,20 @@ class _Baker:
     # --- to joints
 
     def _to_joints(self, timeline: Timeline) -> None:
-        at_work = controls_at_work(self.rig, timeline)
-        solver = self._solver(at_work)
-        nodes = [node for node in solver.sets if self.rig.type_of(node) != "twist"]
-        if not solver.steps or not nodes:
+        at_work, before = controls_at_work(self.rig, timeline), self.rig
+        parts = characters_apart(before, timeline, at_work, self._solver)
+        baked = [found for part in parts if (found := self._part_to_joints(*part))]
+        if not baked:
             return
+        warn_idle(before, timeline, at_work, self.report)
+        solver, (samples, tracks) = self._solver(at_work), together(baked)
+        self.report.added.append(self._record(timeline, solver, samples, tracks, moved_nodes(solver)))
+
+    def _part_to_joints(self, solver: Solver, timeline: Timeline) -> Baked | None:
+        """Put tracks of what a solver moves in a timeline into the rig; None where it moves nothing."""
+        nodes = moved_nodes(solver)
+        if not nodes:
+            return None
         replaced = {
             (node, path) for node, paths in solver.writes.items() for path, all_of_it in paths if all_of_it
         }
@@ -257,7 +267,6 @@ class _Baker:
             if track.path in {path for path, _ in solver.writes[node]}
         ]
         self.report.extend(clip_solver_warnings(solver, timeline, times, parts))
-        warn_idle(self.rig, timeline, at_work, self.report)
         room = times_of(put_tracks(self.rig, timeline, tracks))
         fresh = [
             track
@@ -273,7 +282,7 @@ class _Baker:
         ]
         fresh += posed_ends(self.rig, timeline, solver.limbs, fresh)
         self.rig = put_tracks(self.rig, timeline, fresh)
-        self.report.added.append(self._record(timeline, solver, samples, tracks, nodes))
+        return samples, tracks
 
     def _tracks(
         self, timeline: Timeline, times: Floats, held: Floats, node: int, parts: Parts, rest: Parts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -265,6 +266,41 @@ def test_a_composed_rig_bakes_as_the_rig_that_it_refers_to(text: str, built: Pat
     assert one.keys() == other.keys()
     size = max(np.abs(points).max() for points in one.values())
     assert max(np.abs(one[key] - other[key]).max() for key in one) <= 1e-5 * size
+
+
+def test_a_character_that_nobody_edits_keeps_its_keys_beside_one_that_moves(built: Path) -> None:
+    """Controls of one bake at times of its own: times of another's got keys off by some 1e-4 of the size."""
+    prims, _ = SHOTS["twice"]
+    shot, out = built / "edited.usda", built / "edited out.usda"
+    shot.write_text(f'#usda 1.0\n(\n    upAxis = "Y"\n)\n{prims}')
+    stage = Usd.Stage.Open(str(shot))
+    paths = [prim.GetPath() for prim in stage.Traverse() if prim.GetTypeName() == "SkelRoot"]
+    edited = str(paths[1].GetPrefixes()[0])
+    ends = [
+        attribute
+        for prim in stage.Traverse()
+        if str(prim.GetPath()).startswith(f"{edited}/")
+        and "_ik_ctl" in prim.GetName()
+        and (attribute := prim.GetAttribute("xformOp:translate")).GetNumTimeSamples() > 1
+    ]
+    for attribute in ends:
+        times = attribute.GetTimeSamples()
+        for time in np.linspace(times[0], times[-1], 14)[1:-1]:
+            value = attribute.Get(time)
+            attribute.Set(value + type(value)(0, 5 * np.sin(time), 0), time)
+    assert ends
+    stage.Save()
+    report = built / "edited.json"
+    cli("bake", shot, "--to", "joints", "-o", out, "--report", report, code=0)
+    layer, written = Sdf.Layer.FindOrOpen(str(out)), set[str]()
+    layer.Traverse("/", lambda path: written.add(str(path)))
+    assert {path.split("/")[1].split(".")[0] for path in written if path.endswith(".rotations")} == {
+        edited[1:]
+    }
+    told = json.loads(report.read_text())["warnings"]
+    warnings = [notice["text"] for notice in told if notice["code"] == "ik-unreachable"]
+    assert warnings
+    assert f"{paths[0].GetPrefixes()[0]}/" not in json.dumps(warnings)
 
 
 @pytest.mark.parametrize("target", ["root", "new"])
