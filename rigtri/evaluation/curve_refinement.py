@@ -231,8 +231,9 @@ class _Curve:
     def lever_arms(self) -> dict[int, float]:
         """How far nodes below each of the nodes are from it, up to the next of them, in file units."""
         rig, nodes = self.rig, set(self.nodes)
-        far = np.full(len(rig), 0.05 * self.size)
-        for node in range(len(rig) - 1, -1, -1):
+        far, mine = np.full(len(rig), 0.05 * self.size), np.zeros(len(rig), dtype=bool)
+        mine[list(nodes)] = True
+        for node in np.flatnonzero(rig.at_or_below(mine))[::-1].tolist():
             parent = int(rig.parents[node])
             if parent >= 0 and node not in nodes:
                 bone = float(np.nan_to_num(length(rig.world[node, 3, :3] - rig.world[parent, 3, :3])))

@@ -72,12 +72,12 @@ def worn_beside(tree: Tree, poses: Poses, limbs: _Known, bones: Mapping[str, int
     called = {_words(names[node]) for limb in limbs.values() for node in limb} - {("", "")}
     head = {bones[bone] for bone in ("head", "neck") if bones.get(bone) in tree.below}
     around = {over for node in (*person.starts, *head) for over in tree.way(-1, node)}
-    found, asked = set[int](), [k for over in around for k in tree.below[over] if k not in around]
-    for child in asked:  # it grows as it is walked: what branches in the middle holds what is of one side
+    found, queue = set[int](), [k for over in around for k in tree.below[over] if k not in around]
+    for child in queue:  # it grows as it is walked: what branches in the middle holds what is of one side
         if child in own or _words(names[child]) in called:
             continue
         if person.is_in_the_middle(tree.at[child]):
-            asked += tree.below[child] if len(tree.below[child]) > 1 else ()
+            queue += tree.below[child] if len(tree.below[child]) > 1 else ()
         elif own.isdisjoint(branch := tree.branch(child)) and _is_worn(tree, child, person, head):
             found.update(() if any(runs_along(tree, child, limb) for limb in limbs.values()) else branch)
     return frozenset(found)

@@ -156,7 +156,7 @@ def test_a_build_shows_every_pass_over_the_clips(tmp_path: Path) -> None:
     with report_progress(steps):
         rigtri.build(SAMPLES / "biped.glb", tmp_path / "out.glb", spec)
     named = [stage.partition(": ")[2] for stage in steps.stages]
-    assert named == ["read", "edit", "write", "verify", "measure twist"]
+    assert named == ["read", "edit", "write", "verify", "measure motion"]
     assert (8, 8, "bones") in steps.counts
     assert steps.counts[-1] == (2, 2, "clips")
     steps.counts.clear()

@@ -32,7 +32,8 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.twist import AddTwistOptions
 from rigtri.operations.bake.bake import BakeOptions
 from rigtri.operations.take_clips.restore_metadata import as_described
-from rigtri.operations.take_clips.take_clips import TakeClipsOptions, _warn_unkeyed
+from rigtri.operations.take_clips.take_clips import TakeClipsOptions
+from rigtri.operations.take_clips.unkeyed_poses import warn_unkeyed
 from rigtri.report import Report
 
 
@@ -224,9 +225,9 @@ def test_take_clips_reports_channels_that_were_posed_without_keys() -> None:
     translation = rig.translation.copy()
     translation[control] += 0.1
     every = {node: node for node in range(len(rig))}
-    _warn_unkeyed(rig, rig, every, report)
+    warn_unkeyed(rig, rig, every, report)
     assert not report.warnings
-    _warn_unkeyed(rig, replace(rig, translation=translation), every, report)
+    warn_unkeyed(rig, replace(rig, translation=translation), every, report)
     (notice,) = report.warnings
     assert notice.code == "held-without-keys"
     assert "'head_ctl (translation)'" in notice.text
@@ -258,7 +259,7 @@ def test_rounding_below_an_armature_of_centimetres_is_no_pose() -> None:
     for far, told in ((2e-4, False), (0.05, True)):
         moved = translation.copy()
         moved[control] += far
-        _warn_unkeyed(small, replace(small, translation=moved), every, report)
+        warn_unkeyed(small, replace(small, translation=moved), every, report)
         assert bool(report.warnings) == told
 
 

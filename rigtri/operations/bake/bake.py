@@ -214,7 +214,7 @@ class _Baker:
 
     def _solver(self, driven: frozenset[int] | None) -> Solver:
         if driven not in self.solvers:
-            self.solvers[driven] = Solver(self.rig, driven)
+            self.solvers[driven] = Solver(self.rig, driven, self.reference)
         return self.solvers[driven]
 
     @cached_property

@@ -36,15 +36,15 @@ def with_exact_scales(edited: Rig, rig: Rig, of: Mapping[int, int], *, drives: b
     """
     controls = {of[node] for node in rig.records(ControlRecord) if node in of}
     bones = {node for node in controls if edited.is_joint[node] and edited.rules.raw_quaternions}
-    told = {end: node for node, end in switch_ends(edited.names, edited, bones, SCALE).items()}
+    carriers = {end: node for node, end in switch_ends(edited.names, edited, bones, SCALE).items()}
     done, lost, unlike = edited, list[int](), list[Track]()
     for timeline in timelines(edited):
         fresh = list[Track]()
         for bone in sorted(bones):
             old = timeline.track(bone, _PATH)
-            if bone not in told:
+            if bone not in carriers:
                 lost += [bone] if drives and old is not None and np.ptp(key_values(old), axis=0).any() else []
-            elif (now := _told(edited, timeline, told[bone], bone)) is not None:
+            elif (now := _carried(edited, timeline, carriers[bone], bone)) is not None:
                 (fresh if _is_near(edited, old, now) else unlike).append(now)
         done = put_tracks(done, timeline, fresh) if fresh else done
     if lost := [*lost, *(track.node for track in unlike)]:
@@ -58,7 +58,7 @@ def with_exact_scales(edited: Rig, rig: Rig, of: Mapping[int, int], *, drives: b
     return done
 
 
-def _told(edited: Rig, timeline: Timeline, node: int, bone: int) -> Track | None:
+def _carried(edited: Rig, timeline: Timeline, node: int, bone: int) -> Track | None:
     """The scale keys of a control that a node of the script has as its place; None where it rests."""
     if (keys := timeline.track(node, "translation")) is not None:
         return replace(keys, node=bone, path=_PATH, key=None)
@@ -72,5 +72,5 @@ def _told(edited: Rig, timeline: Timeline, node: int, bone: int) -> Track | None
 def _is_near(edited: Rig, old: Track | None, now: Track) -> bool:
     """Whether keys can be those of which Blender has written ``old``."""
     written = key_values(old) if old is not None else edited.scale[[now.node]]
-    told = sample(now, old.times) if old is not None else key_values(now)
-    return bool((np.abs(told - written) <= _LEFT_OUT + _ROUNDED * np.maximum(1.0, np.abs(told))).all())
+    keyed = sample(now, old.times) if old is not None else key_values(now)
+    return bool((np.abs(keyed - written) <= _LEFT_OUT + _ROUNDED * np.maximum(1.0, np.abs(keyed))).all())

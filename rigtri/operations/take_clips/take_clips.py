@@ -5,7 +5,7 @@ Source: docs/take-clips.md.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -22,7 +22,6 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Track, key_values
 from rigtri.model.animation import Path as TrackPath
-from rigtri.model.metadata import ADDED
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.take_clips import TakeClipsOptions as TakeClipsOptions
@@ -54,13 +53,12 @@ from rigtri.operations.take_clips.morph_targets import SAME_WEIGHT
 from rigtri.operations.take_clips.motion_check import MotionCheck, Resting, refuse_other_motion
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.proportions import Proportions, warn_ik_bones
-from rigtri.operations.take_clips.restore_rest import POSED, with_rest_of
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.skeleton_check import checked_bodies
 from rigtri.operations.take_clips.still_parents import without_still_parents
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED, same_at_keys
-from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
+from rigtri.operations.take_clips.unkeyed_poses import warn_unkeyed
 from rigtri.operations.take_clips.unsure_axes import AxesEvidence
 from rigtri.progress import counted
 from rigtri.recognition.one_character import of_character
@@ -93,7 +91,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     edited = with_exact_scales(edited, rig, of, drives=switched.drives)
     if switched.on | switched.off:
         edited = put_back(edited, rig, of, report)
-    _warn_unkeyed(rig, edited, of, report)
+    warn_unkeyed(rig, edited, of, report)
     both = Counterparts(rig, edited := without_still_parents(edited, rig, of))
     if not both.of:
         raise GeometryError(why_nothing_matches(rig, edited))
@@ -134,25 +132,6 @@ def _moved_in_blender(rig: Rig, switched: Switches) -> tuple[frozenset[int], Dri
     """What controls, readers and rivets move in a file that the script of export-blender was at work in."""
     follow = follow_controls(rig) if switched.on and not switched.off else frozenset[int]()
     return follow, driven_channels(rig) if switched.drives else Driven()
-
-
-def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
-    """Warn of controls and poles that EDITED poses without keys, so that no clip takes the pose home."""
-    posed = {of[node]: node for node in rig.nodes_of(*POSED) if node in of}
-    if not (edited.clips and posed):
-        return
-    # What moves them is theirs as they rest in RIG: other parents, axes and units of a DCC are no pose.
-    shared = {node: of[node] for node in rig.nodes_of(*ADDED) if node in of}
-    known = {theirs: rig.metadata[node] for node, theirs in shared.items()}
-    whole = replace(edited, metadata={**edited.metadata, **known})
-    rested = with_rest_of(whole, rig, shared, Report())
-    if left := unkeyed(whole, {node: node for node in posed}, rested, rig, shared):
-        ours = [(posed[node], path, value) for node, path, value in left]
-        text = f"No clip of EDITED has keys of {list_channels(rig, ours)}, whose pose differs from RIG's"
-        names = dict.fromkeys(rig.title(node) for node, *_ in ours)
-        report.warn(
-            "held-without-keys", f"{text}: not taken; key them, or use rigtri bake --rig", names=names
-        )
 
 
 class _Taking:

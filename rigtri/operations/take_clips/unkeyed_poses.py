@@ -19,9 +19,9 @@ from rigtri.evaluation.timelines import as_float32, put_tracks, timelines
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Path, Track
-from rigtri.model.metadata import PoleVectorRecord
+from rigtri.model.metadata import ADDED, PoleVectorRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.restore_rest import POSED
+from rigtri.operations.take_clips.restore_rest import POSED, with_rest_of
 from rigtri.report import Report
 from rigtri.text import list_names
 
@@ -53,6 +53,25 @@ def key_unkeyed_poses(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, in
         names = dict.fromkeys(rested.title(node) for node, *_ in fresh)
         report.warn("held-without-keys", f"{text}: held so in all clips", names=names)
     return done
+
+
+def warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
+    """Warn of controls and poles that EDITED poses without keys, so that no clip takes the pose home."""
+    posed = {of[node]: node for node in rig.nodes_of(*POSED) if node in of}
+    if not (edited.clips and posed):
+        return
+    # What moves them is theirs as they rest in RIG: other parents, axes and units of a DCC are no pose.
+    shared = {node: of[node] for node in rig.nodes_of(*ADDED) if node in of}
+    known = {theirs: rig.metadata[node] for node, theirs in shared.items()}
+    whole = replace(edited, metadata={**edited.metadata, **known})
+    rested = with_rest_of(whole, rig, shared, Report())
+    if left := unkeyed(whole, {node: node for node in posed}, rested, rig, shared):
+        ours = [(posed[node], path, value) for node, path, value in left]
+        text = f"No clip of EDITED has keys of {list_channels(rig, ours)}, whose pose differs from RIG's"
+        names = dict.fromkeys(rig.title(node) for node, *_ in ours)
+        report.warn(
+            "held-without-keys", f"{text}: not taken; key them, or use rigtri bake --rig", names=names
+        )
 
 
 def unkeyed(

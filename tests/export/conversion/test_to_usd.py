@@ -200,12 +200,13 @@ def test_what_rigtri_has_built_and_motion_that_only_controls_have_is_reported(
 def test_verify_compares_a_rig_with_what_convert_made_of_its_character(samples: Path, tmp_path: Path) -> None:
     """There are more controls than joints, and USD gets none of them.
 
-    At keys of USD between those of glTF it is as near as straight lines follow a spline.
+    At keys of USD between those of glTF it is as near as straight lines follow a spline, and half floats the
+    scales.
     """
     rigged, there = tmp_path / "rigged.glb", tmp_path / "there.usda"
     rigtri.write(rigtri.add_controls(rigtri.read(samples / "biped.glb"), whole_character=True), rigged)
     rigtri.convert(rigged, there)
-    assert cli("verify", rigged, there, "--json").json["deviation"] < WITHIN
+    assert cli("verify", rigged, there, "--json").json["deviation"] < WITHIN + HALF_SCALES
 
 
 def test_what_usd_cannot_say_is_listed_and_strict_refuses_it(everything: Path, tmp_path: Path) -> None:

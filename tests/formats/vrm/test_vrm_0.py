@@ -230,11 +230,12 @@ def test_a_real_character_that_another_program_reoriented_comes_back(
 
 def test_a_real_character_is_left_to_the_byte(assets: Path, tmp_path: Path) -> None:
     path, out = assets / "vrm" / "Godette_v4.vrm", tmp_path / "out.vrm"
-    assert run(path, "-o", out, "--world").exit_code == 0
-    assert out.read_bytes() == path.read_bytes()
+    for axes in (["--world"], ["--preset", "vrm", "--overwrite"]):
+        assert run(path, "-o", out, *axes).exit_code == 0
+        assert out.read_bytes() == path.read_bytes()
     refused = run(path, "-o", tmp_path / "no.vrm")
     assert refused.exit_code == 5
-    assert "--world" in refused.output
+    assert "--preset vrm" in refused.output
 
 
 @pytest.mark.parametrize(
