@@ -101,11 +101,7 @@ def _role(body: _Body, node: int) -> tuple[Role, float, list[str]]:
     if names:
         return names[0], 0.9, [f"its name says {names[0]}"]
     if node in draft.worn:
-        return (
-            "attachment",
-            0.8,
-            ["stands along the bones of a limb, or beside them, as what is worn does"],
-        )
+        return "attachment", 0.8, ["stands along the bones of a limb, or beside them, as what is worn does"]
     bone = int(rig.parents[node])
     while bone in draft.segments:
         bone = int(rig.parents[bone])

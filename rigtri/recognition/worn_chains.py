@@ -19,10 +19,10 @@ from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.name_readings import Reading
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses
-from rigtri.recognition.symmetry import SIMILAR_LENGTH
 
 # The joints of limbs by kind and side.
 _Known = Mapping[tuple[LimbKind, Side], tuple[int, ...]]
+_SIDES: tuple[Side, Side] = ("left", "right")
 # Joints of what is worn stand nearer to those of a limb than this part of its length; further arms do not.
 _ALONG = 0.2
 # Words name a limb where they agree so far with its three joints.
@@ -61,9 +61,9 @@ def worn_beside(tree: Tree, poses: Poses, limbs: _Known, bones: Mapping[str, int
     """The joints of further chains of a person, whose four limbs are these, that these do not explain.
 
     However it is called, what hangs at the hips, or is called a leg, is no leg unless it stands on the ground
-    away from the legs; what is short, or hangs from above unlike an arm, is no limb. Wings stay, and so do
-    what is of the middle, as a tail, what is called as the limbs are, and what runs along one: either of both
-    may be the limb. bones: by name, as far as they are known.
+    away from the legs; what is short, or hangs at the head, is no limb. Wings stay, and so do what is of the
+    middle, as a tail, what is called as the limbs are, and what runs along one: either of both may be the
+    limb. bones: by name, as far as they are known.
     """
     person = _person(tree, limbs)
     if person is None or (poses.has_weights and not all(map(poses.moves_points, person.starts))):
@@ -83,16 +83,6 @@ def worn_beside(tree: Tree, poses: Poses, limbs: _Known, bones: Mapping[str, int
     return frozenset(found)
 
 
-def _is_built_as(tree: Tree, path: Sequence[int], limb: Sequence[int]) -> bool:
-    """Whether two bones of a chain, one after the other, are as long as those of a limb."""
-    bones = [tree.at[b].distance(tree.at[a]) for a, b in pairwise(path)]
-    own = [tree.at[b].distance(tree.at[a]) for a, b in pairwise(limb)]
-    return any(
-        all(abs(a - b) < SIMILAR_LENGTH * max(a, b) for a, b in zip(two, own, strict=True))
-        for two in pairwise(bones)
-    )
-
-
 def _words(name: str) -> tuple[str, str]:
     """The words of a name, without its number, and its side."""
     parsed = parse_name(name)
@@ -103,12 +93,10 @@ def _words(name: str) -> tuple[str, str]:
 class _Person:
     """Where someone stands whose four limbs are known. legs, arms: how long these are, in file units.
 
-    starts: the joints where all four begin. arm: the joints of one. thighs: where the legs do. up,
-    across: unit directions.
+    starts: the joints where all four begin. thighs: where the legs do. up, across: unit directions.
     """
 
     starts: tuple[int, ...]
-    arm: tuple[int, ...]
     thighs: tuple[Vector, Vector]
     hips: Vector
     shoulders: Vector
@@ -138,11 +126,10 @@ class _Person:
 
 def _person(tree: Tree, limbs: _Known) -> _Person | None:
     """The person that two arms and two legs are of; None where there are not four, or it is not upright."""
-    sides: tuple[Side, Side] = ("left", "right")
-    four = [limbs.get((kind, side), ()) for kind in BENDS for side in sides]
+    four = [limbs.get((kind, side), ()) for kind in BENDS for side in _SIDES]
     if not all(four) or any(node not in tree.below for limb in four for node in limb):
         return None
-    places = {kind: [[tree.at[node] for node in limbs[kind, side]] for side in sides] for kind in BENDS}
+    places = {kind: [[tree.at[node] for node in limbs[kind, side]] for side in _SIDES] for kind in BENDS}
     hips, shoulders = (_middle(at[0] for at in places[kind]) for kind in ("leg", "arm"))
     feet = _middle(at[2] for at in places["leg"])
     up = (hips - feet).unit
@@ -152,9 +139,7 @@ def _person(tree: Tree, limbs: _Known) -> _Person | None:
     left, right = (at[0] for at in places["leg"])
     lengths = [sum(b.distance(a) for a, b in pairwise(places[kind][0])) for kind in ("leg", "arm")]
     starts = tuple(limb[0] for limb in four)
-    return _Person(
-        starts, limbs["arm", "left"], (left, right), hips, shoulders, feet, up, (left - right).unit, *lengths
-    )
+    return _Person(starts, (left, right), hips, shoulders, feet, up, (left - right).unit, *lengths)
 
 
 def _middle(places: Iterable[Vector]) -> Vector:
@@ -198,11 +183,10 @@ def known_limbs(reading: Reading | None, certain: Mapping[str, int]) -> _Known:
     """The known limbs of three joints, by kind and side."""
     if not certain:
         return reading.limbs if reading is not None else {}
-    sides: tuple[Side, Side] = ("left", "right")
     found = {
         (kind, side): tuple(certain[side + part] for part in parts if side + part in certain)
         for kind, parts in BENDS.items()
-        for side in sides
+        for side in _SIDES
     }
     return {which: joints for which, joints in found.items() if len(joints) == 3}
 

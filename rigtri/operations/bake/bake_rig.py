@@ -26,9 +26,10 @@ def with_rig(rig: Rig, rigged: Rig, options: BakeOptions, report: Report) -> Rig
     if options.character is not None:
         rigged = _same_character(rig, rigged, options.character)
         rig = _as_in_asset(of_character(rig, options.character), rigged, options.character)
-    of = pairs(rigged, rig).of
-    ends = {of[node]: of[node] for node in ik_ends(rigged) if node in of}
-    rig = with_exact_scales(rig, rigged, of, drives=switches(rig, ends).drives)
+    if rig.rules.raw_quaternions:  # USD, where Blender leaves out scale keys
+        of = pairs(rigged, rig).of
+        ends = {of[node]: of[node] for node in ik_ends(rigged) if node in of}
+        rig = with_exact_scales(rig, rigged, of, drives=switches(rig, ends).drives)
     shown, rig = rig, joined(rig, rigged, names=options.as_, between=options.between, report=report)
     seen = as_described(rig, rigged, report=report)
     if options.to == "joints":

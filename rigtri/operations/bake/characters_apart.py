@@ -31,8 +31,10 @@ def characters_apart(
     """The controls at work in a timeline, those of each character by themselves; all as one where something
     ties them together: a constraint, or a control that is of two."""
     whole = [(solver_of(at_work), timeline)]
+    if len(rig.skins) < 2 or constraints_of(rig):
+        return whole
     groups = [frozenset(nodes) for nodes in characters(rig)]
-    if len(groups) < 2 or constraints_of(rig):
+    if len(groups) < 2:
         return whole
     controls: dict[Nodes, set[int]] = {}
     for control in sorted(at_work):

@@ -36,6 +36,8 @@ def with_exact_scales(edited: Rig, rig: Rig, of: Mapping[int, int], *, drives: b
     """
     controls = {of[node] for node in rig.records(ControlRecord) if node in of}
     bones = {node for node in controls if edited.is_joint[node] and edited.rules.raw_quaternions}
+    if not bones:
+        return edited
     carriers = {end: node for node, end in switch_ends(edited.names, edited, bones, SCALE).items()}
     done, lost, unlike = edited, list[int](), list[Track]()
     for timeline in timelines(edited):

@@ -79,7 +79,8 @@ def _changed_points(
     """The points of meshes that other joints, weights or morphs move now, or that are others themselves."""
     for mesh, other in pairs:
         rows = _changed(mine, theirs, m, mesh, other)
-        if mesh.morphs.shape == other.morphs.shape and _morphs_otherwise(mine, theirs, m, mesh, other):
+        morphs = len(mesh.morphs) and mesh.morphs.shape == other.morphs.shape
+        if morphs and _morphs_otherwise(mine, theirs, m, mesh, other):
             rows = rows | (mesh.morphs != 0).any(axis=(0, 2))
         if rows.any():
             yield MeshPoints((mine, theirs), (some_points(mesh, rows), some_points(other, rows)))
@@ -99,12 +100,8 @@ def _morphs_otherwise(mine: Rig, theirs: Rig, m: Correspondence, mesh: Mesh, oth
     """Whether the morph weights of a mesh are others, at rest or in a clip that both have."""
     if not np.array_equal(mesh.morph_weights, other.morph_weights):
         return True
-    for clip, partner in zip(mine.clips, m.clip.tolist(), strict=True):
-        if partner >= 0:
-            was, now = (
-                next((t for t in each.tracks if t.path == "weights" and t.node == node), None)
-                for each, node in ((clip, mesh.node), (theirs.clips[partner], other.node))
-            )
-            if not same_track(was, now):
-                return True
-    return False
+    return any(
+        not same_track(clip.weights.get(mesh.node), theirs.clips[partner].weights.get(other.node))
+        for clip, partner in zip(mine.clips, m.clip.tolist(), strict=True)
+        if partner >= 0
+    )

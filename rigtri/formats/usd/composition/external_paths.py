@@ -96,12 +96,12 @@ def _below(
 
 def _check_content(identifier: str, allow_missing: bool) -> None:
     """FileError for a damaged layer; not for one that USD can leave out, if that is allowed."""
-    if not layer_content.is_cut_off(identifier):
+    try:
         layer_content.check(identifier)
-    elif not allow_missing:
-        try:
-            layer_content.check(identifier)
-        except FileError as error:
+    except FileError as error:
+        if not layer_content.is_cut_off(identifier):
+            raise
+        if not allow_missing:
             raise FileError(f"{error}, or leave it out with --allow-missing") from None
 
 
