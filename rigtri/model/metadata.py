@@ -7,7 +7,6 @@ was stored, in its order, with keys that this version does not know. What is its
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, field, fields, replace
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_origin, get_type_hints
@@ -18,10 +17,6 @@ from rigtri.model.joint_names import Side
 
 VERSION = 1
 TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
-# What the script of export-blender puts below an IK end, with its name; before, with Blender's number.
-# And what it puts below a character without IK whose pose readers drive.
-# And for each control one whose place is the control's scale, of which USD keeps half floats.
-SWITCH, DRIVE = re.compile(r"rigtri_((ik|scale)([._].+)?|drive([._][0-9]+)?)"), "rigtri_drive"
 
 Triple = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]

@@ -25,11 +25,11 @@ from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
 from rigtri.model.dataclass import dataclass
 from rigtri.model.format_rules import FormatRules
-from rigtri.model.ik_switches import IK, SCALE, switch_ends
 from rigtri.model.mesh import Mesh
-from rigtri.model.metadata import ADDED, DRIVE, RECORDS, SWITCH, Place, Record, references, with_references
+from rigtri.model.metadata import ADDED, RECORDS, Place, Record, references, with_references
 from rigtri.model.node_names import NodeNames
 from rigtri.model.pending_edits import PendingEdits
+from rigtri.model.script_nodes import script_nodes
 from rigtri.model.skin import Skin
 
 R = TypeVar("R", bound=Record)
@@ -263,15 +263,13 @@ class Rig(NodeNames):
             for child in self.children[node]
             if self.attachment[child] < 0 and made.issuperset(self.children[child] or (-1,))
         )
-        # What the script of export-blender puts below IK ends; in USD joints have nothing below.
-        drives = (k for k, name in enumerate(self.names) if SWITCH.fullmatch(name) and name.startswith(DRIVE))
-        switches = (
+        # What the script of export-blender adds, as long as nobody has hung anything there.
+        scripted = (
             node
-            for kind in (IK, SCALE)
-            for node in (*switch_ends(self.names, self, made, kind), *drives)
+            for node in script_nodes(self.names, self, made)
             if self.attachment[node] < 0 and not self.children[node]
         )
-        return frozenset(made.union(self.drawings, between, switches))
+        return frozenset(made.union(self.drawings, between, scripted))
 
     @cached_property
     def drawings(self) -> frozenset[int]:

@@ -28,8 +28,9 @@ from rigtri.formats import ReadOptions, read
 from rigtri.maths.quaternions import multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
-from rigtri.model.metadata import DRIVE, PoseWeightRecord, RivetRecord
+from rigtri.model.metadata import PoseWeightRecord, RivetRecord
 from rigtri.model.rig import Rig
+from rigtri.model.script_nodes import DRIVE
 from rigtri.operations.options.add_posereader import Goal
 from rigtri.operations.take_clips.driven_channels import driven_channels
 from rigtri.report import Report

@@ -18,9 +18,9 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import Timeline, as_float32, put_tracks, timelines
 from rigtri.model.animation import Path, Track, key_values
-from rigtri.model.ik_switches import SCALE, switch_ends
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.model.script_nodes import SCALE, controls_of
 from rigtri.text import list_names
 
 _PATH: Path = "scale"
@@ -38,7 +38,7 @@ def with_exact_scales(edited: Rig, rig: Rig, of: Mapping[int, int], *, drives: b
     bones = {node for node in controls if edited.is_joint[node] and edited.rules.raw_quaternions}
     if not bones:
         return edited
-    carriers = {end: node for node, end in switch_ends(edited.names, edited, bones, SCALE).items()}
+    carriers = {end: node for node, end in controls_of(edited.names, edited, bones, SCALE).items()}
     done, lost, unlike = edited, list[int](), list[Track]()
     for timeline in timelines(edited):
         fresh = list[Track]()

@@ -20,9 +20,9 @@ from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.maths.matrices import decompose
 from rigtri.model.animation import Path, Track
 from rigtri.model.dataclass import dataclass
-from rigtri.model.ik_switches import switch_ends
-from rigtri.model.metadata import DRIVE, SWITCH, ControlRecord, OffsetRecord
+from rigtri.model.metadata import ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
+from rigtri.model.script_nodes import DRIVE, IK, controls_of, is_script_node
 from rigtri.report import Report
 from rigtri.text import list_names
 
@@ -45,10 +45,12 @@ class Switches:
 
 def switches(edited: Rig, ends: Mapping[int, int]) -> Switches:
     """The switches of a file's IK ends: ``ends`` has their nodes there, and what they are in the rig."""
-    sizes = {ends[end]: _size(edited, node) for node, end in switch_ends(edited.names, edited, ends).items()}
+    sizes = {
+        ends[end]: _size(edited, node) for node, end in controls_of(edited.names, edited, ends, IK).items()
+    }
     on = frozenset(end for end, size in sizes.items() if size > _ON)
     off = frozenset(end for end, size in sizes.items() if size < _OFF)
-    alone = (k for k, name in enumerate(edited.names) if name.startswith(DRIVE) and SWITCH.fullmatch(name))
+    alone = (k for k, name in enumerate(edited.names) if is_script_node(name, DRIVE))
     return Switches(on, off, bool(on or off) or any(_size(edited, node) > _ON for node in alone))
 
 
@@ -73,7 +75,7 @@ def warn_lost_switches(rig: Rig, edited: Rig, ends: Mapping[int, int], report: R
     ends: their nodes in the rig, and what they are there. Where the setup has made bones of controls, Blender
     exports keys of what its constraints did to joints and offsets.
     """
-    found = set(switch_ends(edited.names, edited, set(ends.values())).values())
+    found = set(controls_of(edited.names, edited, set(ends.values()), IK).values())
     lost = [
         rig.title(node)
         for node, theirs in ends.items()

@@ -14,8 +14,8 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track, key_values
-from rigtri.model.metadata import SWITCH
 from rigtri.model.rig import Rig
+from rigtri.model.script_nodes import is_script_node
 from rigtri.model.skin import moving_points
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.morph_targets import MorphPairs
@@ -99,7 +99,7 @@ def _nodes(both: Counterparts, clip: Clip) -> Iterator[tuple[int, str]]:
         elif node in renamed:
             ours = both.rig.title(renamed[node])
             yield node, f"RIG has no '{other.title(node)}', and '{ours}' in its place would not follow"
-        elif node not in known and not SWITCH.fullmatch(name):
+        elif node not in known and not is_script_node(name):
             yield node, f"RIG has no '{other.title(node)}'"
 
 
