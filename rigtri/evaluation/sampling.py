@@ -273,17 +273,17 @@ class _Pack:
         """Values, (f, tracks, c), at ``times``, (f,)."""
         cubic = self.interpolation == "CUBICSPLINE"
         if len(self.times) == 1:
-            values = self.keyed(slice(None))
-            return np.repeat(values[:, :, 1] if cubic else values, len(times), axis=0)
+            (values,) = self.keyed(slice(None))
+            return _held(values[:, 1] if cubic else values, len(times))
         values, left, inside, span = self.segments(times)
         if self.turns:
             return _turned([(values, left, inside)])[0]
         share = inside[:, np.newaxis, np.newaxis]
         if cubic:
             return _hermite(values, left, share, span[:, np.newaxis, np.newaxis], self.path)
-        here, there = _taken(values, left), _taken(values, left + 1)
         if self.interpolation == "STEP":
-            return np.where(share >= 1.0, there, here)
+            return _taken(values, left + (inside >= 1.0))
+        here, there = _taken(values, left), _taken(values, left + 1)
         return here + (there - here) * share
 
     def segments(self, times: Floats) -> tuple[Floats, Integers, Floats, Floats]:

@@ -115,6 +115,12 @@ def test_one_key_is_the_same_at_all_times() -> None:
     assert_allclose(sampling.sample(track, [-1.0, 2.0, 8.0]), [[5, 6, 7]] * 3)
 
 
+@pytest.mark.parametrize("times", [(1.0,), (1.0, 3.0)], ids=["one key", "two keys"])
+def test_each_number_of_a_track_at_all_times_is_one_row_of_memory(times: tuple[float, ...]) -> None:
+    track = one_track("translation", "LINEAR", [[5, 6, 7]] * len(times), times)
+    assert sampling.sample(track, np.arange(4.0)).transpose().flags.c_contiguous
+
+
 def test_a_rotation_that_is_not_unit_scales_only_when_taken_raw() -> None:
     rig = rig_of(["a"], [-1], np.zeros((1, 3)), 2.0 * QUARTER[np.newaxis])
     assert_allclose(rig.normalised_local[0, 0, :3], [0, 1, 0], atol=1e-12)

@@ -7,14 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from rigs import chain
 
+from rigtri.evaluation import sampling
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.verification.compare import deviation
 
 
 def moments(*tracks: Track) -> Any:
-    return deviation._moments(Clip("c", tracks))
+    return np.sort(np.concatenate(deviation._moments(Clip("c", tracks))))
 
 
 def line(times: Any, values: Any, path: Any = "translation", way: Any = "LINEAR") -> Track:
@@ -46,6 +48,19 @@ def test_of_many_keys_the_widest_gaps_tell() -> None:
     assert set(TIMES.tolist()) <= set(found.tolist())
     assert found[0] < 0
     assert found[-1] > 7
+
+
+def test_at_keys_that_all_tracks_have_nothing_is_interpolated(monkeypatch: pytest.MonkeyPatch) -> None:
+    turns = from_axis_angle(np.array([0.0, 0, 1]), 0.1 * TIMES**2)
+    one = Track(0, "scale", "LINEAR", np.zeros(1), np.full((1, 3), 2.0))
+    clip = Clip("c", (line(TIMES, along(TIMES)), line(TIMES, turns, "rotation"), one))
+    rig = chain((0, 0, 0))
+    keys, others = deviation._moments(clip)
+    assert_allclose(keys, TIMES)
+    assert not set(keys.tolist()) & set(others.tolist())
+    before = sampling.locals_at(rig, clip, keys)
+    monkeypatch.setattr(sampling, "slerp_rows", None)
+    assert_allclose(sampling.locals_at(rig, deviation._stepped(clip), keys), before, atol=1e-15)
 
 
 def test_all_right_angles_of_rotations_are_looked_at() -> None:

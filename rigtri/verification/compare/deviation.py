@@ -110,7 +110,7 @@ class _Part:
     def of(cls, found: Deviation, both: Rig, count: int, clip: Clip) -> _Part:
         """In a crowd each clip moves one character of many."""
         moved = _moved(both, clip)
-        weighed = {track.node for track in clip.tracks if track.path == "weights"}
+        weighed = {node for c in clip.columns if c.path == "weights" for node in c.nodes.tolist()}
         live = [_live(probe, moved, count, weighed) for probe in found.probes]
         if all(rows.all() for rows in live):
             return cls(both, None, found.probes, found.sizes, live)
@@ -132,6 +132,18 @@ class _Part:
     def times_at_once(self) -> int:
         """How many times of its clip go into one block."""
         return min(_times_at_once(self.rig), _times_of_points(self.probes))
+
+    def played(self, clip: Clip, step: int) -> list[tuple[sampling.Motion, Floats]]:
+        """The clip, ready to be posed, and the times of each block, so many at most."""
+        mine, (keys, others) = clip if self.nodes is None else self.rig.clips[0], _moments(clip)
+        motions = [(sampling.Motion(self.rig, mine), others)]
+        if len(keys):
+            motions.append((sampling.Motion(self.rig, _stepped(mine)), keys))
+        return [
+            (motion, times[start : start + step])
+            for motion, times in motions
+            for start in range(0, len(times), step)
+        ]
 
     def worlds(self, motion: sampling.Motion, times: Floats, every: int, *, normalised: bool) -> Floats:
         """World matrices of every node, (f, every, 4, 4); of those outside the part any numbers.
@@ -185,11 +197,9 @@ def measure(
     found.add(SampledPoses(still[:, :count], still[:, count:], (None, None), np.zeros(1)), "")
     block = min(max(map(_times_at_once, (before, after))), _times_of_points(found.probes))
     for clip, *clips in counted([*zip(both.clips, before.clips, after.clips, strict=True)], "clips"):
-        part, times = _Part.of(found, both, count, clip), _moments(clip)
-        motion = sampling.Motion(part.rig, clip if part.nodes is None else part.rig.clips[0])
+        part = _Part.of(found, both, count, clip)
         step = block if part.nodes is None else part.times_at_once()
-        for start in counted(range(0, len(times), step), "moments"):
-            some = times[start : start + step]
+        for motion, some in counted(part.played(clip, step), "moments"):
             worlds = part.worlds(motion, some, len(both), normalised=normalised)
             sides = worlds[:, :count], worlds[:, count:]
             found.add(SampledPoses(*sides, (clips[0], clips[1]), some), clip.name, part)
@@ -252,8 +262,10 @@ def lost_unit_rotations(was: float, now: float) -> tuple[str, ...]:
     return (off,) if now > 2.0 * was + UNIT else ()
 
 
-def _moments(clip: Clip) -> Floats:
+def _moments(clip: Clip) -> tuple[Floats, Floats]:
     """The times at which both rigs are posed in their `joined` clip: its keys, and some between and beyond.
+
+    Apart are those at which all that moves has a key, as far as that is known.
 
     Between keys that both have, interpolations part the more, the farther it is from one to the next: of a
     clip with a great many the widest gaps tell, and all in which a joint rotates by a right angle.
@@ -263,7 +275,7 @@ def _moments(clip: Clip) -> Floats:
     if len(keys) <= _MANY_KEYS or not all(
         c.interpolation == "LINEAR" and np.array_equal(c.times, keys) for c in moving
     ):
-        return sampling.between_keys(keys)
+        return np.zeros(0), sampling.between_keys(keys)
     chosen = np.zeros(len(keys) - 1, dtype=bool)
     for column in moving:
         step = np.max([_steps(column.path, values) for values in column.values], axis=0)
@@ -272,7 +284,13 @@ def _moments(clip: Clip) -> Floats:
     gaps = np.flatnonzero(chosen & ~sampling.jumps_at(keys))
     inside = [keys[gaps] + share * (keys[gaps + 1] - keys[gaps]) for share in (0.29, 0.5)]
     ends = sampling.between_keys(keys[[0, -1]])[[0, -1]]
-    return sampling.sorted_unique(np.concatenate([keys, *inside, ends]))
+    return keys, sampling.sorted_unique(np.concatenate([*inside, ends]))
+
+
+def _stepped(clip: Clip) -> Clip:
+    """A clip that is the same at the keys that all its tracks have, and costs less there: no arcs."""
+    some = (c if len(c.times) == 1 else replace(c, interpolation="STEP", tracks={}) for c in clip.columns)
+    return replace(clip, tracks=Tracks(some))
 
 
 def _steps(path: str, values: Floats) -> Floats:
