@@ -66,18 +66,20 @@ def pointer_of(target: Mapping[str, Any]) -> str | None:
     return pointer if isinstance(pointer, str) else None
 
 
-def animated_nodes(gltf: Value) -> set[int]:
-    """File indices of nodes whose translation, rotation or scale is animated."""
+def animated_matrices(gltf: Value) -> set[int]:
+    """File indices of nodes with a matrix whose translation, rotation or scale is animated."""
+    matrices = {k for k, node in enumerate(gltf.object().get("nodes", [])) if "matrix" in node}
     found: set[int] = set()
     for animation in gltf.each("animations"):
         channels = animation.get("channels")
         for number, channel in enumerate(channels.entries() if channels is not None else ()):
             if type(channel) is not dict:
                 Value(channel, f"{animation.where}.channels[{number}]").object()
-            target = target_of(channel)
+            # Most files have no matrices, and many thousands of channels.
+            target = target_of(channel) if matrices else None
             if target is not None and target[1] in WIDTH:
                 found.add(target[0])
-    return found
+    return found & matrices
 
 
 class _Alike(NamedTuple):

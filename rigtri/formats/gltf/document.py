@@ -19,7 +19,7 @@ from rigtri.files.atomic_write import fsync_while_writing, same_file
 from rigtri.files.mapped_file import load, pour
 from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.gltf.accessors import Accessors
-from rigtri.formats.gltf.animation_reader import ClipReader, animated_nodes
+from rigtri.formats.gltf.animation_reader import ClipReader, animated_matrices
 from rigtri.formats.gltf.animation_writer import ClipWriter
 from rigtri.formats.gltf.buffer_writer import Storage
 from rigtri.formats.gltf.buffers import Buffers
@@ -88,7 +88,7 @@ class GltfDocument:
         self.tree = read_tree(gltf)
         self._reader = MeshReader(gltf, self.accessors, self.tree, self.notices)
         self.rest: Rest = read_rest(
-            gltf, self.tree, animated_nodes(gltf), self.notices, lenient=options.lenient
+            gltf, self.tree, animated_matrices(gltf), self.notices, lenient=options.lenient
         )
         self._rig = self._read_rig(gltf, like)
         self.accessors.forget_layouts()

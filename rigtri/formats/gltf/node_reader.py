@@ -101,7 +101,7 @@ class Rest:
 
 
 def read_rest(gltf: Value, tree: Tree, animated: Set[int], notices: list[Notice], *, lenient: bool) -> Rest:
-    """TRS and matrices as stored, defaults where there are none. animated: file indices."""
+    """TRS and matrices as stored, defaults where there are none. animated: file indices of matrices."""
     count = len(tree.order)
     rotation, matrix = np.zeros((count, 4)), np.zeros((count, 4, 4))
     rotation[:, 3] = 1.0

@@ -305,8 +305,9 @@ def test_joints_of_negative_weights_move_points(tmp_path: Path) -> None:
     assert skin.weighted.tolist() == [True, True, False]
 
 
-# Of the sample with its two clips; with a look-up for each property of each accessor and view it was 5,586.
-_BIPED = 5_200
+# Of the sample with its two clips; with a look-up for each property of each accessor and view it was 5,586,
+# and 5,106 where the target of each channel was read for matrices, of which it has none.
+_BIPED = 5_050
 
 
 def test_a_file_is_read_in_so_many_calls() -> None:
