@@ -35,12 +35,12 @@ def check_arguments(function: Callable[..., Any], values: Sequence[Any], keyword
     """TypeError with the name of an argument that is declared as one of rigtri's classes, a text or a number,
     and is none; UsageError for a number that is too large for a float.
 
-    None stands for what is left out. What may be a path, or of several types, is checked where it is read.
+    None stands for an object, or an optional value, that is left out. What may be a path, or of several
+    types, is checked where it is read.
     """
     needed, positional, kinds = _declared(function)
     for name, value in (*zip(positional, values, strict=False), *keywords.items()):
-        left_out = value is None and name not in needed
-        if name not in kinds or left_out:
+        if name not in kinds or (value is None and name not in needed):
             continue
         if not isinstance(value, kinds[name]):
             kind = _NAMES.get(kinds[name][0], kinds[name][0].__name__)
@@ -53,15 +53,17 @@ def check_arguments(function: Callable[..., Any], values: Sequence[Any], keyword
 
 @cache
 def _declared(function: Any) -> tuple[Sequence[str], Sequence[str], Mapping[str, tuple[type, ...]]]:
-    """The positional parameters without default, all of these, and the types of those that are checked."""
+    """The parameters that cannot be None, the positional ones, and the types of those that are checked."""
     function = unwrap(function)
     positional = function.__code__.co_varnames[: function.__code__.co_argcount]
-    needed = positional[: len(positional) - len(function.__defaults__ or ())]
+    needed = [*positional[: len(positional) - len(function.__defaults__ or ())]]
     found = {}
-    for name, words in function.__annotations__.items():
-        alone = [word for word in words.split(" | ") if word != "None"]
+    for name, annotation in function.__annotations__.items():
+        words = annotation.split(" | ")
+        alone = [word for word in words if word != "None"]
         if len(alone) == 1 and alone[0] in _PLAIN:
             found[name] = (_PLAIN[alone[0]],)
+            needed += [name] if words == alone else []
             continue
         kinds = [function.__globals__.get(word) for word in alone]
         if all(isinstance(kind, type) and kind.__module__.startswith("rigtri.") for kind in kinds):

@@ -347,6 +347,8 @@ def allowed_target(final: Path, path: Path, overwrite: bool) -> Path:
         itself = "is IN itself" if same_file(final, path) else "exists"
         raise UsageError(f"{final} {itself}; it is replaced only with --overwrite")
     if not final.parent.is_dir():
+        if final.parent.exists():
+            raise FileError(f"{final.parent} is a file, not a folder to write {final.name} into")
         raise FileError(f"There is no folder {final.parent} to write {final.name} into")
     if final.suffix.lower() in USD_SUFFIXES:
         check_utf8_path(final.absolute())

@@ -248,6 +248,14 @@ def test_a_name_that_is_a_folders_is_refused_as_that_of_a_file(
     assert [path.name for path in tmp_path.iterdir()] == ["folder.glb"]
 
 
+def test_an_output_below_a_file_is_refused_with_its_name(tmp_path: Path) -> None:
+    """Before, there was "no folder" where a file is."""
+    below = tmp_path / "hero.glb"
+    below.write_bytes(b"")
+    told = cli("orient-joints", SAMPLES / "arm.gltf", "-o", below / "out.gltf", code=3).stderr
+    assert f"{below} is a file, not a folder to write out.gltf into" in told
+
+
 @pytest.mark.parametrize("verbose", [True, False])
 def test_names_that_a_warning_leaves_out_are_listed_with_v(
     verbose: bool, capsys: pytest.CaptureFixture[str]

@@ -823,6 +823,7 @@ ENDLESS = "1" * 5000
             "tolerance must be a number, not str",
         ),
         (lambda _: rigtri.diff(BIPED, BIPED, tolerance=GIGANTIC), UsageError, "tolerance=: a number of"),
+        (lambda rig: rigtri.write(rig, "out.glb", tolerance=None), TypeError, "write: tolerance must be a n"),
         (lambda rig: rigtri.write(rig, "out.glb", tolerance=[]), TypeError, "write: tolerance must be a num"),
         (lambda _: rigtri.diff(ENDLESS, BIPED), FileError, "cannot be read: File name too long"),
         (lambda rig: rigtri.recognise(rig, scheme=ENDLESS), FileError, "cannot be read: File name too long"),
