@@ -18,20 +18,20 @@ from rigtri.operations.options.add_posereader import AddPosereaderOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
+from .printing import rebaked
 from .terminal_text import counted
 
 
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     (entry,) = (entry for entry in report.added if entry["type"] == "poseReader")
-    rivets = [entry["node"] for entry in report.added if entry["type"] == "rivet"]
     rest = ", ".join(f"{name} {value:.3g}" for name, value in entry["rest"].items())
     keys = sum(entry["keys"].values())
     return (
         f"{entry['reader']} reader of {entry['driver']}: at rest {rest}; {keys} keys in "
         f"{counted(len(entry['keys']), 'clip')}, {counted(entry['morphs'], 'morph target')} driven"
         + (f", {counted(entry['joints'], 'joint')} driven" if entry["joints"] else "")
-        + (f"; rivets rebaked: {', '.join(rivets)}" if rivets else "")
+        + rebaked(report, ["rivet"])
     )
 
 

@@ -18,6 +18,7 @@ from rigtri.operations.options.add_twist import AddTwistOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
+from .printing import rebaked
 from .terminal_text import counted
 
 
@@ -28,10 +29,8 @@ def summary(report: Report) -> str:
     bones = {(entry["joint"], entry["to"]) for entry in made}
     clips = {clip["clip"] for entry in made for clip in entry["clips"]}
     keys = f", with keys in {counted(len(clips), 'clip')}" if clips else ""
-    rivets = [entry["node"] for entry in report.added if entry["type"] == "rivet"]
-    rebaked = f"; rivets rebaked: {', '.join(rivets)}" if rivets else ""
     along = f"{counted(len(made), 'twist joint')} along {counted(len(bones), 'bone')}"
-    return f"{along}, {len(new)} of them new{keys}{rebaked}"
+    return f"{along}, {len(new)} of them new{keys}{rebaked(report)}"
 
 
 command = edit_command("add-twist", AddTwistOptions, summary, __doc__)

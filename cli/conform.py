@@ -18,6 +18,7 @@ from rigtri.operations.options.conform import ConformOptions
 from rigtri.report import Report
 
 from .edit_command import SavedFile, edit_command
+from .printing import rebaked
 
 
 def _spec(report: Report) -> str:
@@ -33,7 +34,7 @@ def _spec(report: Report) -> str:
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     steps = dict.fromkeys(entry["do"] for entry in report.added if entry["type"] == "step")
-    return f"conforms: {', '.join(steps)}"
+    return f"conforms: {', '.join(steps)}{rebaked(report)}"
 
 
 _MORE = [

@@ -16,6 +16,7 @@ from rigtri.operations.options.limit_weights import LimitWeightsOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
+from .printing import rebaked
 from .terminal_text import counted
 
 
@@ -24,10 +25,11 @@ def summary(report: Report) -> str:
     if not report.added:
         of = " of meshes that could be read" if report.warned("mesh-unread") else ""
         return f"no vertex{of} has more joints, or other weights; nothing was changed"
-    vertices, over = (sum(entry[word] for entry in report.added) for word in ("points", "over"))
-    meshes, verb = counted(len(report.added), "mesh", "meshes"), "has" if vertices == 1 else "have"
+    changed = [entry for entry in report.added if entry["type"] == "weights"]
+    vertices, over = (sum(entry[word] for entry in changed) for word in ("points", "over"))
+    meshes, verb = counted(len(changed), "mesh", "meshes"), "has" if vertices == 1 else "have"
     many = counted(vertices, "vertex", "vertices")
-    return f"{many} of {meshes} {verb} other weights; {over} had too many joints"
+    return f"{many} of {meshes} {verb} other weights; {over} had too many joints{rebaked(report)}"
 
 
 command = edit_command("limit-weights", LimitWeightsOptions, summary, __doc__)

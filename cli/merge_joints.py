@@ -22,6 +22,7 @@ from rigtri.report import Report
 from rigtri.text import and_more
 
 from .edit_command import edit_command
+from .printing import rebaked
 from .terminal_text import counted
 
 
@@ -31,7 +32,7 @@ def summary(report: Report) -> str:
         return "there is nothing to merge; nothing was changed"
     pairs = [f"{each['joint']} into {each['heir']}" for each in report.joints if "heir" in each]
     names = pairs or [each["joint"] for each in report.joints]
-    return f"{counted(len(report.joints), 'node')} merged: {and_more(names, 4)}"
+    return f"{counted(len(report.joints), 'node')} merged: {and_more(names, 4)}{rebaked(report)}"
 
 
 command = edit_command("merge-joints", MergeJointsOptions, summary, __doc__)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -61,6 +61,14 @@ def print_joints(report: Report) -> None:
 
             words.append(f"up: {up_text(entry['up'])}")
         click.echo(plain("; ".join(words), one_line=True), err=True)
+
+
+def rebaked(report: Report, kinds: Collection[str] = ("poseReader", "rivet")) -> str:
+    """The end of a summary: which rivets and pose readers got keys anew, for what they follow has changed."""
+    from rigtri.text import and_more
+
+    names = [entry["node"] for entry in report.added if entry["type"] in kinds]
+    return f"; rebaked: {and_more(names, 6)}" if names else ""
 
 
 def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:

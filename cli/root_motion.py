@@ -16,6 +16,7 @@ from rigtri.operations.options.root_motion import RootMotionOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
+from .printing import rebaked
 from .terminal_text import counted
 
 
@@ -23,8 +24,9 @@ def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     if not report.added:
         return "no hips move over the ground; nothing was changed"
-    done = "went to the root" if report.added[0]["mode"] == "extract" else "was removed"
-    return f"motion over the ground {done} in {counted(len(report.added), 'clip')}"
+    moved = [entry for entry in report.added if entry["type"] == "moved"]
+    done = "went to the root" if moved[0]["mode"] == "extract" else "was removed"
+    return f"motion over the ground {done} in {counted(len(moved), 'clip')}{rebaked(report)}"
 
 
 command = edit_command("root-motion", RootMotionOptions, summary, __doc__)

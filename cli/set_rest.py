@@ -18,6 +18,7 @@ from rigtri.operations.options.set_rest import SetRestOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
+from .printing import rebaked
 from .terminal_text import counted
 
 
@@ -26,7 +27,7 @@ def summary(report: Report) -> str:
     if not report.joints:
         return "the joints rest so already; nothing was changed"
     clips = "" if report.warned("pose-shown") else "; clips play as before"
-    return f"{counted(len(report.joints), 'joint')} rest in another pose{clips}"
+    return f"{counted(len(report.joints), 'joint')} rest in another pose{clips}{rebaked(report)}"
 
 
 command = edit_command("set-rest", SetRestOptions, summary, __doc__)

@@ -9,6 +9,7 @@ import numpy as np
 from rigtri.model.rig import Rig
 from rigtri.model.skin import WeightLimit
 from rigtri.model.skin_weights import limited
+from rigtri.operations.add_rivet.rebind import rebind_rivets_on_new_weights
 from rigtri.operations.operation import operation
 from rigtri.operations.options.limit_weights import LimitWeightsOptions as LimitWeightsOptions
 from rigtri.report import Report
@@ -19,6 +20,7 @@ def limit_weights(rig: Rig, *, options: LimitWeightsOptions, report: Report) -> 
     """The rig whose vertices keep the joints of the largest weights, which sum to as much as before, or to 1.
 
     How far vertices move is measured when the file is written. What changes is in ``report.added``, by mesh.
+    Rivets on meshes that change are baked anew.
     """
     skins = None if options.character is None else _skins(rig)
     limit = WeightLimit(options.max_influences, options.normalise, skins)
@@ -33,7 +35,10 @@ def limit_weights(rig: Rig, *, options: LimitWeightsOptions, report: Report) -> 
     if report.added and not rig.shown_clips:
         report.warn("no-clips", "This file has no clips: vertices were compared in the rest pose alone")
     limits = (*rig.pending.weight_limits, limit)
-    return replace(rig, pending=replace(rig.pending, weight_limits=limits)) if report.added else rig
+    if not report.added:
+        return rig
+    rig = replace(rig, pending=replace(rig.pending, weight_limits=limits))
+    return rebind_rivets_on_new_weights(rig, report)
 
 
 def _skins(rig: Rig) -> frozenset[int]:

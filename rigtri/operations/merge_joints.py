@@ -16,6 +16,7 @@ from rigtri.maths.vectors import distance
 from rigtri.model.bounding_boxes import corners
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge
+from rigtri.operations.add_rivet.rebind import rebind_rivets_on_new_weights
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.moved_points import STILL, Moved, moved_by, moving_nodes, some_poses
 from rigtri.operations.node_removal import staying, warn_lost_clips, without_nodes
@@ -34,8 +35,8 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
 
     A joint that is named goes with all joints below it; one that never moves, or that another level of detail
     lacks, goes alone, and what is below it is parented to what is above. How far vertices move is measured
-    when the file is written, and refused above the tolerance. Raises GeometryError where something names a
-    joint that is named.
+    when the file is written, and refused above the tolerance. Rivets on meshes that lose joints are baked
+    anew. Raises GeometryError where something names a joint that is named.
     """
     if not rig.shown_clips:
         if options.still:
@@ -67,7 +68,7 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
         return rig
     less = without_nodes(reparented(rig, gone), gone, _folds(rig, merging))
     warn_lost_clips(rig, less, report)
-    return less
+    return rebind_rivets_on_new_weights(less, report)
 
 
 def _meant(rig: Rig, glob: str) -> list[int]:

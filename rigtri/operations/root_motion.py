@@ -15,6 +15,7 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.vectors import perpendicular
 from rigtri.model.animation import Clip, Track, values_minus
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.dependents import rebake_followers
 from rigtri.operations.bake.unbaked import UNBAKED, away_from_keys
 from rigtri.operations.ground_motion import is_none, over_ground, rests, turned, twist, up_of
 from rigtri.operations.operation import operation
@@ -64,12 +65,16 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
         clips.append(made)
     if not report.added:
         return rig
+    moved = replace(rig.with_parts([root, *others]), clips=tuple(clips))
     if options.mode == "extract":
         report.rekeyed = True
         report.moves |= {rig.keys[node] for node in going}
-    else:
-        report.reposed = True
-    return replace(rig.with_parts([root, *others]), clips=tuple(clips))
+        return moved
+    report.reposed = True
+    changed = frozenset(
+        k for k, (was, now) in enumerate(zip(rig.clips, clips, strict=True)) if now is not was
+    )
+    return rebake_followers(moved, changed, report)
 
 
 def _warn_still_moving(rig: Rig, clip: Clip, root: int, report: Report) -> None:

@@ -22,6 +22,7 @@ from rigtri.maths.vectors import angle, distance, length
 from rigtri.model.animation import PATHS, Clip
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
+from rigtri.operations.add_rivet.rebind import rebind_resting_rivets
 from rigtri.operations.body_pose import posed, sure_bones
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.moved_points import moving_nodes
@@ -95,6 +96,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         taken = with_poses_held(rig, taken)
         refuse_other_rest(rig, taken, moved)
         warn_old_rest(taken, moved, report)
+    taken = rebind_resting_rivets(taken, report)
     warn_shown(rig, taken, moved, report, "no animation moves their skeleton, which could keep the old pose")
     return taken
 

@@ -153,7 +153,7 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
         _take_warnings(document, report, request.strict and not lost)
         clock.lap("read")
         begin_stage("edit")
-        rig = step(document.rig, report)
+        rig = _own(step(document.rig, report))
         check_numbers(document.rig, rig)
         check_order(rig)
         for place in written_to:
@@ -222,6 +222,16 @@ def _other_way(path: Path, final: Path) -> str:
     to_usd = source in GLTF_SUFFIXES and suffix in USD_SUFFIXES
     to_gltf = source in USD_SUFFIXES and suffix in (".glb", ".gltf")
     return f". rigtri convert writes {source} files as {suffix}" if to_usd or to_gltf else ""
+
+
+def _own(rig: object) -> Rig:
+    """What a step returns, which may be a user's function, if it is the rig that it was given, edited."""
+    if not isinstance(rig, Rig):
+        given = "nothing" if rig is None else f"a {type(rig).__name__}"
+        raise TypeError(f"edit: step must return the edited rig, as rigtri.orient_joints does, not {given}")
+    if rig.source is not None:
+        raise UsageError("edit: step must return the rig that it is given, edited, not one of rigtri.read")
+    return rig
 
 
 def _deliver(

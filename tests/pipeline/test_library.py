@@ -823,6 +823,12 @@ ENDLESS = "1" * 5000
             "tolerance must be a number, not str",
         ),
         (lambda _: rigtri.diff(BIPED, BIPED, tolerance=GIGANTIC), UsageError, "tolerance=: a number of"),
+        (
+            lambda _: rigtri.edit(BIPED, "out.glb", lambda *_: None),
+            TypeError,
+            "return the edited rig, .*nothing",
+        ),
+        (lambda rig: rigtri.edit(BIPED, "out.glb", lambda *_: rig), UsageError, "not one of rigtri.read"),
         (lambda rig: rigtri.write(rig, "out.glb", tolerance=None), TypeError, "write: tolerance must be a n"),
         (lambda rig: rigtri.write(rig, "out.glb", tolerance=[]), TypeError, "write: tolerance must be a num"),
         (lambda _: rigtri.diff(ENDLESS, BIPED), FileError, "cannot be read: File name too long"),

@@ -1,8 +1,8 @@
-"""Rivets baked again after the skin weights or morphs of their mesh have changed."""
+"""Rivets baked again after the skin weights, morphs or rest pose of their mesh have changed."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from rigtri.maths.matrices import transform_points
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
-from rigtri.model.skin_weights import shared
+from rigtri.model.skin_weights import limited, shared
 from rigtri.operations.add_rivet.rivet import rebaked
 from rigtri.report import Report
 
@@ -22,8 +22,16 @@ def rebind_rivets(rig: Rig, meshes: Collection[int], report: Report) -> Rig:
 
     One that cannot be baked stays as it is, with a warning.
     """
-    clips = range(len(rig.clips))
-    for node in _rivets(rig, meshes):
+    return _rebound(rig, _rivets(rig, meshes), range(len(rig.clips)), report)
+
+
+def rebind_resting_rivets(rig: Rig, report: Report) -> Rig:
+    """The rig with all rivets where their triangles are now at rest; their keys stay as they are."""
+    return _rebound(rig, sorted(rig.records(RivetRecord)), (), report)
+
+
+def _rebound(rig: Rig, rivets: Sequence[int], clips: Collection[int], report: Report) -> Rig:
+    for node in rivets:
         try:
             rig = rebaked(rig, node, clips=clips, report=report)
         except (FileError, GeometryError) as error:
@@ -37,16 +45,15 @@ def _rivets(rig: Rig, meshes: Collection[int]) -> list[int]:
 
 
 def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
-    """The same for meshes whose weights the rig redistributes: with those that they will have in the file.
+    """The same for meshes whose weights the rig redistributes, limits, or takes from joints that go: with
+    those that they will have in the file.
 
     Weights that are stored as whole numbers are rounded there, by half a unit at most.
     """
-    meshes_of_rivets = {record.mesh for record in rig.records(RivetRecord).values()}
-    skins = {redistribution.skin for redistribution in rig.pending.weight_redistributions}
-    if not meshes_of_rivets or not skins:
+    if not rig.records(RivetRecord) or not rig.pending.changes_weights:
         return rig
     meshes = rig.meshes
-    touched = {mesh.node for mesh in meshes if mesh.skin in skins}
+    touched = {mesh.node for mesh in meshes if _gets_new_weights(mesh, rig)}
     if not _rivets(rig, touched):
         return rig
     anew = [_with_new_weights(mesh, rig) for mesh in meshes]
@@ -60,11 +67,22 @@ def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
     return replace(set_anew, content=rig.content, skins=rig.skins)
 
 
+def _gets_new_weights(mesh: Mesh, rig: Rig) -> bool:
+    pending = rig.pending
+    skins = {each.skin for each in pending.weight_redistributions}
+    skins |= {merge.skin for merge in pending.joint_merges if not merge.idle}
+    limits = [limit.skins for limit in pending.weight_limits]
+    return mesh.skin is not None and any(each is None or mesh.skin in each for each in (skins, *limits))
+
+
 def _with_new_weights(mesh: Mesh, rig: Rig) -> Mesh:
-    """A mesh with the weights that the redistributions of its skin give it."""
+    """A mesh with the weights that the redistributions of its skin, and limits, give it."""
     joints, weights = mesh.joints, mesh.weights
     for redistribution in rig.pending.weight_redistributions if len(joints) else ():
         if redistribution.skin == mesh.skin:
             points = transform_points(mesh.points, mesh.bind)
             joints, weights = shared(redistribution, points, joints, weights)
+    for limit in rig.pending.weight_limits if mesh.skin is not None else ():
+        if limit.skins is None or mesh.skin in limit.skins:
+            joints, weights = limited(joints, weights, limit)
     return mesh if weights is mesh.weights else replace(mesh, joints=joints, weights=weights)
