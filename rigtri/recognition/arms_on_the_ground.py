@@ -69,16 +69,8 @@ def arm_below_a_lying_trunk(draft: Draft, each: Found, found: Sequence[Found]) -
 def arm_called_front(draft: Draft, each: Found) -> str:
     """An arm of which a joint is called a front one: people have none behind."""
     words = [draft.words.get(joint, NO_WORDS) for joint in each.joints] if each.kind == "arm" else []
-    front = [word for word in words if word.place == "front"]
-    if front and (any(word.corner != "left" for word in front) or _has_places_on_the_right(draft)):
-        return "its names say that it is in front, as a front leg is"
-    return ""
-
-
-def _has_places_on_the_right(draft: Draft) -> bool:
-    """Whether names on the right say front or hind: where none does, ``lf`` is the left of ``rt``."""
-    names = draft.tree.rig.names
-    return any(words.place and parse_name(names[node]).side == "right" for node, words in draft.words.items())
+    front = any(word.place == "front" for word in words)
+    return "its names say that it is in front, as a front leg is" if front else ""
 
 
 def arm_on_the_ground(draft: Draft, each: Found) -> str:

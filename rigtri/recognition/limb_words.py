@@ -33,6 +33,8 @@ _FIRST = {"f": "front", "b": "back", "h": "hind"}
 _FURNITURE = frozenset(["leg", "legs", "foot", "feet", "arm", "bein", "pata", "pied", "piede"])
 # Of an arm these are its hands, and of a leg the hind one.
 _HANDS = frozenset(["lh", "rh"])
+# What is front left and front right of a body on four, and the left and the right of a person.
+FRONT_OR_SIDE = frozenset(["lf", "rf"])
 # What a name counts against a limb that says another place of its joint.
 _AGAINST = 1.5
 # What robots call the axes that make one joint.
@@ -88,8 +90,8 @@ def words_apart(name: str) -> tuple[str, ...]:
 
 
 @lru_cache(_NAMES)
-def limb_words(name: str) -> LimbWords:
-    """What the words of a name say about a limb.
+def limb_words(name: str, *, in_front: bool = True) -> LimbWords:
+    """What the words of a name say about a limb; in_front: whether ``lf`` and ``rf`` are more than sides.
 
     >>> limb_words("frontUpperLeg.L").levels, limb_words("leg_2_tarsus").kind
     ({'upper': 1.0}, 'leg')
@@ -105,7 +107,8 @@ def limb_words(name: str) -> LimbWords:
     kind = kinds.pop() if len(kinds) == 1 else ""
     if kind == "arm":
         found = [word for word in found if word not in _HANDS]
-    places = {table.places[word] for word in found if word in table.places}
+    placed = [word for word in found if in_front or word not in FRONT_OR_SIDE]
+    places = {table.places[word] for word in placed if word in table.places}
     place = places.pop() if len(places) == 1 else ""
     marks = {table.marks[word] for word in found if word in table.marks}
     animal, bends = "animal" in marks, "bends" in marks

@@ -11,7 +11,14 @@ from rigtri.model.joint_names import Side, number, without_prefix
 from rigtri.model.rig import Rig
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import BENDS, MIDDLE, LimbKind
-from rigtri.recognition.limb_words import LEVELS, Level, LimbWords, limb_words
+from rigtri.recognition.limb_words import (
+    FRONT_OR_SIDE,
+    LEVELS,
+    Level,
+    LimbWords,
+    limb_words,
+    words_apart,
+)
 from rigtri.recognition.name_parsing import ParsedName, parse_name
 from rigtri.recognition.naming_schemes import BESIDE, Scheme, roles_in_name
 
@@ -73,14 +80,36 @@ def read_names(tree: Tree, nodes: Iterable[int], known: Sequence[Scheme]) -> Rea
 def _without_corners(rig: Rig, nodes: Sequence[int]) -> list[int]:
     """The joints without those of front and hind legs, where names tell these apart: no scheme has such.
 
-    A front leg alone is read as any other, and so is ``lf`` where no joint on the right has a place: it is
-    the left of ``rt``.
+    A front leg alone is read as any other.
     """
-    said = {node: limb_words(rig.names[node]) for node in nodes}
-    right = {words.place for node, words in said.items() if parse_name(rig.names[node]).side == "right"}
-    if len({words.place for words in said.values() if words.kind}) < 2 or right == {""}:
+    said = _said_of_limbs(rig, nodes)
+    if len({words.place for words in said.values() if words.kind}) < 2:
         return list(nodes)
     return [node for node, words in said.items() if not (words.kind and words.place)]
+
+
+def _said_of_limbs(rig: Rig, nodes: Iterable[int]) -> dict[int, LimbWords]:
+    """What the words of each name say of a limb, with all names in mind: see `_are_sides`."""
+    names = {node: rig.names[node] for node in nodes if rig.names[node]}
+    said = {node: limb_words(name) for node, name in names.items()}
+    both = [node for node, name in names.items() if any(word in name.lower() for word in FRONT_OR_SIDE)]
+    if not both or not _are_sides(names, said):
+        return said
+    return said | {node: limb_words(names[node], in_front=False) for node in both}
+
+
+def _are_sides(names: Mapping[int, str], said: Mapping[int, LimbWords]) -> bool:
+    """Whether ``lf`` and ``rf`` are left and right, and not the front legs of a body on four.
+
+    They are where ``rt`` is the right one; and where no limb is behind, nor one of plain left and right.
+    """
+    words = frozenset(word for name in names.values() for word in words_apart(name))
+    if "rt" in words and "rf" not in words:
+        return True
+    limbs = [node for node, own in said.items() if own.kind or own.levels]
+    return not any(
+        said[k].place == "hind" or (not said[k].corner and parse_name(names[k]).side) for k in limbs
+    )
 
 
 # What the bones of a human are along a limb.
@@ -91,7 +120,7 @@ for _bones in BENDS.values():
 
 def limb_names(rig: Rig, nodes: Iterable[int], reading: Reading | None) -> dict[int, LimbWords]:
     """What the names of joints say about limbs: as a scheme of one maker has it, else their single words."""
-    found = {node: limb_words(rig.names[node]) for node in nodes if rig.names[node]}
+    found = _said_of_limbs(rig, nodes)
     if reading is not None and not reading.scheme.is_common:
         for bone, node in reading.bones.items():
             own = bone.removeprefix("left").removeprefix("right")

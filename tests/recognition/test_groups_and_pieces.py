@@ -21,6 +21,7 @@ from rigtri.recognition.joint_tree import Tree, segments_of
 from rigtri.recognition.limb_triples import _cosines, triple_of
 from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.name_readings import limb_names
 from rigtri.recognition.names_of_several import named_twice
 from rigtri.recognition.shape_doubts import later_start
 from rigtri.recognition.split_bones import split_bone
@@ -126,15 +127,23 @@ def test_an_arm_of_which_a_joint_is_called_a_front_one_may_be_a_front_leg(end: s
     assert bool(arm_called_front(draft, limb(draft, "arm", f"upper_arm.L forearm.L {end}"))) == doubt
 
 
-@pytest.mark.parametrize(("right", "doubt"), [("rt", False), ("rf", True)])
-def test_lf_is_the_left_of_rt_and_the_front_left_of_rf(right: str, *, doubt: bool) -> None:
-    """Before, the left arm of ``rt_hand`` was called a front leg, and was not sure."""
+@pytest.mark.parametrize(
+    ("body", "right", "hind", "doubt"),
+    [(MAN, "rt", "", False), (MAN, "rf", "", False), (HORSE, "rf", "lb rb", True), (HORSE, "rf", "", False)],
+)
+def test_lf_is_front_left_only_beside_legs_behind(
+    body: list[Joint], right: str, hind: str, *, doubt: bool
+) -> None:
+    """Before, the arms of a man with ``rf_hand`` were called front legs, and were not sure."""
 
     def renamed(name: str) -> str:
         plain, _, side = name.partition(".")
-        return f"{'lf' if side == 'L' else right}_{plain}" if side else name
+        behind = hind.split() if plain in ("thigh", "shin", "foot") else []
+        sides = behind or ["lf", right]
+        return f"{sides[side == 'R']}_{plain}" if side else name
 
-    draft = drafted([(renamed(name), renamed(above), at) for name, above, at in MAN])
+    draft = drafted([(renamed(name), renamed(above), at) for name, above, at in body])
+    draft.words = limb_names(draft.tree.rig, draft.tree.nodes, None)
     for side in ("lf", right):
         arm = limb(draft, "arm", f"{side}_upper_arm {side}_forearm {side}_hand")
         assert bool(arm_called_front(draft, arm)) == doubt

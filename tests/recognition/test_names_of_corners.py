@@ -107,6 +107,60 @@ def test_the_four_legs_of_a_centaur_are_front_and_hind_legs(named: bool) -> None
     }
 
 
+# Sides of a person in two letters, and how riggers put them into names; {s} is the side.
+PEOPLE = [("LF", "RF"), ("Lf", "Rf"), ("Lf", "Rt")]
+PUT = ["{s}_{word}", "{word}_{s}", "bn_{word}_{s}_jnt", "{word}{s}"]
+
+
+@pytest.mark.parametrize("sides", PEOPLE)
+@pytest.mark.parametrize("put", PUT)
+@pytest.mark.parametrize("short", [False, True])
+def test_two_letters_are_a_side_where_no_leg_is_behind(sides: tuple[str, str], put: str, short: bool) -> None:
+    """Before, a man's left arm, or both, were not sure: a front leg is called so."""
+    names = {}
+    for name in (name for name, _, _ in MAN if name[-2:] in (".L", ".R")):
+        word = "hnd" if short and name.startswith("hand") else name[:-2]
+        names[name] = put.format(s=sides[name.endswith(".R")], word=word)
+    joints = [(names.get(a, a), names.get(b, b), at) for a, b, at in MAN]
+    (found,) = recognise(rig_with(joints)).characters
+    expected = {
+        f"{side} {limb}": [names[f"{bone}.{letter}"] for bone in bones.split()]
+        for limb, bones in (("arm", "upper_arm forearm hand"), ("leg", "thigh shin foot"))
+        for side, letter in (("left", "L"), ("right", "R"))
+    }
+    assert sure(found, joints) == expected
+
+
+@pytest.mark.parametrize("hind", ["LH RH", "LB RB", "LR RR", "l_hind r_hind"])
+def test_two_letters_are_front_where_a_leg_is_behind(hind: str) -> None:
+    """A horse whose front legs have the names of arms, with words of hind legs beside them."""
+    names = {}
+    for bones, places in (("upper_arm forearm hand", "LF RF"), ("thigh shin foot", hind)):
+        for bone in bones.split():
+            for given, place in zip("LR", places.split(), strict=True):
+                names[f"{bone}.{given}"] = f"{place}_{bone}"
+    joints = [(names.get(a, a), names.get(b, b), at) for a, b, at in HORSE]
+    (found,) = recognise(rig_with(joints)).characters
+    assert {k.name for k in found.chains if k.kind == "arm" and k.is_sure} == set()
+
+
+def test_lf_and_rt_are_left_and_right_of_hind_legs_too() -> None:
+    names = {
+        f"{bone}.{given}": f"{side}_{place}_{word}"
+        for bones, place in (("upper_arm forearm hand", "front"), ("thigh shin foot", "hind"))
+        for bone, word in zip(bones.split(), ("thigh", "shin", "paw"), strict=True)
+        for given, side in (("L", "Lf"), ("R", "Rt"))
+    }
+    joints = [(names.get(a, a), names.get(b, b), at) for a, b, at in HORSE]
+    (found,) = recognise(rig_with(joints)).characters
+    words = ("thigh", "shin", "paw")
+    assert sure(found, joints) == {
+        f"{side} {place} leg": [f"{two}_{place}_{word}" for word in words]
+        for place in ("front", "hind")
+        for side, two in (("left", "Lf"), ("right", "Rt"))
+    }
+
+
 def test_a_front_leg_alone_is_one() -> None:
     joints = line("front_thigh front_shin front_paw", "", (0, 0.7, 0), (0, 0.4, 0.1), (0, 0.1, 0.05))
     (found,) = recognise(rig_with(joints)).characters
