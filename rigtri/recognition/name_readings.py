@@ -133,8 +133,9 @@ def limb_names(rig: Rig, nodes: Iterable[int], reading: Reading | None) -> dict[
         for level, node in zip(LEVELS[1:4], reading.limbs[kind, side], strict=True):
             found[node] = LimbWords({level: 1.0}, kind)
     scheme = reading.scheme if reading is not None else None
+    names = dict(zip(found, without_prefix([rig.names[node] for node in found]), strict=True))
     return {
-        node: replace(each, trunk=True) if _is_of_trunk(rig.names[node], scheme) else each
+        node: replace(each, trunk=True) if _is_of_trunk(names[node], scheme) else each
         for node, each in found.items()
     }
 

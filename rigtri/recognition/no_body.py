@@ -136,10 +136,22 @@ def _strange(draft: Draft, found: Sequence[Found], *, things: bool = False) -> s
     starts = {parse_name(names[each.joints[0]]).plain for each in found if each.side} - {""}
     for node in (*(each.joints[0] for each in found if not each.side), *_beside(draft, found)):
         name = names[node]
+        if _holds_all(draft, node, found):
+            continue
         third = parse_name(name).plain in starts and not parse_name(name).side
         if third or thing_in_name(name) or not (things or _may_be_of_a_body(draft, node)):
             return f"'{draft.tree.rig.title(node)}'"
     return ""
+
+
+def _holds_all(draft: Draft, node: int, found: Sequence[Found]) -> bool:
+    """Whether a joint that all limbs hang below is called as one that holds a whole rig.
+
+    There ``cog`` is the centre of gravity, and no wheel.
+    """
+    words = parse_name(draft.tree.rig.names[node]).kept
+    named = words and whole_rigs().issuperset(words)
+    return bool(named) and all(draft.tree.is_below(each.joints[0], node) for each in found)
 
 
 def _beside(draft: Draft, found: Sequence[Found]) -> Iterator[int]:

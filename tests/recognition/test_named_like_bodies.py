@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import pytest
-from recognition_bodies.skeletons import Joint, Place, both, line, rig_with
+from recognition_bodies.skeletons import HORSE, Joint, Place, both, line, renamed, rig_with
 
 from rigtri.recognition.recognise import recognise
 
@@ -132,3 +132,43 @@ def test_parts_of_bodies_stay_sure(part: str) -> None:
 def test_arms_and_legs_of_one_whose_root_has_any_name_are_sure() -> None:
     joints = [("Steve", "", (0, 1.2, 0)), *pair(ARMS[1], "Steve", ARM), *pair(LEGS[1], "Steve", LEG)]
     assert len([chain for chain in recognise(rig_with(joints)).chains if chain.bend and chain.is_sure]) == 4
+
+
+# A horse of which neither hips nor spine are named, as riggers of animals call the rest.
+ANIMAL = {
+    "pelvis": "croup",
+    "spine1": "back1",
+    "spine2": "back2",
+    "chest": "withers",
+    "thigh": "hindleg_hip",
+    "shin": "hindleg_stifle",
+    "foot": "hindleg_hock",
+    "toe": "hindleg_fetlock",
+    "upper_arm": "foreleg_elbow",
+    "forearm": "foreleg_knee",
+    "hand": "foreleg_fetlock",
+}
+
+
+@pytest.mark.parametrize(("top", "certain"), [("cog", True), ("cog_jnt", True), ("crane_cog", False)])
+def test_a_cog_that_all_limbs_hang_below_is_the_centre_of_gravity(top: str, *, certain: bool) -> None:
+    """Before, ``cog`` was a part of a machine wherever it was, so that no leg of a horse was sure."""
+    horse = [(name, above or top, place) for name, above, place in renamed(HORSE, ANIMAL)]
+    layout = recognise(rig_with([(top, "", (0, 1.4, 0)), *horse]))
+    sure = [chain.name for chain in layout.chains if chain.bend and chain.is_sure]
+    assert len(sure) == (4 if certain else 0)
+
+
+def test_a_cog_beside_the_limbs_is_a_wheel() -> None:
+    horse = renamed(HORSE, ANIMAL)
+    layout = recognise(rig_with([*horse, ("cog", "withers", (0, 1.5, 0.7))]))
+    assert [chain.name for chain in layout.chains if chain.bend and chain.is_sure] == []
+
+
+@pytest.mark.parametrize("prefix", ["", "raptor_", "hero:"])
+def test_what_all_names_begin_with_hides_no_trunk(prefix: str) -> None:
+    """Before, ``raptor_hip`` was no part of a body beside ``raptor_arm1_L``, and nothing was sure."""
+    joints: list[Joint] = [("root", "", (0, 1, 0)), *line("hip skull", "root", (0, 1.1, 0), (0, 1.6, 0.1))]
+    joints += [*pair("arm1 arm2 arm3", "hip", ARM), *pair("leg1 leg2 leg3", "hip", LEG)]
+    called = [(prefix + name, above and prefix + above, place) for name, above, place in joints]
+    assert len([chain for chain in recognise(rig_with(called)).chains if chain.bend and chain.is_sure]) == 4
