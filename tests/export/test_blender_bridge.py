@@ -509,6 +509,27 @@ def test_axes_that_blender_turns_on_its_way_from_usd_to_gltf_are_no_move(axis: s
     assert (back is edited) == (not told)
 
 
+@pytest.mark.parametrize("axis", ["none", "x"])
+@pytest.mark.parametrize("scale", [0.01, 1.0])
+def test_the_unit_that_blender_gives_a_usd_file_in_centimetres_is_no_move(axis: str, scale: float) -> None:
+    """Older versions leave the scale out. Whoever moves the armature has it put back where Blender had it."""
+    rig = with_keyed_controls()
+    described = replace(rig, rules=replace(rig.rules, metres_per_unit=0.01))
+    node, of = int(rig.parents[rig.find("hips")]), dict(enumerate(range(len(rig.names))))
+    rotation, sizes, places = rig.rotation.copy(), rig.scale.copy(), rig.translation.copy()
+    rotation[node] = turn("x", 90) if axis == "x" else rotation[node]
+    sizes[node] *= scale
+    edited = replace(rig, rotation=rotation, scale=sizes)
+    report = Report()
+    assert put_back(edited, described, of, report) is edited
+    assert not report.warnings
+    places[node] += 0.3
+    moved = replace(edited, translation=places)
+    back = put_back(moved, described, of, report)
+    assert [notice.code for notice in report.warnings] == ["armature-moved"]
+    np.testing.assert_allclose(back.world, edited.world, atol=1e-12)
+
+
 def arrays(path: str) -> Shown:
     with np.load(path) as found:
         return dict(found)

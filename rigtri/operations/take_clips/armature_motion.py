@@ -12,8 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.maths.matrices import decompose, from_frame, inverse, multiply
+from rigtri.maths.matrices import decompose, from_frame, inverse, multiply, nearest_rotation
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 from rigtri.text import list_names
@@ -28,7 +29,7 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) ->
     """The rig with its armatures where ``described`` has them, and bind poses along with them, with a notice.
 
     of: the nodes of ``rig`` by those of ``described``. What a clip moves stays, and so does all of another
-    world, where the axes of nodes are others.
+    up axis, where the axes of nodes are others.
     """
     keyed = {track.node for clip in rig.clips for track in clip.tracks}
     if tuple(rig.rules.up) != tuple(described.rules.up):
@@ -37,8 +38,9 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) ->
     for theirs, node in of.items():
         holds = {int(rig.parents[joint]) for joint in np.flatnonzero(rig.is_joint).tolist()}
         if node in holds and not rig.is_joint[node] and keyed.isdisjoint(rig.path_to_root(node)):
-            here, there = rig.world[node], described.world[theirs]
-            if not (_same(here, there) or _same(here, multiply(_OTHER_AXES, there))):
+            here, unmoved = rig.world[node], _unmoved(rig, described, described.world[theirs])
+            if not any(_same(here, there) for there in unmoved):
+                there = max(unmoved, key=lambda there: _alike(here, there))
                 moves[node] = multiply(inverse(here), there)
     if not moves:
         return rig
@@ -50,8 +52,26 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) ->
     return _bound(rig, moves)
 
 
+def _unmoved(rig: Rig, described: Rig, there: Floats) -> list[Floats]:
+    """Where an armature may stand in ``rig`` that nobody has moved and that is ``there`` in ``described``.
+
+    Blender scales what it imports of a USD file to metres, by the nodes above all others.
+    """
+    unit = described.rules.metres_per_unit / rig.rules.metres_per_unit
+    scales = [from_frame(np.eye(3) * scale, np.zeros(3)) for scale in dict.fromkeys((1.0, unit))]
+    return [multiply(multiply(axes, there), scale) for scale in scales for axes in (np.eye(4), _OTHER_AXES)]
+
+
 def _same(here: Floats, there: Floats) -> bool:
-    return bool(np.abs(here - there).max() <= _SAME * max(1.0, float(np.abs(there).max())))
+    unit = float(length(there[:3, :3]).max()) or 1.0
+    return bool(np.abs(here - there).max() <= _SAME * max(unit, float(np.abs(there).max())))
+
+
+def _alike(here: Floats, there: Floats) -> tuple[float, float]:
+    """How near two places are to each other, in axes and in size; the larger, the nearer."""
+    trace = float((nearest_rotation(here) * nearest_rotation(there)).ravel().cumsum()[-1])
+    sizes = [float(length(place[0, :3])) or 1.0 for place in (here, there)]
+    return round(trace, 6), min(sizes) / max(sizes)  # rounding of the axes decides nothing
 
 
 def _placed(rig: Rig, node: int, world: Floats) -> Rig:
