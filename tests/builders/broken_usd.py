@@ -47,11 +47,11 @@ def stage(text: str) -> Make:
     return lambda folder: save(folder, text)
 
 
-def beside(text: str) -> Make:
-    """A file beside a damaged layer, ``bad.usda``."""
+def beside(text: str, other: str) -> Make:
+    """A file beside another layer, ``other.usda``."""
 
     def make(folder: Path) -> Path:
-        save(folder, "#usda 1.0\ndef {", "bad.usda")
+        save(folder, f"#usda 1.0\n{other}", "other.usda")
         return save(folder, text)
 
     return make
@@ -220,10 +220,15 @@ USD: dict[str, list[Make]] = {
     "usd.package.junk": [packed(lambda whole: whole + b"junk")],
     "usd.package.backslash": [packed(lambda whole: whole, "tex\\notes.txt")],
     "usd.layer.missing": [stage(clean().replace("(\n", "(\n    subLayers = [@./gone.usda@]\n", 1))],
-    "usd.layer.unreadable": [beside(clean().replace("(\n", "(\n    subLayers = [@./bad.usda@]\n", 1))],
-    "usd.layer.uncomposed": [
+    "usd.layer.unreadable": [
+        beside(clean().replace("(\n", "(\n    subLayers = [@./other.usda@]\n", 1), "def {")
+    ],
+    "usd.layer.cycle": [
         stage(clean() + 'def "A" (references = </A>) {}\n'),
         stage(clean().replace("(\n", "(\n    subLayers = [@./in.usda@]\n", 1)),
+    ],
+    "usd.layer.time-offset": [
+        beside(clean().replace("(\n", "(\n    subLayers = [@./other.usda@ (scale = -1)]\n", 1), "")
     ],
     "usd.no-skeleton": [stage(scene('def Xform "A" {}'))],
     "usd.skel.no-joints": [

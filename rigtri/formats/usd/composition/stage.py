@@ -45,9 +45,7 @@ MARK = "rigtri"
 _LAYER = re.compile(r"(?:In <[^>]*>: )?Could not (?:load sublayer|open asset) @(.*?)@ ")
 _PRIM = re.compile(r"In <[^>]*>: Unresolved \w+ prim path @(.*?)@<(.*?)>")
 # A cycle of arcs or of sublayers, and a time offset that is none; the layer of the session is of no interest.
-_BROKEN = re.compile(
-    r"(?:In <[^>]*>: )?(?:Cycle detected|Sublayer hierarchy .* has cycles|Invalid .*offset )"
-)
+_BROKEN = re.compile(r"(?:In <[^>]*>: )?(Cycle detected|Sublayer hierarchy .* has cycles|Invalid .*offset )")
 _SESSION, _IDENTIFIER = re.compile(r",@anon:[^@]*@"), re.compile(r"@([^@]*)@")
 _TRAILING = re.compile(r"\s*(; skipping)?\.?\s*\((instantiating|recomposing) stage.*$", re.DOTALL)
 
@@ -283,9 +281,10 @@ def _lacking(texts: list[str], folder: Path, *, allow_missing: bool) -> list[Not
             unread.add((name, _shortened(" ".join(why.split())))) if why else missing.add(name)
         elif prim := _PRIM.match(text):
             prims.add(f"<{prim[2]}> of {_seen_from(folder, prim[1])}")
-        elif _BROKEN.match(text):
+        elif kind := _BROKEN.match(text):
             why = _IDENTIFIER.sub(lambda found: _seen_from(folder, found[1]), _SESSION.sub("", text))
-            broken.add(_shortened(" ".join(_TRAILING.sub("", why).split())))
+            code = "time-offset" if kind[1].startswith("Invalid") else "cycle"
+            broken.add((code, _shortened(" ".join(_TRAILING.sub("", why).split()))))
     for name, why in sorted(unread):
         # What USD has no plugin for, such as an Alembic cache, is whole for all that is known here.
         if not allow_missing and Sdf.FileFormat.FindByExtension(name.strip("]").partition(":")[0]):
@@ -295,9 +294,7 @@ def _lacking(texts: list[str], folder: Path, *, allow_missing: bool) -> list[Not
             )
     texts = [f"USD cannot read {name}, which is left out: {why}" for name, why in sorted(unread)]
     notices = [Notice("unread-layer", text) for text in texts]
-    notices += [
-        Notice("uncomposed", f"USD leaves out what it cannot compose: {why}") for why in sorted(broken)
-    ]
+    notices += [Notice(code, f"USD leaves out what it cannot compose: {why}") for code, why in sorted(broken)]
     leaving = [name for name in sorted(missing) if "[../" in name and "]" in name]
     notices += [Notice("unresolved", _leaves(name)) for name in leaving[:3]]
     files = [name for name in sorted(missing) if name not in leaving]

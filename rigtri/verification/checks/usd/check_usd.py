@@ -29,7 +29,11 @@ from rigtri.verification.checks.usd import animations, bindings, skeletons
 from rigtri.verification.checks.usd.scene import Scene
 
 # What the reader noticed, by its code.
-_LAYERS = {"unread-layer": "usd.layer.unreadable", "uncomposed": "usd.layer.uncomposed"}
+_LAYERS = {
+    "unread-layer": "usd.layer.unreadable",
+    "cycle": "usd.layer.cycle",
+    "time-offset": "usd.layer.time-offset",
+}
 
 
 def check_usd(
