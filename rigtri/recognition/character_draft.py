@@ -29,7 +29,8 @@ class Draft:
     reading: what names say, None where nothing. words: what single words of names say of limbs.
     certain: bones of a humanoid map, bones: those found so far, both by their names. controls: joints that
     are known to be none of the body. segments: joints that are parts of the bones above them, and none of
-    the tree. worn: joints of chains along known limbs, none of the tree either. up, facing, left: unit
+    the tree. worn: joints of chains along known limbs, none of the tree either. rival: the first joint of
+    another skeleton in the same places that may be the body as well, −1 for none. up, facing, left: unit
     directions of the world, zero where unknown. hips, chest: where legs and arms hang, −1 where unknown.
     four: whether it stands on four legs. remarks: sentences for users. answers: see `once`.
     """
@@ -42,6 +43,7 @@ class Draft:
     controls: frozenset[int] = frozenset()
     segments: frozenset[int] = frozenset()
     worn: frozenset[int] = frozenset()
+    rival: int = -1
     up: Vector = field(default_factory=Vector)
     facing: Vector = field(default_factory=Vector)
     left: Vector = field(default_factory=Vector)

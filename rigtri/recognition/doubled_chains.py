@@ -9,9 +9,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.dataclass import dataclass
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses
 
 # Joints of a skeleton of controls stand so near to one of the body's, of its extent, and so many of them do.
@@ -47,14 +50,26 @@ def doubled_in(tree: Tree, poses: Poses) -> frozenset[int]:
     return frozenset(found)
 
 
-def with_controls(
-    tree: Tree, groups: Sequence[Sequence[int]], poses: Poses
-) -> list[tuple[list[int], frozenset[int]]]:
-    """The joints of each character, and those of a skeleton that only stands around it.
+@dataclass(frozen=True)
+class JointGroup:
+    """The joints of a character; around: those of skeletons of controls that only stand around it.
+
+    rival: the first joint of another skeleton in the same places, which may be the body as well; −1 for none.
+    """
+
+    nodes: list[int]
+    around: frozenset[int] = frozenset()
+    rival: int = -1
+
+
+def with_controls(tree: Tree, groups: Sequence[Sequence[int]], poses: Poses) -> list[JointGroup]:
+    """The bodies among groups of joints, each with the skeletons of controls that only stand around it.
 
     What one skin lists with a body, moves no point, shows no mesh, and stands where the body does is what
     animators move instead, whatever it is called. Beside another body of a crowd a body stands elsewhere.
     """
+    if len(groups) > 1 and not _draws_anything(tree, poses):
+        return _by_names(tree, groups, poses)
     owner = {node: k for k, nodes in enumerate(groups) for node in nodes}
     shared = [{owner[k] for k in skin.joints.tolist() if k in owner} for skin in tree.rig.skins]
     shared = [together for together in shared if len(together) > 1]
@@ -63,16 +78,60 @@ def with_controls(
     controls: dict[int, set[int]] = {k: set() for k in range(len(groups)) if k not in idle}
     for k in sorted(idle):
         bodies = sorted(set().union(*(together for together in shared if k in together)) - idle)
-        beside = [body for body in bodies if _stands_beside(tree, groups[k], groups[body])]
+        beside = [body for body in bodies if _stands_beside(tree.places, groups[k], groups[body])]
         controls.setdefault(beside[0] if beside else k, set()).update(groups[k] if beside else ())
-    return [(list(groups[k]), frozenset(found)) for k, found in sorted(controls.items())]
+    return [JointGroup(list(groups[k]), frozenset(found)) for k, found in sorted(controls.items())]
 
 
-def _stands_beside(tree: Tree, nodes: Sequence[int], body: Sequence[int]) -> bool:
-    """Whether nearly all of some joints stand where joints of a body do."""
-    places = tree.places[list(body)]
+def _draws_anything(tree: Tree, poses: Poses) -> bool:
+    """Whether a file has meshes, of a skin or of a node, or may have some that nobody can read."""
+    skinned = any(skin.drawn is not False and skin.weighted.any() for skin in tree.rig.skins)
+    return skinned or any(map(poses.shows_mesh, tree.nodes))
+
+
+def _by_names(tree: Tree, groups: Sequence[Sequence[int]], poses: Poses) -> list[JointGroup]:
+    """The bodies of a file in which nothing is moved: of two in the same places names tell the controls.
+
+    Where they do not, either may be the body, unless clips move each its own way.
+    """
+    called = [_are_controls([tree.rig.names[k] for k in nodes]) for nodes in groups]
+    moments = [tree.places, *poses.moving]
+    controls: dict[int, set[int]] = {k: set() for k in range(len(groups)) if not called[k]}
+    for k in (k for k, control in enumerate(called) if control):
+        beside = [body for body in controls if not called[body]]
+        beside = [body for body in beside if _stands_beside(tree.places, groups[k], groups[body])]
+        controls.setdefault(beside[0] if beside else k, set()).update(groups[k] if beside else ())
+    found = []
+    for k, around in sorted(controls.items()):
+        others = (other for other in controls if other != k and called[other] == called[k])
+        rivals = (groups[other] for other in others if _are_in_one_place(moments, groups[k], groups[other]))
+        found.append(JointGroup(list(groups[k]), frozenset(around), next((nodes[0] for nodes in rivals), -1)))
+    return found
+
+
+def _are_controls(names: Sequence[str]) -> bool:
+    """Whether nearly all of some names are of controls or mechanism."""
+    return len([name for name in names if "control" in roles_in_name(name)]) >= _MOST * len(names)
+
+
+def _are_in_one_place(moments: Sequence[Floats], one: Sequence[int], other: Sequence[int]) -> bool:
+    """Whether nearly all joints of two skeletons stand where some of the other do, at rest and as both move.
+
+    A clip may move one alone: controls that nobody has baked.
+    """
+    rest = moments[0]
+    both = [at for at in moments[1:] if all((at[list(k)] != rest[list(k)]).any() for k in (one, other))]
+    return all(_stands_beside(at, one, other) and _stands_beside(at, other, one) for at in (rest, *both))
+
+
+def _stands_beside(at: Floats, nodes: Sequence[int], body: Sequence[int]) -> bool:
+    """Whether nearly all of some joints stand where joints of a body do; at: where each node is, (n, 3)."""
+    places, mine = at[list(body)], at[list(nodes)]
     near = _BESIDE * float(np.ptp(places, axis=0).max())
-    apart = (length(places - tree.places[node]).min() for node in nodes)
+    below, above = places.min(axis=0) - near, places.max(axis=0) + near
+    if (mine.min(axis=0) > above).any() or (mine.max(axis=0) < below).any():
+        return False
+    apart = (length(places - place).min() for place in mine)
     return len([far for far in apart if far <= near]) >= _MOST * len(nodes)
 
 

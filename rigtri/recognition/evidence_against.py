@@ -153,6 +153,13 @@ def _moves_no_vertex(draft: Draft, each: Found) -> str:
     return "it moves no vertex, and joints beside it do" if beside else ""
 
 
+def _has_a_rival(draft: Draft, each: Found) -> str:
+    """A limb of one of two skeletons in the same places: of what moves the mesh and of what moves that."""
+    if draft.rival < 0:
+        return ""
+    return f"another skeleton, from {_title(draft, draft.rival)} on, stands in the same places"
+
+
 def _beyond_the_known(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """A limb that shape alone tells, of a kind and side of which names know another: it may be worn."""
     if each.pair is None or each.pair.named > 0.0 or each.pair in draft.shape.legs:
@@ -313,7 +320,7 @@ _OF_JOINTS = (other_bend, ankle_as_knee, later_start, goes_on, middle_bone, reac
 # single words tell: each gives what speaks against a limb, in words, or "". What is plainer comes first.
 _OF_ANY = (
     *_alone(_other_limb, _trunk_aside, _other_side, turned_in_file, _against_the_tree, folded),
-    *_alone(_moves_no_vertex, *rival_joints.OF_ANY),
+    *_alone(_moves_no_vertex, _has_a_rival, *rival_joints.OF_ANY),
     miscounted,
     no_trunk,
     no_body,

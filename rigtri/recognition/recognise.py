@@ -17,7 +17,7 @@ from rigtri.recognition.arms_legs import find_limbs
 from rigtri.recognition.chains_in_names import order_of_chains
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
-from rigtri.recognition.doubled_chains import doubled_in, with_controls
+from rigtri.recognition.doubled_chains import JointGroup, doubled_in, with_controls
 from rigtri.recognition.evidence_against import doubted
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.further_limbs import lay_further_limbs
@@ -90,14 +90,12 @@ def _drafts(rig: Rig, own: Sequence[Scheme] = ()) -> list[Draft]:
     nodes, poses = joints_of(rig), Poses(rig)
     tree = Tree(rig, nodes, poses.rest)
     groups = groups_of(tree) if nodes else []
-    return [_draft(rig, group, poses, own, idle) for group, idle in with_controls(tree, groups, poses)]
+    return [_draft(rig, body, poses, own) for body in with_controls(tree, groups, poses)]
 
 
-def _draft(
-    rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme], around: frozenset[int]
-) -> Draft:
-    """What is known of a character; around: joints of a skeleton of controls that stands around it."""
-    inside = frozenset(nodes)
+def _draft(rig: Rig, group: JointGroup, poses: Poses, own: Sequence[Scheme]) -> Draft:
+    """What is known of a character."""
+    nodes, inside = group.nodes, frozenset(group.nodes)
     # Bones that share a node are no evidence of what it is.
     shared = Counter(rig.humanoid.values())
     certain = {bone: node for bone, node in rig.humanoid.items() if node in inside and shared[node] == 1}
@@ -106,7 +104,7 @@ def _draft(
     if not certain and (doubles := doubled_in(own_tree, poses)):
         body = [node for node in body if node not in doubles]
         own_tree = Tree(rig, body, poses.rest)
-    controls = around | frozenset(nodes).difference(body)
+    controls = group.around | frozenset(nodes).difference(body)
     segments = frozenset[int]() if certain else segments_of(own_tree)
     if segments:
         body = [node for node in body if node not in segments]
@@ -129,7 +127,7 @@ def _draft(
         worn, body = worn | beside, [node for node in body if node not in beside]
         words = limb_names(rig, body, reading)
         shape = shape_of(body, poses, words)
-    draft = Draft(shape, poses, reading, certain, words, controls, segments, worn)
+    draft = Draft(shape, poses, reading, certain, words, controls, segments, worn, group.rival)
     if not (reading is not None and reading.limbs) and not certain and lay_hands(draft):
         return draft
     found = find_limbs(draft)

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from recognition_bodies.skeletons import FINGERS, MAN, Joint, rig_with
 
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
 
@@ -76,12 +78,17 @@ def test_a_chain_beside_the_bones_that_moves_nothing_is_no_sure_limb(off: float)
     assert sure <= set(LIMBS)
 
 
-def with_controls(prefix: str, off: float, moved: str = "") -> Rig:
-    """A man and a second skeleton around him, in one skin, of which one kind of joints moves no point."""
+def around_a_man(prefix: str, off: float) -> Rig:
+    """A man and a second skeleton around him, in one skin."""
     around: list[Joint] = [
         (prefix + name, over and prefix + over, (x, y, z + off)) for name, over, (x, y, z) in BONES
     ]
-    rig = rig_with([*BONES, *around])
+    return rig_with([*BONES, *around])
+
+
+def with_controls(prefix: str, off: float, moved: str = "") -> Rig:
+    """A man and a second skeleton around him, of which one kind of joints moves no point."""
+    rig = around_a_man(prefix, off)
     moves = np.array([name.startswith(prefix) == bool(moved) for name in rig.names])
     return replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moves),))
 
@@ -109,3 +116,36 @@ def test_of_bones_and_controls_those_that_move_the_mesh_are_the_body_whatever_th
 def test_a_body_that_stands_elsewhere_is_a_character_though_it_moves_nothing() -> None:
     """A crowd in one skin, of which somebody has taken a mesh away."""
     assert len(recognise(with_controls("other_", 1.5)).characters) == 2
+
+
+def without_a_mesh(prefix: str, *turned: str) -> Rig:
+    """A man and a second skeleton around him, of a file without meshes; turned: joints that a clip turns."""
+    rig = around_a_man(prefix, 0.005)
+    tracks = []
+    for name, way in zip(turned, (1, -1), strict=False):
+        turns = [from_axis_angle(np.array([0.0, 1.0, 0.0]), np.radians(k * way)) for k in (0, 40, 80, 0)]
+        tracks.append(Track(rig.find(name, "joint"), "rotation", "LINEAR", np.arange(4.0), np.stack(turns)))
+    clips = (Clip("turn", tuple(tracks)),) if turned else ()
+    return replace(rig, skins=(replace(rig.skins[0], drawn=False),), clips=clips)
+
+
+@pytest.mark.parametrize("prefix", ["CTRL_", "FK_", "MCH-", "ORG-"])
+def test_where_nothing_has_weight_names_tell_controls_from_the_body(prefix: str) -> None:
+    """Before, both were characters, and sure, and `auto` built two rigs in one place."""
+    rig = without_a_mesh(prefix)
+    (man,) = recognise(rig).characters
+    assert {" ".join(rig.names[k] for k in chain.bend) for chain in man.limbs if chain.is_sure} == set(LIMBS)
+    roles = {part.role for part in man.parts if rig.names[part.joint].startswith(prefix)}
+    assert roles == {"control"}
+
+
+@pytest.mark.parametrize(
+    ("turned", "certain"), [((), False), (("hips",), False), (("hips", "rig_chest"), True)]
+)
+def test_where_neither_weights_nor_names_tell_no_limb_is_sure(turned: tuple[str, ...], certain: bool) -> None:
+    """Before, both skeletons were sure. Actors may rest in one place, but each moves its own way."""
+    layout = recognise(without_a_mesh("rig_", *turned))
+    sure = [chain for chain in layout.chains if chain.bend and chain.is_sure]
+    assert len(sure) == (8 if certain else 0)
+    doubts = [remark for remark in layout.remarks if "stands in the same places" in remark]
+    assert len(doubts) == (0 if certain else 8)
