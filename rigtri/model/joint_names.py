@@ -30,13 +30,17 @@ _GLUED = re.compile(
 _SIDED = re.compile(f"{_GLUED.pattern}|{_WORD.pattern}")
 # Rear and no side, in names that end with that: ``r_toe.L`` of Rigify's cat and horse, beside ``f_toe.L``.
 _REAR = re.compile(r"(?<![^\W\d_])r(?=[\W_].*[\W_][lLrR](?:[\W_]*\d+)*$)")
-_LEFT = frozenset({"l", "left", "lft", "lf", "左"})
-_RIGHT = frozenset({"r", "right", "rgt", "rt", "右"})
+# Sides in Korean, which are glued to the word, before or behind it.
+_KOREAN = {"왼쪽": "오른쪽", "왼": "오른", "좌측": "우측"}
+_LEFT = frozenset({"l", "left", "lft", "lf", "左", *_KOREAN})
+_RIGHT = frozenset({"r", "right", "rgt", "rt", "右", *_KOREAN.values()})
 SIDES = _LEFT | _RIGHT
 # Latin letters that no decomposition takes apart.
 _WRITTEN = {"ß": "ss", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe"}
 _OTHER = {"l": "r", "left": "right", "lft": "rgt", "lf": "rt"}
 _OTHER |= {right: left for left, right in _OTHER.items()}
+_KOREAN |= {right: left for left, right in _KOREAN.items()}
+_IN_KOREAN = re.compile("|".join(sorted(_KOREAN, key=len, reverse=True)))
 
 
 def words(name: str) -> list[str]:
@@ -111,7 +115,8 @@ def twin(name: str) -> str:
     """
     if rear := _REAR.search(name):
         return twin(name[: rear.start()]) + rear.group() + twin(name[rear.end() :])
-    return _SIDED.sub(_other_side, name).translate({0x5DE6: "右", 0x53F3: "左"})
+    other = _SIDED.sub(_other_side, name).translate({0x5DE6: "右", 0x53F3: "左"})
+    return _IN_KOREAN.sub(lambda found: _KOREAN[found.group()], other)
 
 
 def _other_side(found: re.Match[str]) -> str:
@@ -123,13 +128,13 @@ def _other_side(found: re.Match[str]) -> str:
 
 
 def spread(name: str) -> str:
-    """The name with a space behind sides that are glued to the word: CJK ones, and letters before some words.
+    """The name with a space beside sides that are glued to the word: CJK ones, and letters before some words.
 
     A letter that is no side is written out.
 
-    >>> spread("左ひじ"), spread("lindex1"), spread("r_toe.L")
-    ('左 ひじ', 'l index1', 'rear_toe.L')
+    >>> spread("左ひじ"), spread("왼손"), spread("lindex1"), spread("r_toe.L")
+    ('左 ひじ', ' 왼 손', 'l index1', 'rear_toe.L')
     """
     name = _REAR.sub("rear", name)
-    apart = name if name.isascii() else re.sub(r"([左右])", r"\1 ", name)
+    apart = name if name.isascii() else _IN_KOREAN.sub(r" \g<0> ", re.sub(r"([左右])", r"\1 ", name))
     return _GLUED.sub(r"\g<0> ", apart)

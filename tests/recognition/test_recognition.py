@@ -503,6 +503,7 @@ LANGUAGES = {
         pie_izq dedos_izq
     """,
     "Chinese": "骨盆 脊椎 胸部 脖子 头 左锁骨 左上臂 左前臂 左手 左大腿 左小腿 左脚 左脚趾",
+    "Korean": "골반 척추 가슴 목 머리 왼쪽쇄골 왼쪽위팔 왼쪽아래팔 왼손 왼쪽허벅지 종아리_왼쪽 왼발 왼발가락",
 }
 NAMED_ANYHOW = {**NAMED, **LANGUAGES}
 
