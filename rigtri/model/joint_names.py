@@ -37,6 +37,8 @@ _RIGHT = frozenset({"r", "right", "rgt", "rt", "右", *_KOREAN.values()})
 SIDES = _LEFT | _RIGHT
 # Latin letters that no decomposition takes apart.
 _WRITTEN = {"ß": "ss", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe"}
+# So many capitals that all names begin with are no side, and no corner of a body.
+_INITIALS = 3
 _OTHER = {"l": "r", "left": "right", "lft": "rgt", "lf": "rt"}
 _OTHER |= {right: left for left, right in _OTHER.items()}
 _KOREAN |= {right: left for left, right in _KOREAN.items()}
@@ -86,13 +88,20 @@ def side_of_words(words: Iterable[str]) -> Side:
 def without_prefix(names: list[str]) -> list[str]:
     """Names without the words that all of them begin with (``Fight_LeftArm`` → ``LeftArm``).
 
-    >>> without_prefix(["Fight_Hips", "Fight_LeftArm"])
-    ['Hips', 'LeftArm']
+    Or without capitals that stand before the capital of another word in all of them.
+
+    >>> without_prefix(["Fight_Hips", "Fight_LeftArm"]), without_prefix(["CATHead", "CATFLLeg1"])
+    (['Hips', 'LeftArm'], ['Head', 'FLLeg1'])
     """
     first, last = min(names, default=""), max(names, default="")
     same = next((k for k, (a, b) in enumerate(zip(first, last, strict=False)) if a != b), len(first))
     common = first[:same] if len(names) > 1 else ""
     cut = max((common.rfind(mark) for mark in "_:.- |"), default=-1) + 1
+    capitals = re.match("[A-Z]*", common[cut:])
+    glued = len(capitals.group()) if capitals else 0
+    while glued and not all(name[cut + glued : cut + glued + 1].isupper() for name in names):
+        glued -= 1
+    cut += glued if glued >= _INITIALS else 0
     return [name[cut:] for name in names]
 
 

@@ -262,7 +262,17 @@ def other_end(draft: Draft, each: Found) -> str:
     mine, body, plane = each.pair, draft.shape.body, draft.shape.plane
     if mine is None or body is None or plane is None or mine not in (body.legs, body.arms):
         return ""
-    return _no_head_end(draft)
+    return "" if mine.kind == "leg" and _is_head_ahead(draft) else _no_head_end(draft)
+
+
+@once
+def _is_head_ahead(draft: Draft) -> bool:
+    """Whether a joint that names call the head of a body on four is beyond its front legs."""
+    body, head = draft.shape.body, draft.known_bones.get("head", -1)
+    if head < 0 or body is None or body.legs is None or body.arms is None:
+        return False
+    trunk = body.arms.starts - body.legs.starts
+    return (draft.tree.at[head] - body.arms.starts).dot(trunk) > 0.0
 
 
 @once

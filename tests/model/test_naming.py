@@ -59,6 +59,9 @@ def test_a_name_without_a_side_is_its_own_twin() -> None:
 
 def test_words_that_all_names_begin_with_are_ignored() -> None:
     assert without_prefix(["Fight_Hips", "Fight_LeftUpLeg"]) == ["Hips", "LeftUpLeg"]
+    assert without_prefix(["CATHead", "CATHips", "CATFLLeg1"]) == ["Head", "Hips", "FLLeg1"]
+    assert without_prefix(["LFArm", "LFLeg"]) == ["LFArm", "LFLeg"]
+    assert without_prefix(["HEAD", "HEAt"]) == ["HEAD", "HEAt"]
     assert without_prefix(["arm", "armature"]) == ["arm", "armature"]
     assert without_prefix(["Fight_Hips"]) == ["Fight_Hips"]
     assert without_prefix([]) == []

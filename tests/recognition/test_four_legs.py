@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import ARM, HORSE, TRUNK, Joint, both, line, renamed, rig_with
+from recognition_bodies.skeletons import ARM, HORSE, TRUNK, Joint, both, line, renamed, rig_with, without
 
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
@@ -487,3 +487,28 @@ def test_a_body_with_eyes_is_no_piece_of_furniture(face: str, sure: bool) -> Non
     (found,) = recognise(rig_with(joints)).characters
     legs = [chain for chain in found.chains if chain.kind == "leg"]
     assert [chain.is_sure for chain in legs] == [sure] * 4
+
+
+# What the rigs of 3ds Max call an animal's joints, and one that holds its tail over its head.
+CAT = {"pelvis": "Pelvis", "spine1": "Spine1", "spine2": "Spine2", "chest": "Spine3", "neck": "Neck1"}
+CAT |= {"head": "Head", **{f"tail{k}": f"Tail{k}" for k in (1, 2, 3)}}
+for _place, _bones in (("F", "upper_arm forearm hand finger"), ("B", "thigh shin foot toe")):
+    for _bone, _word in zip(_bones.split(), ("Leg1", "Leg2", "LegAnkle", "LegDigit11"), strict=True):
+        CAT |= {f"{_bone}.{_side}": f"{_place}{_side}{_word}" for _side in "LR"}
+LOW = {"neck": (0, 1.5, 0.9), "head": (0, 1.5, 1.2), "tail2": (0, 1.7, -1.1), "tail3": (0, 1.9, -1.2)}
+
+
+@pytest.mark.parametrize("prefix", ["", "CAT", "CAT_"])
+def test_what_names_call_the_head_shows_which_end_of_the_trunk_has_it(prefix: str) -> None:
+    """Before, letters that are glued to all names hid the head: ``CATHead``."""
+    joints: list[Joint] = [
+        (prefix + CAT[name], above and prefix + CAT[above], LOW.get(name, place))
+        for name, above, place in without(HORSE, "muzzle")
+    ]
+    (found,) = recognise(rig_with(joints)).characters
+    sure = {k.name: joints[k.bend[0]][0] for k in found.chains if k.kind == "leg" and k.is_sure}
+    assert sure == {
+        f"{side} {place} leg": f"{prefix}{place[0].replace('h', 'B').upper()}{side[0].upper()}Leg1"
+        for side in ("left", "right")
+        for place in ("front", "hind")
+    }
