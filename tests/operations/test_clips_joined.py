@@ -84,6 +84,46 @@ def test_a_part_of_no_length_goes_with_the_others() -> None:
     assert known(edited) == ({"walk": JOINTS}, {})
 
 
+def as_usd(rig: Rig) -> Rig:
+    """The rig with the clips of a USD file, which play together."""
+    clips = (replace(clip, key=("samples", f"/{clip.name}")) for clip in rig.clips)
+    return replace(rig, clips=tuple(clips), rules=replace(rig.rules, raw_quaternions=True))
+
+
+def in_parts(name: str) -> Rig:
+    """What Blender exports as glTF: the joints in one clip, another object in one called after that."""
+    whole = playing(name)
+    part = f"{rig_with().names[2]}Action"
+    return rig_with(replace(whole, tracks=whole.tracks[:2]), Clip(part, whole.tracks[2:]))
+
+
+@pytest.mark.parametrize(
+    ("name", "names"),
+    [("walk", {}), ("walk.001", {}), ("stroll", {}), ("stroll", {"*": "walk"})],
+    ids=["same", "copy", "other", "as"],
+)
+def test_parts_of_the_one_clip_of_a_usd_rig_are_joined_as_those_of_a_gltf_rig(
+    name: str, names: dict[str, str]
+) -> None:
+    """Its name means nothing, so the one clip that is not called after what it moves is it, too."""
+    rig = as_usd(rig_with(playing()))
+    assert known(in_parts(name), rig, **names) == ({"walk": JOINTS}, {})
+
+
+def test_parts_of_the_one_clip_of_a_usd_rig_that_drive_the_same_are_reported() -> None:
+    rig, report = as_usd(rig_with(playing())), Report()
+    edited = rig_with(playing(), playing("walk.001", far=0.5))
+    assert joined(edited, rig, report=report) is edited
+    assert [notice.code for notice in report.warnings] == ["two-parts"]
+
+
+def test_the_only_clip_beside_a_usd_rig_keeps_its_name_unless_the_user_gives_one() -> None:
+    rig, edited = as_usd(rig_with(playing())), rig_with(playing("stroll"))
+    assert joined(edited, rig) is edited
+    (clip,) = joined(edited, rig, names={"stroll": "walk"}).clips
+    assert clip.name == "walk"
+
+
 def test_clips_that_drive_the_same_are_no_parts_of_one_when_joined() -> None:
     edited, report = rig_with(playing(), playing("walk.001", far=0.5)), Report()
     assert joined(edited, RIG, report=report) is edited

@@ -163,6 +163,9 @@ class ClipNames:
 
         Where one of them has no name, and their lengths are the same, to one frame.
         """
+        whole = [t for t in self.theirs if not self.made.is_of_object(t)]
+        if self.one_timeline and len(self.ours) == len(whole) == 1 and whole[0].name not in self.user_names:
+            self.homes[id(whole[0])] = self.ours[0].name  # the name of a USD file's one clip means nothing
         left = [t for name, found in self.known.items() for t in found if name not in self.homes.values()]
         lost = [
             t for t in self.theirs if self.homes[id(t)] not in self.known and t.name not in self.user_names

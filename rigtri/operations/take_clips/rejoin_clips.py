@@ -43,14 +43,16 @@ def joined(
     """The rig with its clips as they are in ``described``, whose clips are known by name and by their times.
 
     names: what the user calls clips of the rig. between: what may be lost between keys without a word, as a
-    share of the size. Clips of which ``described`` has none stay as they are, and so does what plays together
-    anyway, as in USD; a clip whose start was moved starts where it did, by the rules of take-clips.
+    share of the size. Clips of which ``described`` has none stay as they are, and so do those of USD, which
+    play together anyway; a clip whose start was moved starts where it did, by the rules of take-clips, but
+    not that of a USD file, whose frames are those of its shot.
     Raises NameNotFoundError, UsageError (a name).
     """
     report = report if report is not None else Report()
     known = ClipNames(described, rig, names or {}, report)
     both = Counterparts(described, rig)
-    if known.one_timeline or any(isinstance(clip.key, tuple) for clip in rig.clips):
+    alone = known.one_timeline and len(known.theirs) == 1 and not names
+    if alone or any(isinstance(clip.key, tuple) for clip in rig.clips):
         return _one_with_original_keys(rig, known, both, between, report)
     clips: list[Clip | None] = list(rig.clips)
     for name, parts in known.together().items():
@@ -63,7 +65,7 @@ def joined(
             continue
         title = homes[0].clip.name if homes else name
         whole = known.merged(name, parts)
-        tracks = _with_original_keys(both, whole, between, report)
+        tracks = _with_original_keys(both, whole, between, report, moves=not known.one_timeline)
         if _is(parts, title) and tracks is whole.clip.tracks:
             continue
         if not _is(parts, title):
