@@ -55,7 +55,7 @@ def known(edited: Rig, rig: Rig = RIG, **names: str) -> tuple[dict[str, int], di
     return {clip.name: len(clip.tracks) for clip in done.clips}, notices
 
 
-@pytest.mark.parametrize("pattern", ["walk_{}", "{}|walk", "{}Action", "{}Action.001", "{}"])
+@pytest.mark.parametrize("pattern", ["walk_{}", "{}|walk", "{}Action", "{}Action.001", "{}.001Action", "{}"])
 def test_parts_named_after_objects_are_the_clip_of_the_same_times(pattern: str) -> None:
     assert known(split(rig_with(playing()), "walk", pattern.format)) == ({"walk": JOINTS}, {})
 

@@ -14,8 +14,9 @@ from rigs import rig_of
 from usd_files import MESH, animation, read, save, scene, skeleton
 
 import rigtri
-from rigtri.errors import GeometryError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import Motion, worlds
+from rigtri.evaluation.timelines import timelines
 from rigtri.model.animation import Clip
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord, with_references
@@ -98,6 +99,68 @@ def test_what_is_animated_on_one_of_two_characters_comes_home_to_it(shot: Rig) -
         for was, now in zip(before.tracks, after.tracks, strict=True):
             far = 0.25 if was.node == end and was.path == "translation" else 0.0
             assert np.abs(now.values - was.values).max() == pytest.approx(far, abs=1e-6)
+
+
+def test_controls_that_stand_elsewhere_below_their_character_are_paired_by_that() -> None:
+    """Blender has them in the armature, whose bones may have the names of another armature's."""
+    names = ["W", "A", "Skel", "group", "ctl", "B", "Skel", "group", "ctl"]
+    rig = rig_of(names, [-1, 0, 1, 1, 3, 0, 5, 5, 7], np.zeros((9, 3)))
+    edited = rig_of(
+        ["W", "A", "Skel", "ctl", "B", "Skel.001", "ctl"], [-1, 0, 1, 2, 0, 4, 5], np.zeros((7, 3))
+    )
+    found = pairs(rig, edited)
+    assert found.of == {0: 0, 1: 1, 2: 2, 4: 3, 5: 4, 6: 5, 8: 6}
+    assert not {"ctl", "Skel"} & {*found.unclear}
+    # Two below one character may be either.
+    twice = rig_of([*edited.names, "ctl"], [*edited.parents.tolist(), 5], np.zeros((8, 3)))
+    assert pairs(rig, twice).of == {0: 0, 1: 1, 2: 2, 4: 3, 5: 4, 6: 5}
+
+
+def of_each(shot: Rig, far: float, *called: str) -> tuple[Rig, list[int]]:
+    """As Blender gives a USD shot of two characters to glTF: a clip of each. Their IK ends, moved along x."""
+    ends = [node for node, record in shot.records(ControlRecord).items() if record.kind == "ik"]
+    tracks = further(shot, ends[0]) if far else shot
+    (played,) = timelines(further(tracks, ends[1]) if far else tracks)
+    clips = (
+        Clip(name, tuple(t for t in played.clip.tracks if t.node in inside), key)
+        for key, (name, inside) in enumerate(
+            zip(called, (set(shot.below(shot.find(which))) for which in "AB"), strict=True)
+        )
+    )
+    rules = replace(shot.rules, raw_quaternions=False)
+    return replace(shot, clips=tuple(clips), rules=rules), ends
+
+
+@pytest.mark.parametrize("character", [None, "B"])
+def test_clips_of_each_character_are_parts_of_the_one_of_their_usd_file(
+    shot: Rig, character: str | None
+) -> None:
+    edited, ends = of_each(shot, 0.25, "walk", "walk.001")
+    title = timelines(shot)[0].name.rpartition("/")[2]
+    edited = replace(
+        edited, clips=tuple(replace(c, name=c.name.replace("walk", title)) for c in edited.clips)
+    )
+    home = take_clips(shot, from_=edited, character=character)
+    moved = {
+        now.node
+        for before, after in zip(shot.clips, home.clips, strict=True)
+        for was, now in zip(before.tracks, after.tracks, strict=True)
+        if now is not was
+    }
+    assert moved == set(ends if character is None else ends[1:])
+
+
+def test_clips_of_other_names_are_listed_with_how_to_take_each_or_all(shot: Rig) -> None:
+    """Before, the list had RIG's clip, and did not say that each is taken for its character."""
+    edited, _ = of_each(shot, 0.0, "one", "two")
+    with pytest.raises(UsageError, match=r"EDITED has 'one', 'two'; .* \(A, B\), or .* as_?.*\*"):
+        take_clips(shot, from_=edited)
+    assert take_clips(shot, from_=edited, as_={"*": timelines(shot)[0].name}) is shot
+    assert take_clips(shot, from_=edited, clip=["two"], character="B") is shot
+    with pytest.raises(UsageError, match=r"EDITED has 'one', 'again'; .*clip=?$"):
+        take_clips(
+            shot, from_=replace(edited, clips=(edited.clips[0], replace(edited.clips[0], name="again")))
+        )
 
 
 def test_motion_that_either_character_could_have_is_refused_with_how_to_name_one(tmp_path: Path) -> None:

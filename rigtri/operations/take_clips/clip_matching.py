@@ -22,8 +22,9 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.generated_names import MadeNames, span
 from rigtri.operations.take_clips.node_matching import as_usd, composed
+from rigtri.recognition.one_character import titles
 from rigtri.report import Report
-from rigtri.text import list_names
+from rigtri.text import and_more, list_names
 
 _NUMBER = re.compile(r"#[0-9]+$")
 
@@ -55,6 +56,7 @@ class ClipNames:
             self.known.setdefault(timeline.name, []).append(timeline)
         for shared in [known for known in self.known.values() if len(known) > 1]:
             self.known |= {f"#{timeline.members[0]}": [timeline] for timeline in shared}
+        self.played = self._played()
         self.user_names = self._named_by_user(user_names)
         self.made = MadeNames(edited, self.theirs, {*rig.names, *edited.names} - {""})
         self.unclear: dict[str, str] = {}  # of parts of some clip: why it is not known of which
@@ -108,7 +110,21 @@ class ClipNames:
             spelled = [known for known in self.known if spell(known) == spell(name)]
             if len(spelled) == 1:
                 return spelled[0]
-        return self.made.part_of(name, self.known) or self._by_times(timeline) or name
+        if part := self.made.part_of(name, self.known):
+            return part
+        if part := self.made.part_of(name, self.played):
+            return self.played[part]
+        return self._by_times(timeline) or name
+
+    def _played(self) -> dict[str, str]:
+        """The clips of a USD rig by the animations that play in them, which a DCC names its clips after."""
+        found: dict[str, set[str]] = {}
+        for timeline in self.ours if self.one_timeline else ():
+            for member in timeline.members:
+                name = self.rig.clips[member].name
+                for called in (name, name.rpartition("/")[2]):
+                    found.setdefault(called, set()).add(timeline.name)
+        return {called: name for called, (name, *others) in found.items() if not others}
 
     def _by_times(self, timeline: Timeline) -> str | None:
         """The one clip with the times of one whose name the DCC has made up."""
@@ -260,13 +276,23 @@ class ClipNames:
         if not self.rig.clips and len(together) == 1:
             return together
         if len(together) > 1:
-            listed = ", ".join(f"'{name}'" for name in together)
-            raise UsageError(f"A USD file has one clip, EDITED has {listed}; choose one with --clip")
+            raise UsageError(self._which_one([part for parts in together.values() for part in parts]))
         if len(self.ours) > 1:
             (name,), ours = together, ", ".join(f"'{name}'" for name in self.known)
             raise UsageError(f"Instances of RIG play {ours}: say which '{name}' is with --as '{name}=CLIP'")
         known = self.ours or self.rig.clips
         return {known[0].name if known else "": parts for parts in together.values()}
+
+    def _which_one(self, parts: Sequence[Timeline]) -> str:
+        """That EDITED has several clips and RIG's format but one, and how to choose."""
+        listed, several = ", ".join(f"'{part.name}'" for part in parts), titles(self.rig)
+        text = f"A USD file has one clip, EDITED has {listed}; choose one with --clip"
+        driven = [(track.node, track.path) for part in parts for track in part.clip.tracks]
+        if len(set(driven)) < len(driven):
+            return text
+        if len(several) > 1:
+            text += f" and whose it is with --character ({and_more(several, 6)})"
+        return f"{text}, or take all as one with --as '*={self.ours[0].name if self.ours else parts[0].name}'"
 
     @property
     def one_timeline(self) -> bool:

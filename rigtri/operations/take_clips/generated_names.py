@@ -72,7 +72,10 @@ class MadeNames:
     def is_of_object(self, timeline: Timeline) -> bool:
         """Whether it is named after what it moves."""
         name = without_copy(timeline.name)
-        if name.endswith(_ACTION) and name.removesuffix(_ACTION) in self.objects:
+        if name.endswith(_ACTION) and not {
+            object_ := name.removesuffix(_ACTION),
+            without_copy(object_),
+        }.isdisjoint(self.objects):
             return True
         return len(self.alone) > 1 and any(timeline is other for other in self.alone)
 

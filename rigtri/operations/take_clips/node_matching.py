@@ -58,6 +58,9 @@ def pairs(rig: Rig, other: Rig) -> Pairs:
         if numbered := _by_number(rig, other, found):
             found |= numbered
             found |= _by_branch(rig, other, found)
+        if below := _by_common_branch(rig, other, found):
+            found |= below
+            found |= _by_branch(rig, other, found)
         still = {rig.names[node] for node in range(len(rig)) if node not in found}
         unclear = {name: None for name in unclear if name in still}
     found |= _by_import(rig, other, found)
@@ -92,6 +95,38 @@ def _by_branch(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]
             free = [node for node in there.get((found[above], name), ()) if node not in taken]
             if left and free:
                 made |= _paired(rig, other, left, free)
+    return made
+
+
+def _by_common_branch(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]:
+    """Nodes of names that several have, of which one is below some node in both rigs.
+
+    The nearest node above need not be one: Blender has controls in the armature of their character, where
+    USD has them beside its skeleton.
+    """
+    counts, partners = Counter(rig.names), {*found.values()}
+    named: dict[str, list[int]] = {}
+    for node, name in enumerate(map(_called, other.names, other.is_joint)):
+        if name and node not in partners:
+            named.setdefault(name, []).append(node)
+    over = {node: set(other.path_to_root(node)) for nodes in named.values() for node in nodes}
+    several: dict[str, list[int]] = {}
+    for node, name in enumerate(rig.names):
+        if counts[name] > 1 and node not in found and name in named:
+            several.setdefault(name, []).append(node)
+    made: dict[int, int] = {}
+    for name, nodes in several.items():
+        paths = {node: rig.path_to_root(node) for node in nodes}
+        for node, path in paths.items():
+            for above in path:
+                if above not in found:
+                    continue
+                inside = [each for each in nodes if above in paths[each]]
+                theirs = [each for each in named[name] if found[above] in over[each]]
+                if theirs:
+                    if len(inside) == len(theirs) == 1:
+                        made[node] = theirs[0]
+                    break
     return made
 
 
