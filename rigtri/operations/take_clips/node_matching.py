@@ -105,29 +105,31 @@ def _by_common_branch(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[in
     USD has them beside its skeleton.
     """
     counts, partners = Counter(rig.names), {*found.values()}
-    named: dict[str, list[int]] = {}
-    for node, name in enumerate(map(_called, other.names, other.is_joint)):
-        if name and node not in partners:
-            named.setdefault(name, []).append(node)
-    over = {node: set(other.path_to_root(node)) for nodes in named.values() for node in nodes}
-    several: dict[str, list[int]] = {}
+    several, named = dict[str, list[int]](), dict[str, list[int]]()
     for node, name in enumerate(rig.names):
-        if counts[name] > 1 and node not in found and name in named:
+        if name and counts[name] > 1 and node not in found:
             several.setdefault(name, []).append(node)
+    for node, name in enumerate(map(_called, other.names, other.is_joint)):
+        if name in several and node not in partners:
+            named.setdefault(name, []).append(node)
     made: dict[int, int] = {}
-    for name, nodes in several.items():
-        paths = {node: rig.path_to_root(node) for node in nodes}
-        for node, path in paths.items():
-            for above in path:
-                if above not in found:
-                    continue
-                inside = [each for each in nodes if above in paths[each]]
-                theirs = [each for each in named[name] if found[above] in over[each]]
-                if theirs:
-                    if len(inside) == len(theirs) == 1:
-                        made[node] = theirs[0]
-                    break
+    for name, theirs in named.items():
+        here, there = _by_node_above(rig, several[name]), _by_node_above(other, theirs)
+        for node in several[name]:
+            shared = (k for k in rig.path_to_root(node) if k in found and found[k] in there)
+            above = next(shared, None)
+            if above is not None and len(here[above]) == len(there[found[above]]) == 1:
+                made[node] = there[found[above]][0]
     return made
+
+
+def _by_node_above(rig: Rig, nodes: Sequence[int]) -> dict[int, list[int]]:
+    """Some nodes by every node that they are below."""
+    held: dict[int, list[int]] = {}
+    for node in nodes:
+        for above in rig.path_to_root(node):
+            held.setdefault(above, []).append(node)
+    return held
 
 
 def _by_number(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]:
