@@ -14,9 +14,11 @@ from rigtri.maths.quaternions import conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.vectors import perpendicular
 from rigtri.model.animation import Clip, Track, values_minus
+from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.dependents import rebake_followers
 from rigtri.operations.bake.unbaked import UNBAKED, away_from_keys
+from rigtri.operations.constrain.behind import warn_keys_behind
 from rigtri.operations.ground_motion import is_none, over_ground, rests, turned, twist, up_of
 from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
@@ -74,7 +76,11 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     changed = frozenset(
         k for k, (was, now) in enumerate(zip(rig.clips, clips, strict=True)) if now is not was
     )
-    return rebake_followers(moved, changed, report)
+    known = {id(track) for clip in rig.clips for track in clip.tracks}
+    new = {track.node for clip in clips for track in clip.tracks if id(track) not in known}
+    moved = rebake_followers(moved, changed, report)
+    warn_keys_behind(moved, new | moved.records(RivetRecord).keys(), report)
+    return moved
 
 
 def _warn_still_moving(rig: Rig, clip: Clip, root: int, report: Report) -> None:

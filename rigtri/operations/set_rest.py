@@ -14,16 +14,19 @@ from rigtri.evaluation.bind_pose import placed_bind, with_unit_rotations
 from rigtri.evaluation.constraint_solver import Parts, mirrored_as, to_parts
 from rigtri.evaluation.old_rest import with_old_rest
 from rigtri.evaluation.rig_space import shearing_node
+from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.maths.matrices import SKEW, local, multiply, skew
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.ranking import first_largest, largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, distance, length
 from rigtri.model.animation import PATHS, Clip
+from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.add_rivet.rebind import rebind_resting_rivets
 from rigtri.operations.body_pose import posed, sure_bones
+from rigtri.operations.constrain.behind import warn_rest_behind
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.moved_points import moving_nodes
 from rigtri.operations.operation import operation
@@ -77,6 +80,8 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         _refuse_uneven(rig, list(parts), uneven)
     parts = _without_springs(rig, parts, report)
     taken, moved = at_rest(rig, parts, _least(rig))
+    if twists := _twists(taken):
+        taken, moved = at_rest(rig, {**parts, **twists}, _least(rig))
     _refuse(rig, moved)
     sheared = {node for node in moved if rig.has_matrix[node] and skew(rig.local[node]) > SKEW}
     if rig.clips:  # which get keys of them, and no clip can move a matrix
@@ -97,8 +102,18 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         refuse_other_rest(rig, taken, moved)
         warn_old_rest(taken, moved, report)
     taken = rebind_resting_rivets(taken, report)
+    warn_rest_behind(taken, {*moved, *taken.records(RivetRecord)}, report)
     warn_shown(rig, taken, moved, report, "no animation moves their skeleton, which could keep the old pose")
     return taken
+
+
+def _twists(rig: Rig) -> dict[int, Parts]:
+    """The parts of twist joints that take their shares of how their drivers rest, one row each."""
+    found = {}
+    for twist in twist_joints(rig):
+        was = mirrored_as(to_parts(rig.normalised_local[[twist.node]]), rig.scale[twist.node])
+        found[twist.node] = was._replace(rotation=twist.rotations(rig.local[np.newaxis]))
+    return found
 
 
 def _without_springs(rig: Rig, parts: dict[int, Parts], report: Report) -> dict[int, Parts]:

@@ -143,3 +143,22 @@ def test_split_weights_take_the_rivets_of_their_mesh_along(tmp_path: Path) -> No
     assert off(held) < 2e-5
     assert off(split) < 2e-5
     assert sum(record["type"] == "rivet" for record in report.added) == 1
+
+
+def test_children_of_constraints_that_stay_behind_are_named(samples: Path) -> None:
+    """Before, a baked prop stayed where the hand had been, 0.15 of the size away, without a word."""
+    rig = rigtri.add_root(rigtri.read(samples / "biped.glb"))
+    eyes, body = (
+        rigtri.bake(rigtri.constrain(rig, type="parent", child=child, driver="hand_L"))
+        for child in ("eyes", "body")
+    )
+
+    def behind(step: Callable[[Report], Rig]) -> list[str]:
+        step(report := Report())
+        return [name for each in report.warnings if each.code == "followers-behind" for name in each.names]
+
+    assert behind(lambda report: rigtri.set_rest(eyes, pose="tpose", report=report)) == ["eyes"]
+    assert behind(lambda report: rigtri.root_motion(body, mode="remove", report=report)) == ["body"]
+    assert behind(lambda report: rigtri.root_motion(body, mode="extract", report=report)) == []
+    # The root carries both the hand and the eyes.
+    assert behind(lambda report: rigtri.root_motion(eyes, mode="remove", report=report)) == []

@@ -641,3 +641,19 @@ def test_the_length_of_a_facing_direction_does_not_count(tmp_path: Path) -> None
         words = ("--pose", "tpose", "--straight-fingers", "--facing", faces)
         cli("set-rest", SAMPLES / "biped.usda", "-o", out, *words, code=0)
     assert np.allclose(rigtri.read(one).world, rigtri.read(other).world, atol=1e-6)
+
+
+def test_twist_joints_rest_with_their_share_of_the_twist(samples: Path) -> None:
+    """Before, they kept the old rest: a forearm was 0.03 of the size off the moment that was named."""
+    rig = rigtri.add_twist(rigtri.read(samples / "biped.glb"), limbs="auto")
+    clip, twists = rig.clips[0], [node for node in range(len(rig)) if rig.type_of(node) == "twist"]
+    moment = Report()
+    taken = rigtri.set_rest(rig, pose=f"{clip.name}@0.25", report=moment)
+    wanted = locals_at(rig, clip, np.array([0.25]))[0]
+    assert np.abs(wanted[twists] - rig.local[twists]).max() > 0.01
+    assert np.abs(wanted[twists] - taken.local[twists]).max() < 1e-6
+    baked = rigtri.bake(taken)
+    times = np.linspace(0.0, 1.0, 17)
+    before, after = (locals_at(each, each.clips[0], times)[:, twists] for each in (taken, baked))
+    assert np.abs(before - after).max() < 1e-4
+    assert np.abs(baked.local[twists] - taken.local[twists]).max() < 1e-6

@@ -14,6 +14,7 @@ from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin_weights import limited, shared
 from rigtri.operations.add_rivet.rivet import rebaked
+from rigtri.operations.constrain.behind import warn_keys_behind
 from rigtri.report import Report
 
 
@@ -36,6 +37,8 @@ def _rebound(rig: Rig, rivets: Sequence[int], clips: Collection[int], report: Re
             rig = rebaked(rig, node, clips=clips, report=report)
         except (FileError, GeometryError) as error:
             report.warn("follower-kept", f"'{rig.title(node)}' keeps its keys: {error}")
+    if clips:
+        warn_keys_behind(rig, rivets, report)
     return rig
 
 
