@@ -72,6 +72,8 @@ _BALANCE = 0.4
 _BESIDE = 0.1
 # Bones of counted joints are clearly those of a limb if they are so much alike.
 _CLEARLY = 0.45
+# What has so many limbs has all: both pairs of a body on two or four legs.
+_ALL_LIMBS = 4
 
 
 def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
@@ -161,11 +163,14 @@ def _has_a_rival(draft: Draft, each: Found) -> str:
 
 
 def _beyond_the_known(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    """A limb that shape alone tells, of a kind and side of which names know another: it may be worn."""
+    """A limb that shape alone tells, of a kind and side of which names know another, or beside all limbs
+    that a body has by its names: it may be worn, as stirrups are."""
     if each.pair is None or each.pair.named > 0.0 or each.pair in draft.shape.legs:
         return ""
-    known = (k for k in found if (k.kind, k.side) == (each.kind, each.side) and is_named(draft, k))
-    return next((f"names know {_title(draft, k.joints[0])} as the first joint of that" for k in known), "")
+    for other in (k for k in found if (k.kind, k.side) == (each.kind, each.side) and is_named(draft, k)):
+        return f"names know {_title(draft, other.joints[0])} as the first joint of that"
+    known = [k for k in found if k.pair is not each.pair and (is_named(draft, k) or by_words(k))]
+    return f"names know {len(known)} other limbs, and not this one" if len(known) >= _ALL_LIMBS else ""
 
 
 def _other_side(draft: Draft, each: Found) -> str:

@@ -512,3 +512,48 @@ def test_what_names_call_the_head_shows_which_end_of_the_trunk_has_it(prefix: st
         for side in ("left", "right")
         for place in ("front", "hind")
     }
+
+
+def test_what_hangs_from_an_animal_whose_legs_names_know_is_no_arm() -> None:
+    """Before, stirrups of three joints were arms, sure at 0.84, and `auto` gave them IK and poles."""
+    trunk = [(0, 1.3, -0.7), (0, 1.32, -0.3), (0, 1.33, 0.1), (0, 1.32, 0.45), (0, 1.4, 0.7), (0, 1.9, 1.1)]
+    pony = [
+        *line("pelvis spine1 spine2 chest neck head", "", *trunk),
+        *line("tail1 tail2 tail3", "pelvis", (0, 1.3, -0.85), (0, 1.3, -1), (0, 1.3, -1.2)),
+        *both(
+            [
+                *line(
+                    "clavicle.L upper_arm.L forearm.L hand.L finger.L hoof.L",
+                    "chest",
+                    (0.08, 1.35, 0.5),
+                    (0.18, 1.1, 0.7),
+                    (0.18, 0.8, 0.58),
+                    (0.18, 0.4, 0.6),
+                    (0.18, 0.1, 0.6),
+                    (0.18, 0.03, 0.68),
+                ),
+                *line(
+                    "thigh.L shin.L foot.L toe.L tip.L",
+                    "pelvis",
+                    (0.18, 1.15, -0.65),
+                    (0.18, 0.78, -0.5),
+                    (0.18, 0.5, -0.85),
+                    (0.18, 0.1, -0.8),
+                    (0.18, 0.03, -0.72),
+                ),
+                *line(
+                    "stirrup_1.L stirrup_2.L stirrup_3.L",
+                    "spine2",
+                    (0.26, 1.2, 0.1),
+                    (0.27, 1.02, 0.1),
+                    (0.28, 0.84, 0.1),
+                ),
+            ]
+        ),
+    ]
+    names = {"thigh": "hind_thigh", "shin": "hind_calf", "foot": "hind_hock", "toe": "hind_foot"}
+    names |= {"tip": "hind_toe", "clavicle": "front_clav", "upper_arm": "front_thigh", "hoof": "front_tip"}
+    names |= {"forearm": "front_calf", "hand": "front_foot", "finger": "front_toe"}
+    found, limbs = character(pony, names)
+    assert limbs == LEGS
+    assert not any(chain.is_sure for chain in found.chains if chain.kind in ("arm", "hand"))
