@@ -57,7 +57,8 @@ def curl_of(fingers: Sequence[Sequence[int]], wrist: int, at: Floats, palm: Floa
                 a, b, c = a[1:], b[1:], c[1:]
             most.append(float(bend_angle(a, b, c).max()))
             across = cross(b - a, c - b)
-            heights.append(float((length(across) / length(c - a)).max()))
+            span = length(c - a)
+            heights.append(float((length(across)[span > 0] / span[span > 0]).max(initial=0.0)))
             plane = normalise(across.cumsum(axis=0)[-1])
             shown.append((plane, _has_metacarpal(finger, wrist, at)))
     least = max(SHOWN, HARDLY * max(most, default=0.0))

@@ -13,7 +13,7 @@ from recognition_bodies.skeletons import ARM, LEG, TRUNK, Joint, both, line, rig
 from rigs import rig_of
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.finger_bends import Curl, mean_of_pair
+from rigtri.recognition.finger_bends import Curl, curl_of, mean_of_pair
 from rigtri.recognition.hand_hinges import _PosedHand
 from rigtri.recognition.hands_feet import _like_fingers
 from rigtri.recognition.joint_tree import Tree
@@ -282,3 +282,10 @@ def test_of_two_fingers_that_is_the_index_to_which_the_thumb_points(seed: int) -
     place = {chain.name: joints[chain.joints[0]][0] for chain in character.chains if chain.kind == "finger"}
     found = place["left index finger"], place["right index finger"]
     assert found == ("index1.L", "index1.R")
+
+
+def test_fingers_in_one_place_show_no_curl() -> None:
+    """Before, numpy warned of the width of nothing."""
+    shown = curl_of([(0, 1, 2), (3, 4, 5)], 6, np.zeros((7, 3)), None)
+    assert np.isnan(shown.hinge).all()
+    assert shown.height == 0.0
