@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rigtri.text import and_more
+
 from . import streams
 from .terminal_text import counted, echo_message, plain
 
@@ -65,8 +67,6 @@ def print_joints(report: Report) -> None:
 
 def rebaked(report: Report, kinds: Collection[str] = ("poseReader", "rivet")) -> str:
     """The end of a summary: which rivets and pose readers got keys anew, for what they follow has changed."""
-    from rigtri.text import and_more
-
     names = [entry["node"] for entry in report.added if entry["type"] in kinds]
     return f"; rebaked: {and_more(names, 6)}" if names else ""
 
@@ -74,8 +74,6 @@ def rebaked(report: Report, kinds: Collection[str] = ("poseReader", "rivet")) ->
 def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
     output = values["output"]
     where = "standard output" if output == "-" else plain(str(output), one_line=True)
-    from rigtri.text import and_more
-
     for layer, prims in outcome.hides.items():
         hidden = f"Its opinions hide those of {layer} on {and_more((f'<{prim}>' for prim in prims), 3)}"
         click.echo(plain(hidden, one_line=True), err=True)

@@ -14,7 +14,6 @@ from rigtri.maths.quaternions import conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.vectors import perpendicular
 from rigtri.model.animation import Clip, Track, values_minus
-from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.dependents import rebake_followers
 from rigtri.operations.bake.unbaked import UNBAKED, away_from_keys
@@ -76,10 +75,8 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     changed = frozenset(
         k for k, (was, now) in enumerate(zip(rig.clips, clips, strict=True)) if now is not was
     )
-    known = {id(track) for clip in rig.clips for track in clip.tracks}
-    new = {track.node for clip in clips for track in clip.tracks if id(track) not in known}
     moved = rebake_followers(moved, changed, report)
-    warn_keys_behind(moved, new | moved.records(RivetRecord).keys(), report)
+    warn_keys_behind(rig, moved, report)
     return moved
 
 

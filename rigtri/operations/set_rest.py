@@ -21,7 +21,6 @@ from rigtri.maths.ranking import first_largest, largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, distance, length
 from rigtri.model.animation import PATHS, Clip
-from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.add_rivet.rebind import rebind_resting_rivets
@@ -65,8 +64,9 @@ _AS_BOUND = ("bind", "tpose", "apose")
 def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     """The rig with a pose for the rest pose of its joints; clips play as before, and so do bind poses.
 
-    Joints that pose readers drive keep theirs, from which what readers do is counted, and those that springs
-    swing (VRM 1.0). Skeletons of a stage that no animation moves show it in its clips, too, with a warning.
+    Twist joints take their shares of it, and rivets stay on their meshes. Joints that pose readers drive keep
+    theirs, from which what readers do is counted, and those that springs swing (VRM 1.0). Skeletons of a
+    stage that no animation moves show it in its clips, too, with a warning.
     A clip that had no keys of a joint showed its rest pose, and gets a key of it. Raises GeometryError where
     no body is known, where joints may have no rotations (VRM 0.x), where VRM constraints count
     from the rest pose, and where it is seen in a clip whose samples are blocked (USD); UsageError and
@@ -80,7 +80,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         _refuse_uneven(rig, list(parts), uneven)
     parts = _without_springs(rig, parts, report)
     taken, moved = at_rest(rig, parts, _least(rig))
-    if twists := _twists(taken):
+    if moved and (twists := _twists(taken)):
         taken, moved = at_rest(rig, {**parts, **twists}, _least(rig))
     _refuse(rig, moved)
     sheared = {node for node in moved if rig.has_matrix[node] and skew(rig.local[node]) > SKEW}
@@ -102,7 +102,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         refuse_other_rest(rig, taken, moved)
         warn_old_rest(taken, moved, report)
     taken = rebind_resting_rivets(taken, report)
-    warn_rest_behind(taken, {*moved, *taken.records(RivetRecord)}, report)
+    warn_rest_behind(rig, taken, report)
     warn_shown(rig, taken, moved, report, "no animation moves their skeleton, which could keep the old pose")
     return taken
 

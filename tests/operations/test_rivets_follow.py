@@ -162,3 +162,14 @@ def test_children_of_constraints_that_stay_behind_are_named(samples: Path) -> No
     assert behind(lambda report: rigtri.root_motion(body, mode="extract", report=report)) == []
     # The root carries both the hand and the eyes.
     assert behind(lambda report: rigtri.root_motion(eyes, mode="remove", report=report)) == []
+
+
+def test_children_of_rivets_are_named_only_where_these_move(samples: Path) -> None:
+    """Before, merging joints anywhere named the children of all rivets of the mesh."""
+    rig = on_the_arms(rigtri.read(samples / "biped.glb"), Report())
+    held = rigtri.bake(rigtri.constrain(rig, type="point", child="eyes", driver="watch 1"))
+    for joints, named in (("toe_L", False), ("forearm_L", True)):
+        report = Report()
+        rigtri.merge_joints(held, joints=[joints], report=report)
+        assert sum(record["type"] == "rivet" for record in report.added) == 4
+        assert report.warned("followers-behind") == named

@@ -32,13 +32,13 @@ def rebind_resting_rivets(rig: Rig, report: Report) -> Rig:
 
 
 def _rebound(rig: Rig, rivets: Sequence[int], clips: Collection[int], report: Report) -> Rig:
+    before = rig
     for node in rivets:
         try:
             rig = rebaked(rig, node, clips=clips, report=report)
         except (FileError, GeometryError) as error:
             report.warn("follower-kept", f"'{rig.title(node)}' keeps its keys: {error}")
-    if clips:
-        warn_keys_behind(rig, rivets, report)
+    warn_keys_behind(before, rig, report)
     return rig
 
 

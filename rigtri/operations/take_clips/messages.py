@@ -15,7 +15,7 @@ from rigtri.model.animation import Track, key_values
 from rigtri.model.metadata import PoseReaderRecord, RivetRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.unbaked import moved_otherwise
-from rigtri.operations.constrain.behind import constrained_to, warn_behind
+from rigtri.operations.constrain.behind import keyed_anew, keys_behind, warn_behind
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.ik_switches import ik_ends, switches
 from rigtri.operations.take_clips.node_matching import why_unmatched
@@ -145,11 +145,9 @@ def moves(track: Track) -> bool:
 
 def warn_followers(start: Rig, rig: Rig, report: Report) -> None:
     """Warn of what has keys that rigtri made of the motion of joints, which is another one in ``rig``."""
-    known = {id(track) for clip in start.clips for track in clip.tracks}
-    new = {track.node for clip in rig.clips for track in clip.tracks if id(track) not in known}
-    keyed = {track.node for clip in rig.clips for track in clip.tracks}
+    new = keyed_anew(start, rig)
     behind = [node for node, followed in _followers(rig) if new.intersection(followed or new)]
-    behind += [node for node in constrained_to(rig, new) if node in keyed]
+    behind += keys_behind(rig, new)
     warn_behind(rig, sorted(node for node in behind if not new.intersection(rig.below(node))), report)
 
 
