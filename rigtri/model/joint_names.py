@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Container, Iterable, Mapping
 from functools import lru_cache
 from typing import Literal
 
@@ -32,15 +32,17 @@ _SIDED = re.compile(f"{_GLUED.pattern}|{_WORD.pattern}")
 _REAR = re.compile(r"(?<![^\W\d_])r(?=[\W_].*[\W_][lLrR](?:[\W_]*\d+)*$)")
 # Sides in Korean, which are glued to the word, before or behind it.
 _KOREAN = {"왼쪽": "오른쪽", "왼": "오른", "좌측": "우측"}
-_LEFT = frozenset({"l", "left", "lft", "lf", "左", *_KOREAN})
+_LEFT = frozenset({"l", "left", "lft", "lf", "lt", "左", *_KOREAN})
 _RIGHT = frozenset({"r", "right", "rgt", "rt", "右", *_KOREAN.values()})
 SIDES = _LEFT | _RIGHT
 # Latin letters that no decomposition takes apart.
 _WRITTEN = {"ß": "ss", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe"}
 # So many capitals that all names begin with are no side, and no corner of a body.
 _INITIALS = 3
-_OTHER = {"l": "r", "left": "right", "lft": "rgt", "lf": "rt"}
+_OTHER = {"lt": "rt", "l": "r", "left": "right", "lft": "rgt", "lf": "rt"}
 _OTHER |= {right: left for left, right in _OTHER.items()}
+# What else it may be: ``rt`` is beside ``lf`` or ``lt``, and ``lf`` beside ``rt`` or ``rf``.
+_ALSO = {"rt": "lt", "lf": "rf", "rf": "lf"}
 _KOREAN |= {right: left for left, right in _KOREAN.items()}
 _IN_KOREAN = re.compile("|".join(sorted(_KOREAN, key=len, reverse=True)))
 
@@ -115,22 +117,36 @@ def number(name: str) -> int | None:
     return digits[-1] if digits else None
 
 
-@lru_cache(256)
-def twin(name: str) -> str:
+def twin(name: str, names: Container[str] = ()) -> str:
     """The name with its sides swapped; the name itself where it says no side.
 
+    names: of several ways to write the other side the one that is among these.
+
+    >>> twin("rt_hand"), twin("rt_hand", ["lt_hand"]), twin("lf_hand", ["rf_hand"])
+    ('lf_hand', 'lt_hand', 'rf_hand')
     >>> twin("hand.L"), twin("LeftArm"), twin("lShldr"), twin("LFArm"), twin("左ひじ"), twin("r_toe.L")
     ('hand.R', 'RightArm', 'rShldr', 'RFArm', '右ひじ', 'r_toe.R')
     """
+    other = _swapped(name)
+    if names and other not in names and (also := _swapped(name, also=True)) in names:
+        return also
+    return other
+
+
+@lru_cache(512)
+def _swapped(name: str, *, also: bool = False) -> str:
+    """See `twin`; also: with the less usual of two ways to write the other side."""
     if rear := _REAR.search(name):
-        return twin(name[: rear.start()]) + rear.group() + twin(name[rear.end() :])
-    other = _SIDED.sub(_other_side, name).translate({0x5DE6: "右", 0x53F3: "左"})
+        before, after = name[: rear.start()], name[rear.end() :]
+        return _swapped(before, also=also) + rear.group() + _swapped(after, also=also)
+    others = _OTHER | _ALSO if also else _OTHER
+    other = _SIDED.sub(lambda found: _other_side(found.group(), others), name)
+    other = other.translate({0x5DE6: "右", 0x53F3: "左"})
     return _IN_KOREAN.sub(lambda found: _KOREAN[found.group()], other)
 
 
-def _other_side(found: re.Match[str]) -> str:
-    word = found.group()
-    other = _OTHER.get(word.lower())
+def _other_side(word: str, others: Mapping[str, str]) -> str:
+    other = others.get(word.lower())
     if other is None:
         return word
     return other.upper() if word.isupper() else other.capitalize() if word[0].isupper() else other

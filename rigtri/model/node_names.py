@@ -53,7 +53,7 @@ class NodeNames(Hierarchy, ABC):
         The first of the three that no other node shares.
         """
         name = self.names[node]
-        if name and len(self._by_name[name]) == 1:
+        if name and len(self.by_name[name]) == 1:
             return name
         path = self._addresses.paths[node]
         return path if len(self._by_address(path)) == 1 else self.labels[node]
@@ -63,7 +63,7 @@ class NodeNames(Hierarchy, ABC):
         name = self.names[node]
         if not name:
             return self.labels[node]
-        return f"{name} ({self.labels[node]})" if len(self._by_name[name]) > 1 else name
+        return f"{name} ({self.labels[node]})" if len(self.by_name[name]) > 1 else name
 
     def chain_title(self, nodes: Iterable[int]) -> str:
         """A chain, or a limb, in a message: the titles of its nodes, from the root on."""
@@ -91,14 +91,15 @@ class NodeNames(Hierarchy, ABC):
         return found
 
     @cached_property
-    def _by_name(self) -> Mapping[str, list[int]]:
+    def by_name(self) -> Mapping[str, list[int]]:
+        """The nodes of each name."""
         return named(self.names)
 
     @cached_property
     def _addresses(self) -> Addresses:
         """What the nodes are called beside their names, but for VRM bones."""
         addresses = Addresses(self.names, self.labels, self.parents, self.is_joint, self.holders)
-        return addresses_of(addresses, self._by_name)
+        return addresses_of(addresses, self.by_name)
 
     def after(self, before: NodeNames) -> Self:
         """This rig, which begins as one that may be gone soon: what nodes are called follows from that."""
@@ -123,7 +124,7 @@ class NodeNames(Hierarchy, ABC):
     def _hints(self) -> list[str]:
         """What nodes may be called, without the labels of those that no file has yet."""
         ways = {**dict.fromkeys(self._addresses.ways), **{f"vrm:{bone}": None for bone in self.humanoid}}
-        return [*self._by_name, *(way for way in ways if not way.startswith("+"))]
+        return [*self.by_name, *(way for way in ways if not way.startswith("+"))]
 
     def find(self, name: str, kind: str = "joint") -> int:
         """The one node called ``name``: its name, its label (``#3``), its path, its `title`, or ``vrm:head``.
@@ -142,7 +143,7 @@ class NodeNames(Hierarchy, ABC):
 
     def _called(self, name: str) -> list[int]:
         """The nodes called ``name``, as `find` has it."""
-        found = self._by_name.get(name, []) if name else []
+        found = self.by_name.get(name, []) if name else []
         # A joint wins over a mesh node of the same name; nothing else is guessed.
         joints = [node for node in found if self.is_joint[node]]
         found = joints if len(joints) == 1 else found or self._by_address(name)
@@ -160,7 +161,7 @@ class NodeNames(Hierarchy, ABC):
 
     def has(self, name: str) -> bool:
         """Whether any node is called so, by name, label, path or VRM bone."""
-        return bool(name and (self._by_name.get(name) or self._by_address(name)))
+        return bool(name and (self.by_name.get(name) or self._by_address(name)))
 
     def known(self, name: object) -> int | None:
         """The one node called so, as `find` has it; None where there is none, or several, or no name."""
@@ -175,7 +176,7 @@ class NodeNames(Hierarchy, ABC):
         a name that no node of that has. Raises NameNotFoundError when nothing matches.
         """
         _check_text(pattern)
-        exact = self._by_name.get(pattern) or self._by_address(pattern)
+        exact = self.by_name.get(pattern) or self._by_address(pattern)
         others = self.rules.others
         if exact:
             return sorted(node for node in exact if node not in others) or sorted(exact)

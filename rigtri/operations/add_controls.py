@@ -337,7 +337,7 @@ class _Builder:
         """
         rig = self.tree.rig
         name, both = rig.names[joint], [joint]
-        if (other := twin(name)) != name:
+        if (other := twin(name, self._named)) != name:
             named = self._named.get(other, [])
             both += named if len(named) == 1 else []
         elif self._all_limbs and (known := twin_of(rig, joint)) in self.tree.above:

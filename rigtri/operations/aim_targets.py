@@ -171,7 +171,7 @@ def limb_path(tree: Skeleton, limb: Limb) -> list[int]:
 def _unpaired(rig: Rig, nodes: list[int]) -> list[int]:
     """The nodes without a left or right twin among them, by name."""
     names = {rig.names[node] for node in nodes}
-    paired = {name for name in names if name and twin(name) != name and twin(name) in names}
+    paired = {name for name in names if name and (other := twin(name, names)) != name and other in names}
     return [node for node in nodes if rig.names[node] not in paired] if paired else []
 
 

@@ -28,11 +28,11 @@ class Draft:
 
     reading: what names say, None where nothing. words: what single words of names say of limbs.
     certain: bones of a humanoid map, bones: those found so far, both by their names. controls: joints that
-    are known to be none of the body. segments: joints that are parts of the bones above them, and none of
-    the tree. worn: joints of chains along known limbs, none of the tree either. rival: the first joint of
-    another skeleton in the same places that may be the body as well, −1 for none. up, facing, left: unit
-    directions of the world, zero where unknown. hips, chest: where legs and arms hang, −1 where unknown.
-    four: whether it stands on four legs. remarks: sentences for users. answers: see `once`.
+    are known to be none of the body. segments: joints that are parts of the bones above them, groups: those
+    that only hold the one below, worn: those of chains along known limbs, all three none of the tree. rival:
+    the first joint of another skeleton in the same places that may be the body as well, −1 for none. up,
+    facing, left: unit directions of the world, zero where unknown. hips, chest: where legs and arms hang, −1
+    where unknown. four: whether it stands on four legs. remarks: sentences for users. answers: see `once`.
     """
 
     shape: Shape
@@ -42,6 +42,7 @@ class Draft:
     words: Mapping[int, LimbWords] = field(default_factory=dict)
     controls: frozenset[int] = frozenset()
     segments: frozenset[int] = frozenset()
+    groups: frozenset[int] = frozenset()
     worn: frozenset[int] = frozenset()
     rival: int = -1
     up: Vector = field(default_factory=Vector)
@@ -98,8 +99,8 @@ class Draft:
         over = self.tree.way(start, end)
         for node in reversed(over[:-1]):
             above = int(parents[found[-1]])
-            while above in self.segments:
-                found.append(above)
+            while above in self.segments or above in self.groups:
+                found += [above] if above in self.segments else []
                 above = int(parents[above])
             found.append(node)
         return found[::-1]

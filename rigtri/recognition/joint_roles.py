@@ -26,7 +26,7 @@ def parts_of(draft: Draft) -> tuple[Part, ...]:
     nodes = {k for k in tree.nodes if rig.is_joint[k] or not rig.is_joint.any() or k in bones}
     children = {k for node in nodes for k in rig.children[node] if k not in rig.own} - nodes
     found = {}
-    for node in sorted(nodes | children | draft.controls | draft.segments | draft.worn):
+    for node in sorted(nodes | children | draft.controls | draft.segments | draft.groups | draft.worn):
         role, sure, why = _role(body, node)
         side = _side_of(body, node)
         found[node] = Part(node, bones.get(node, ""), role, side, round(sure, 2), tuple(why))
@@ -94,6 +94,8 @@ def _role(body: _Body, node: int) -> tuple[Role, float, list[str]]:
         return "twist", chain.confidence, [f"stands within the {chain.name}"]
     if chain is not None:
         return "deform", chain.confidence, [f"{chain.name}: {chain.evidence[0]}"]
+    if node in draft.groups:
+        return "helper", 0.8, ["moves no vertex, and holds the joint below, in whose place it stands"]
     if node in draft.controls:
         return "control", 0.8, ["stands beside the bones that move vertices"]
     if node in bones:

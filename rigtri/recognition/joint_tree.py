@@ -28,7 +28,7 @@ _IN_LINE = 0.9
 # One that is called a twist joint may be off by noise, too: 45°.
 _TWISTED = 0.7
 # Nearer than this part of the bone that it is in, a node stands where the joint does.
-_SAME_POSITION = 1e-3
+SAME_POSITION = 1e-3
 
 # Of what robots call axes of joints, the one that others call twist joints.
 _ROLL = "roll"
@@ -55,6 +55,10 @@ class Tree:
         self.below: dict[int, list[int]] = {node: [] for node in [-1, *self.nodes]}
         for node in self.nodes:
             self.below[self.above[node]].append(node)
+
+    def without(self, nodes: Collection[int]) -> Tree:
+        """The tree of the rig's hierarchy without some nodes: what is below them is below what is above."""
+        return Tree(self.rig, [k for k in self.nodes if k not in nodes], self.places) if nodes else self
 
     def of(self, rig: Rig) -> Tree:
         """The same tree, with all that is known of it, of a rig that differs in names alone."""
@@ -249,7 +253,7 @@ def _shapes_of_parents(rig: Rig) -> frozenset[int]:
     shapes = [k for k in shapes if rig.attachment[rig.parents[k]] < 0]
     places = rig.world[:, 3, :3]
     span = float(np.ptp(places, axis=0).max()) / 2.0 if len(rig) else 0.0
-    near = [k for k in shapes if float(length(places[k] - places[rig.parents[k]])) <= _SAME_POSITION * span]
+    near = [k for k in shapes if float(length(places[k] - places[rig.parents[k]])) <= SAME_POSITION * span]
     return frozenset(near) | (_unplaced_joints(rig) & frozenset(shapes))
 
 
@@ -284,7 +288,7 @@ def _may_be_bone(rig: Rig, node: int, below: Sequence[int], joints: Collection[i
     ends = [over, *below] if len(below) == 1 else [over]
     apart = length(rig.world[ends, 3, :3] - rig.world[node, 3, :3])
     span = max(float(length(rig.world[k, 3, :3] - rig.world[over, 3, :3])) for k in below)
-    return bool((apart > _SAME_POSITION * span).all()) and (len(below) > 1 or is_bone(rig.names[node]))
+    return bool((apart > SAME_POSITION * span).all()) and (len(below) > 1 or is_bone(rig.names[node]))
 
 
 def _unplaced_joints(rig: Rig) -> frozenset[int]:
@@ -328,7 +332,7 @@ def segments_of(tree: Tree) -> frozenset[int]:
 def _is_empty(tree: Tree, node: int) -> bool:
     """Whether a joint is called a group and stands where the one above does, so that it is no bone."""
     group = not HOLDERS.isdisjoint(parse_name(tree.rig.names[node]).words)
-    return group and bool(tree.below[node]) and tree.bone[node] <= _SAME_POSITION * tree.span
+    return group and bool(tree.below[node]) and tree.bone[node] <= SAME_POSITION * tree.span
 
 
 def _holds_below(tree: Tree, node: int) -> bool:
@@ -337,7 +341,7 @@ def _holds_below(tree: Tree, node: int) -> bool:
     Exporters number all nodes: ``lowerarm_l_offset_100`` holds ``lowerarm_l_101``.
     """
     held = _held(tree.rig.names[node])
-    near = [k for k in tree.below[node] if held and tree.bone[k] <= _SAME_POSITION * tree.span]
+    near = [k for k in tree.below[node] if held and tree.bone[k] <= SAME_POSITION * tree.span]
     below = [parse_name(tree.rig.names[k]) for k in near]
     return held is not None and (held[0], _letters(held[1])) in [(k.side, _letters(k.kept)) for k in below]
 

@@ -18,6 +18,7 @@ from rigtri.recognition.chains_in_names import order_of_chains
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.character_joints import groups_of
 from rigtri.recognition.doubled_chains import JointGroup, doubled_in, with_controls
+from rigtri.recognition.empty_groups import empty_groups
 from rigtri.recognition.evidence_against import doubted
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.further_limbs import lay_further_limbs
@@ -102,13 +103,16 @@ def _draft(rig: Rig, group: JointGroup, poses: Poses, own: Sequence[Scheme]) -> 
     body = list(nodes) if certain else _deforming(nodes, poses)
     own_tree = Tree(rig, body, poses.rest)
     if not certain and (doubles := doubled_in(own_tree, poses)):
-        body = [node for node in body if node not in doubles]
-        own_tree = Tree(rig, body, poses.rest)
+        own_tree = own_tree.without(doubles)
+        body = own_tree.nodes
     controls = group.around | frozenset(nodes).difference(body)
-    segments = frozenset[int]() if certain else segments_of(own_tree)
-    if segments:
-        body = [node for node in body if node not in segments]
-        own_tree = Tree(rig, body, poses.rest)
+    segments = groups = frozenset[int]()
+    if not certain:
+        groups = empty_groups(own_tree, poses)
+        own_tree = own_tree.without(groups)
+        segments = segments_of(own_tree)
+        own_tree = own_tree.without(segments)
+        body = own_tree.nodes
     reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
     bones = certain or (reading.bones if reading is not None else {})
     after = {} if certain else order_of_chains(own_tree)
@@ -127,7 +131,7 @@ def _draft(rig: Rig, group: JointGroup, poses: Poses, own: Sequence[Scheme]) -> 
         worn, body = worn | beside, [node for node in body if node not in beside]
         words = limb_names(rig, body, reading)
         shape = shape_of(body, poses, words)
-    draft = Draft(shape, poses, reading, certain, words, controls, segments, worn, group.rival)
+    draft = Draft(shape, poses, reading, certain, words, controls, segments, groups, worn, group.rival)
     if not (reading is not None and reading.limbs) and not certain and lay_hands(draft):
         return draft
     found = find_limbs(draft)

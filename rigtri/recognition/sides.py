@@ -65,9 +65,9 @@ def unpaired(rig: Rig) -> list[Chain]:
 def _alike(rig: Rig, node: int) -> list[int]:
     """The nodes with the mirrored name; of ``LF_hip``, which is no twin of ``RT_hip`` here, ``RF_hip``."""
     name = rig.names[node]
-    other_name = twin(name)
-    if other_name != name and rig.has(other_name):
-        return [k for k, known in enumerate(rig.names) if known == other_name]
+    other_name = twin(name, rig.by_name)
+    if other_name != name and other_name in rig.by_name:
+        return rig.by_name[other_name]
     which, *says = words_of(name)
     other = "right" if which == "left" else "left"
     return _by_corner(rig).get((other, *says), []) if limb_words(name).corner else []
@@ -91,7 +91,7 @@ def _recognised(rig: Rig) -> Mapping[int, tuple[Side, int]]:
     """Side and twin of each joint that is surely recognised; none where names, or VRM bones, have twins."""
     if rig not in _twins:
         names = frozenset(name for name, joint in zip(rig.names, rig.is_joint, strict=True) if joint)
-        named = bool(rig.humanoid) or any(side(name) and twin(name) in names for name in names)
+        named = bool(rig.humanoid) or any(side(name) and twin(name, names) in names for name in names)
         _twins[rig] = {} if named else dict(_by_shape(rig))
     return _twins[rig]
 

@@ -117,7 +117,7 @@ def stand_by_twins(draft: Draft) -> None:
     for below in tree.below.values():
         by_name = {tree.rig.names[k]: k for k in below}
         for name, k in by_name.items():
-            if side(name) == "left" and (other := by_name.get(twin(name))) is not None:
+            if side(name) == "left" and (other := by_name.get(twin(name, by_name))) is not None:
                 apart = tree.at[k] - tree.at[other]
                 total, most = total + apart, most + apart.length
     if total.length > _ONE_LINE * most and abs(total.unit.dot(up)) < 1.0 - _ALONG:

@@ -125,7 +125,7 @@ def named_pairs(tree: Tree, pairs: Sequence[Pair]) -> list[Pair]:
         by_name = {names[k]: k for k in below if names[k]}
         by_words = {words_of(names[k]): k for k in below if names[k]}
         for name, a in by_name.items():
-            b = by_name.get(twin(name), _twin_by_words(name, by_words, a))
+            b = by_name.get(twin(name, by_name), _twin_by_words(name, by_words, a))
             if a == b or any(a in nodes and b in nodes for nodes in known):
                 continue
             paths = _named_alike(tree, a, b)
@@ -164,7 +164,7 @@ def _twin_by_words(name: str, by_words: Mapping[tuple[Side, str, Place], int], n
 
 def _are_twins(one: str, other: str) -> bool:
     """Whether two names are each other's on the other side."""
-    return twin(one) == other or _twin_by_words(one, {words_of(other): 1}, 0) == 1
+    return twin(one, [other]) == other or _twin_by_words(one, {words_of(other): 1}, 0) == 1
 
 
 def _named_alike(tree: Tree, a: int, b: int) -> tuple[tuple[int, ...], tuple[int, ...]]:

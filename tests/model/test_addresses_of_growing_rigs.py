@@ -60,7 +60,7 @@ def test_nodes_of_a_rig_that_grows_are_called_what_those_of_one_that_was_read_ar
         expected = _ways(rig)
         assert {way: rig._addresses.get(way) for way in rig._addresses.ways} == expected
         fresh = Addresses(rig.names, rig.labels, rig.parents, rig.is_joint, rig.holders)
-        fresh.find(rig._by_name)
+        fresh.find(rig.by_name)
         assert fresh.paths == rig._addresses.paths
         assert fresh.qualified == rig._addresses.qualified
         assert all(rig.has(way) for way in expected)

@@ -52,6 +52,15 @@ def test_the_twin_of_the_twin_is_the_name_itself(name: str) -> None:
     assert twin(twin(name)) == name
 
 
+def test_of_several_ways_to_write_the_other_side_names_tell_which_it_is() -> None:
+    """Before, ``Lt_Arm`` said no side, and ``RT_Leg`` was the twin of ``LF_Leg``, where ``RF_Leg`` is."""
+    assert side("Lt_Arm") == "left"
+    assert [twin("Rt_Arm", [name]) for name in ("Lt_Arm", "Lf_Arm", "arm")] == ["Lt_Arm", "Lf_Arm", "Lf_Arm"]
+    assert [twin("LF_Leg", [name]) for name in ("RF_Leg", "RT_Leg")] == ["RF_Leg", "RT_Leg"]
+    assert twin("RF_Leg", ["LF_Leg"]) == "LF_Leg"
+    assert twin("RF_Leg") == "RF_Leg"
+
+
 def test_a_name_without_a_side_is_its_own_twin() -> None:
     assert twin("spine_lower") == "spine_lower"
     assert twin("Lefty") == "Lefty"

@@ -250,9 +250,11 @@ def test_segments_of_a_bone_are_on_the_way_along_it() -> None:
     """0 - 1 - 2 - 3 - 4, where 2 and 3 are segments of the bone of 1, which a tree leaves out."""
     rig = SimpleNamespace(parents=np.array([-1, 0, 1, 2, 3]))
     tree = SimpleNamespace(rig=rig, way=lambda start, end: [start, 1, end])
-    draft: Any = SimpleNamespace(tree=tree, segments=frozenset([2, 3]))
+    draft: Any = SimpleNamespace(tree=tree, segments=frozenset([2, 3]), groups=frozenset[int]())
     assert Draft.way(draft, 0, 4) == [0, 1, 2, 3, 4]
-    draft.segments = frozenset()
+    draft.segments, draft.groups = frozenset([2]), frozenset([3])
+    assert Draft.way(draft, 0, 4) == [0, 1, 2, 4]
+    draft.segments = draft.groups = frozenset()
     assert Draft.way(draft, 0, 4) == [0, 1, 4]
 
 

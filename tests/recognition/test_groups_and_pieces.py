@@ -7,6 +7,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from recognition_bodies.skeletons import FINGERS, FLAT, HORSE, MAN, TRUNK, Joint, line, rig_with
 
@@ -25,6 +26,12 @@ from rigtri.recognition.name_readings import limb_names
 from rigtri.recognition.names_of_several import named_twice
 from rigtri.recognition.shape_doubts import later_start
 from rigtri.recognition.split_bones import split_bone
+
+# What Assimp writes above each joint of an FBX file.
+MARKS = ("_$AssimpFbx$_Translation", "_$AssimpFbx$_PreRotation")
+ASSIMP = [*MAN, *FINGERS]
+HEADS = {f"head{mark}" for mark in MARKS}
+HANDS = {name[-1]: at for name, _, at in MAN if name.startswith("hand")}
 
 
 def held(joints: Sequence[Joint], *bones: str) -> list[Joint]:
@@ -66,6 +73,41 @@ def test_limbs_without_names_begin_at_the_bone_and_not_at_its_group(bones: tuple
     bent = {tuple(joints[k][0] for k in each.bend) for each in found.limbs if each.is_sure}
     arms = {(f"upper_arm.{s}", f"forearm.{s}", f"hand.{s}") for s in "LR"}
     assert bent == {(f"thigh.{s}", f"shin.{s}", f"foot.{s}") for s in "LR"} | arms
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_limbs_end_at_the_joint_that_moves_points_and_not_at_groups_above_it(named: bool) -> None:
+    """Before, arms ended at ``hand.L_$AssimpFbx$_Translation``, at 0.94, and a hand was all of one finger."""
+    groups = {name: [name + mark for mark in MARKS] for name, above, _ in ASSIMP if above}
+    joints = [
+        (each, (["", *ways][k] or above), at)
+        for name, above, at in ASSIMP
+        for ways in [[*groups.get(name, []), name]]
+        for k, each in enumerate(ways)
+    ]
+    names = [name for name, _, _ in joints]
+    moves = np.array(["$" not in name and name != "head" for name in names])
+    rig = rig_with(joints, named=named)
+    rig = replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moves),))
+    (found,) = module.recognise(rig).characters
+    bent = {tuple(names[k] for k in each.bend) for each in found.limbs if each.is_sure}
+    arms = {(f"upper_arm.{s}", f"forearm.{s}", f"hand.{s}") for s in "LR"}
+    assert bent == {(f"thigh.{s}", f"shin.{s}", f"foot.{s}") for s in "LR"} | arms
+    held = {names[k] for each in groups.values() for k in map(names.index, each)}
+    roles = {names[part.joint]: part.role for part in found.parts}
+    assert {name for name, role in roles.items() if role == "helper"} == held - (set() if named else HEADS)
+
+
+def test_a_bone_without_weight_is_no_group_above_what_has_its_weight() -> None:
+    joints = [(name, above, at) for name, above, at in MAN]
+    joints = [*joints, *((f"skin_{k}", f"hand.{s}", at) for k, (s, at) in enumerate(HANDS.items()))]
+    names = [name for name, _, _ in joints]
+    rig = rig_with(joints)
+    moves = np.array([not name.startswith("hand") for name in names])
+    rig = replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moves),))
+    (found,) = module.recognise(rig).characters
+    ends = {names[each.bend[2]] for each in found.limbs if each.kind == "arm"}
+    assert ends == {"hand.L", "hand.R"}
 
 
 @pytest.mark.parametrize(

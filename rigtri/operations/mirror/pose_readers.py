@@ -196,8 +196,8 @@ def _morph(rig: Rig, mesh: int, output: OutputRecord, *, same: bool) -> str | No
     if not name:
         return ""
     found = meshes_named(rig, rig.path(mesh))[0]
-    if twin(name) != name and twin(name) in found.morph_names:
-        return twin(name)
+    if (other := twin(name, found.morph_names)) != name and other in found.morph_names:
+        return other
     there = name in found.morph_names or (is_number(name) and int(name) < len(found.morphs))
     return name if there and not same else None
 
@@ -236,7 +236,7 @@ def _names(rig: Rig, from_side: Side) -> dict[int, str]:
     # Names that say a side first: theirs are swapped, and the others make room.
     for node in sorted(mine, key=lambda k: (twin(readers[k].name) == readers[k].name, readers[k].name)):
         own = readers[node].name
-        target = twin(own) if twin(own) != own else f"{own}{SUFFIX[from_side]}"
+        target = twin(own, called) if twin(own) != own else f"{own}{SUFFIX[from_side]}"
         taken = {*names.values()} | (called - {r.name for k, r in readers.items() if _paired(rig, node, k)})
         name, count = target, 2
         while name in taken:

@@ -196,7 +196,11 @@ def _twin(rig: Rig, node: int) -> int | None:
     if isinstance(record, PoseReaderRecord):
         return reader_twin(rig, node)
     if isinstance(record, RivetRecord):
-        return find(rig, RivetRecord, name=twin(record.name))
+        return find(
+            rig,
+            RivetRecord,
+            name=twin(record.name, [each.name for each in rig.records(RivetRecord).values()]),
+        )
     return other(rig, node)
 
 

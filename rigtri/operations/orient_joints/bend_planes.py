@@ -359,7 +359,7 @@ def _set_from_twins(
         if 1 <= normals.step[joint] <= 3:
             named.setdefault(rig.names[joint], joint)
     for joint in (joint for chain in chains for joint in chain if not normals.step[joint]):
-        other = rig.names[joint] and twin(rig.names[joint])
+        other = rig.names[joint] and twin(rig.names[joint], named)
         if not other or other == rig.names[joint] or other not in named:
             continue
         there = named[other]
