@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import fsum
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.body_shape import LEG, LEVEL, SIMILAR, across, lowest
@@ -16,6 +17,8 @@ from rigtri.recognition.up_of_legs import on_axis
 _STANDS = 0.5
 # A row of legs lies along an axis of the file up to this (a cosine, 30°).
 _NEAR_AXIS = 0.866
+# What goes so far along legs, as a part of these, is no row of them: those of insects go aside.
+_ALONG_LEGS = 0.4
 # Joints beside the plane by less than this part of the whole are in the middle.
 _MIDDLE = 0.02
 # An abdomen is longer than a head by more than the first, as a part of both, and by the second to count in
@@ -73,15 +76,32 @@ def up_of_row(legs: Sequence[Limbs], standing: Vector, lateral: Vector) -> Vecto
     Where they come from, all together, does not tell it: of an insect some pairs may not be known, and the
     others go ahead or back. What the file has as up counts where that is near, or else its nearest axis.
     """
-    along, rise = Vector(), Vector()
-    for k in legs:
-        rise = rise + k.starts - k.ends
-        for other in legs:
-            for way in (k.starts - other.starts, k.ends - other.ends):
-                along = along + (way if way.dot(along) >= 0.0 else -way)
+    along, rise = _along_row(legs), _rise_of(legs)
     up = lateral.cross(along).unit
     up = up if up.dot(rise) >= 0.0 else -up
     return standing if up.dot(standing) > _STANDS or not any(up) else on_axis(up, _NEAR_AXIS)
+
+
+def is_row(legs: Sequence[Limbs]) -> bool:
+    """Whether pairs of legs stand behind one another: from leg to leg it does not go along the legs, as from
+    a short one to the foot of another."""
+    along, rise = _along_row(legs).unit, _rise_of(legs)
+    return abs(along.dot(rise)) < _ALONG_LEGS * fsum(k.size for k in legs)
+
+
+def _along_row(legs: Sequence[Limbs]) -> Vector:
+    """From leg to leg, where they begin and where they end, file units."""
+    along = Vector()
+    for k in legs:
+        for other in legs:
+            for way in (k.starts - other.starts, k.ends - other.ends):
+                along = along + (way if way.dot(along) >= 0.0 else -way)
+    return along
+
+
+def _rise_of(legs: Sequence[Limbs]) -> Vector:
+    """Where legs come from, all together, file units."""
+    return sum((k.starts - k.ends for k in legs), Vector())
 
 
 def is_feeler(legs: Sequence[Limbs], limbs: Limbs, up: Vector) -> bool:

@@ -43,7 +43,7 @@ from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_alone import agreed
 from rigtri.recognition.shape_analysis import MOST, shape_of, taken_for_limbs, tree_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
-from rigtri.recognition.worn_chains import known_limbs, limbs_in_words, worn_beside, worn_in
+from rigtri.recognition.worn_chains import known_limbs, limbs_in_words, limbs_of_person, worn_beside, worn_in
 
 # What the legs of a side are called that are no three, from the front on; the last one is behind.
 _IN_A_ROW = ("front", "second", "third", "fourth", "fifth", "sixth", "seventh")
@@ -125,7 +125,7 @@ def _draft(rig: Rig, group: JointGroup, poses: Poses, own: Sequence[Scheme]) -> 
     words = limb_names(rig, body, reading)
     shape = shape_of(body, poses, words)
     known = known_limbs(reading, certain)
-    known = known if len(known) == 4 else limbs_in_words(shape.limbs)
+    known = known if len(known) == 4 else limbs_in_words(shape.limbs) or limbs_of_person(shape.body)
     beside = worn_beside(shape.tree, poses, known, bones)
     if any(not beside.isdisjoint(limbs.pair.nodes) for limbs in taken_for_limbs(shape)):
         worn, body = worn | beside, [node for node in body if node not in beside]

@@ -8,14 +8,14 @@ from itertools import chain
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.joint_names import side, twin
-from rigtri.recognition.body_shape import Body, lies
+from rigtri.recognition.body_shape import Body, lies, stands_too
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import up_of_stretched
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limbs_alone import is_half_whole
-from rigtri.recognition.many_legs import up_of_row
+from rigtri.recognition.many_legs import is_row, up_of_row
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.shape_analysis import Shape
 from rigtri.recognition.up_of_legs import on_axis
@@ -37,6 +37,14 @@ _HANG = 0.5
 def is_clear(body: Body) -> bool:
     """Whether a shape is clear enough to say, against names or the file, how a body stands."""
     return body.score > 0.5 * (GUESS + CLEAR) and body.arms is not None
+
+
+def is_person(body: Body) -> bool:
+    """Whether a shape is clearly of two legs and two arms, and names call both so."""
+    legs, arms = body.legs, body.arms
+    if legs is None or arms is None or (legs.kind, arms.kind) != ("leg", "arm"):
+        return False
+    return body.form == "biped" and is_clear(body)
 
 
 def stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]) -> None:
@@ -125,9 +133,16 @@ def stand_by_twins(draft: Draft) -> None:
 
 
 def row_of_legs(shape: Shape, pairs: Sequence[Found]) -> tuple[Limbs, ...]:
-    """The pairs that names call legs, where there are more than the body has: feelers are no arms of it."""
+    """The pairs that names call legs, where there are more than the body has: feelers are no arms of it.
+
+    What is called a leg beside the legs of a person is one more of a row if it stands as these do: what is
+    shorter, or hangs at the same joint, is worn (``leg_pouch``).
+    """
     pair_of = (each.pair for each in pairs if each.pair is not None and each.pair.kind == "leg")
     legs, body = tuple(dict.fromkeys(pair_of)), shape.body
+    person = body is not None and is_person(body) and body.legs in legs
+    if not is_row(legs) or (person and body is not None and not stands_too(shape.tree, body, legs)):
+        return ()
     known = {body.legs, body.arms} if body is not None and body.form == "quadruped" else {None}
     return legs if len(legs) > 1 and not known.issuperset(legs) else ()
 

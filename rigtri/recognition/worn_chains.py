@@ -11,6 +11,7 @@ from itertools import chain, pairwise
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
+from rigtri.recognition.body_shape import Body
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import BENDS, LimbKind
 from rigtri.recognition.limb_pairs import Limbs
@@ -19,6 +20,7 @@ from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.name_readings import Reading
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.standing import is_person
 
 # The joints of limbs by kind and side.
 _Known = Mapping[tuple[LimbKind, Side], tuple[int, ...]]
@@ -177,6 +179,15 @@ def limbs_in_words(limbs: Sequence[Limbs]) -> _Known:
             return {}
         found |= {(kind, "left"): best.joints(0), (kind, "right"): best.joints(1)}
     return found
+
+
+def limbs_of_person(body: Body | None) -> _Known:
+    """The two arms and the two legs of a person by shape of which names say no more than which is which."""
+    if body is None or not is_person(body):
+        return {}
+    both: tuple[tuple[LimbKind, Limbs | None], ...] = (("leg", body.legs), ("arm", body.arms))
+    known = [(kind, limbs) for kind, limbs in both if limbs is not None and len(limbs.at) == 3]
+    return {(kind, _SIDES[which]): limbs.joints(which) for kind, limbs in known for which in (0, 1)}
 
 
 def known_limbs(reading: Reading | None, certain: Mapping[str, int]) -> _Known:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import FINGERS, MAN, Joint, both, line, rig_with
+from recognition_bodies.skeletons import FINGERS, MAN, Joint, both, line, renamed, rig_with
 
 from rigtri import add_polevector, recognise
 from rigtri.model.rig import Rig
@@ -270,6 +270,37 @@ def test_words_of_limbs_that_no_scheme_has_know_a_person_as_well() -> None:
     assert man.form == "biped"
     assert man.up == pytest.approx((0, 1, 0), abs=1e-3)
     assert {chain.name for chain in man.limbs if chain.kind in ("arm", "leg")} == LIMBS
+
+
+# Names that say of joints no more than which limb they are of, or that say so of some joints alone.
+NAMED = ("upper_arm", "forearm", "hand", "thigh", "shin", "foot")
+VAGUE = {
+    "letters": "arm_a arm_b arm_c leg_a leg_b leg_c",
+    "levels": "arm_upper arm_lower arm_end leg_upper leg_lower leg_end",
+    "partly": "Bone765 elbow wrist hip Bone901 ankle",
+}
+
+
+@pytest.mark.parametrize("where", ["before the legs", "behind the legs", "at the side"])
+@pytest.mark.parametrize("names", VAGUE)
+def test_a_person_by_shape_of_whom_names_know_each_limb_is_one(names: str, where: str) -> None:
+    """Before, ``leg_pouch`` made a creature of it that looks down, with its legs sure and poles behind."""
+    bones = dict(zip(NAMED, VAGUE[names].split(), strict=True))
+    for word, count in (("leg_pouch_{}.L", 3), ("knife_leg_{}.L", 4), ("leg_{}_strap.L", 5)):
+        rig = rig_with(renamed(with_chain(where, word, count), bones))
+        (man,) = recognise(rig).characters
+        assert (man.form, man.up) == ("biped", pytest.approx((0, 1, 0), abs=1e-3))
+        assert man.facing == pytest.approx((0, 0, 1), abs=1e-3)
+        assert {chain.name for chain in man.limbs if chain.kind in ("arm", "leg")} == LIMBS
+        assert all(chain.is_sure for chain in man.limbs)
+
+
+def test_what_is_called_a_leg_where_arms_have_no_names_does_not_turn_a_person() -> None:
+    bones = {"upper_arm": "q1", "forearm": "q2", "hand": "q3", "thigh": "leg_a", "shin": "leg_b"}
+    rig = rig_with(renamed(with_chain("at the side", "leg_pouch_{}.L", 3), bones))
+    (man,) = recognise(rig).characters
+    assert man.up == pytest.approx((0, 1, 0), abs=1e-3)
+    assert man.facing == pytest.approx((0, 0, 1), abs=1e-3)
 
 
 # The bones of Call of Duty, by those of the man.
