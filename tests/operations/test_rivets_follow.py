@@ -145,6 +145,21 @@ def test_split_weights_take_the_rivets_of_their_mesh_along(tmp_path: Path) -> No
     assert sum(record["type"] == "rivet" for record in report.added) == 1
 
 
+@pytest.mark.parametrize("step", ["split", "limit"])
+def test_rivets_are_on_the_weights_that_a_step_before_has_changed(
+    step: str, samples: Path, tmp_path: Path
+) -> None:
+    """Before, in one spec or script with these, they were where the old weights have the mesh."""
+    rig = rigtri.read(samples / "biped.glb")
+    if step == "split":
+        rig = rigtri.add_twist(rig, limbs="auto", split_weights=True)
+    else:
+        rig = rigtri.limit_weights(rig, max_influences=1)
+    held = rigtri.bake(on_the_arms(rig, Report()))
+    rigtri.write(held, tmp_path / "held.glb", verify=False)
+    assert off(tmp_path / "held.glb") < 2e-5
+
+
 def test_children_of_constraints_that_stay_behind_are_named(samples: Path) -> None:
     """Before, a baked prop stayed where the hand had been, 0.15 of the size away, without a word."""
     rig = rigtri.add_root(rigtri.read(samples / "biped.glb"))

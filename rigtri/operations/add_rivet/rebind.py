@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
-
-import numpy as np
 
 from rigtri.errors import FileError, GeometryError
-from rigtri.maths.matrices import transform_points
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
-from rigtri.model.skin_weights import limited, shared
 from rigtri.operations.add_rivet.rivet import rebaked
 from rigtri.operations.constrain.behind import warn_keys_behind
 from rigtri.report import Report
@@ -50,24 +45,10 @@ def _rivets(rig: Rig, meshes: Collection[int]) -> list[int]:
 def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
     """The same for meshes whose weights the rig redistributes, limits, or takes from joints that go: with
     those that they will have in the file.
-
-    Weights that are stored as whole numbers are rounded there, by half a unit at most.
     """
     if not rig.records(RivetRecord) or not rig.pending.changes_weights:
         return rig
-    meshes = rig.meshes
-    touched = {mesh.node for mesh in meshes if _gets_new_weights(mesh, rig)}
-    if not _rivets(rig, touched):
-        return rig
-    anew = [_with_new_weights(mesh, rig) for mesh in meshes]
-    # As float32, which glTF keeps them in: so a second run, which reads those, finds the same places.
-    skins_read = tuple(
-        replace(skin, inverse_bind=skin.inverse_bind.astype(np.float32).astype(np.float64))
-        for skin in rig.skins
-    )
-    content = replace(rig.content, read_meshes=lambda: anew)
-    set_anew = rebind_rivets(replace(rig, content=content, skins=skins_read), touched, report)
-    return replace(set_anew, content=rig.content, skins=rig.skins)
+    return rebind_rivets(rig, {mesh.node for mesh in rig.meshes if _gets_new_weights(mesh, rig)}, report)
 
 
 def _gets_new_weights(mesh: Mesh, rig: Rig) -> bool:
@@ -76,16 +57,3 @@ def _gets_new_weights(mesh: Mesh, rig: Rig) -> bool:
     skins |= {merge.skin for merge in pending.joint_merges if not merge.idle}
     limits = [limit.skins for limit in pending.weight_limits]
     return mesh.skin is not None and any(each is None or mesh.skin in each for each in (skins, *limits))
-
-
-def _with_new_weights(mesh: Mesh, rig: Rig) -> Mesh:
-    """A mesh with the weights that the redistributions of its skin, and limits, give it."""
-    joints, weights = mesh.joints, mesh.weights
-    for redistribution in rig.pending.weight_redistributions if len(joints) else ():
-        if redistribution.skin == mesh.skin:
-            points = transform_points(mesh.points, mesh.bind)
-            joints, weights = shared(redistribution, points, joints, weights)
-    for limit in rig.pending.weight_limits if mesh.skin is not None else ():
-        if limit.skins is None or mesh.skin in limit.skins:
-            joints, weights = limited(joints, weights, limit)
-    return mesh if weights is mesh.weights else replace(mesh, joints=joints, weights=weights)

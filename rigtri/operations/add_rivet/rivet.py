@@ -21,6 +21,7 @@ from rigtri.evaluation.timelines import (
     timelines,
     times_and_jumps,
 )
+from rigtri.evaluation.written_weights import as_bound_in_file, as_weighted_in_file
 from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import angle_between, from_axes, make_continuous, slerp, to_axes
 from rigtri.maths.triangle import frame
@@ -83,7 +84,8 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
 
     Raises NameNotFoundError, UsageError, GeometryError (no triangles, out of range, no area), FileError.
     """
-    ground = _Ground(rig, meshes_named(rig, options.mesh), options.mesh)
+    meshes = [as_weighted_in_file(mesh, rig) for mesh in meshes_named(rig, options.mesh)]
+    ground = _Ground(as_bound_in_file(rig), meshes, options.mesh)
     for name in options.name:
         given_name(rig, name, report)
     names = _names(rig, options, ground)
@@ -109,7 +111,7 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
     """
     record = rig.records(RivetRecord)[node]
     mesh_node, number = rig.known(record.mesh), record.primitive
-    meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node]
+    meshes = [as_weighted_in_file(mesh, rig) for mesh in rig.meshes if mesh.node == mesh_node]
     rows = np.array(record.vertices, dtype=np.int64)
     count = len(meshes[number].points) if number < len(meshes) else 0
     if len(rows) != 3 or rows.min() < 0 or rows.max() >= count:
@@ -117,7 +119,7 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
             f"Rivet '{rig.title(node)}': mesh '{record.mesh}' has no such triangle, or cannot be read; "
             "add it again with: rigtri add-rivet"
         )
-    ground = _Ground(rig, meshes, record.mesh)
+    ground = _Ground(as_bound_in_file(rig), meshes, record.mesh)
     if not ground.has_face(number, rows):
         raise GeometryError(
             f"Rivet '{rig.title(node)}': its points are no triangle of mesh '{record.mesh}': another "
@@ -279,9 +281,14 @@ class _Rivet:
             rig, node = add(rig, self.name, parent, record)
         else:
             rig = with_record(rig, node, record)
-        resting = self._seats(SkinnedPoints(rig, self.seat.mesh, self.seat.vertices).at_rest()[np.newaxis])[0]
+        bound = as_bound_in_file(rig)
+        resting = self._seats(SkinnedPoints(bound, self.seat.mesh, self.seat.vertices).at_rest()[np.newaxis])[
+            0
+        ]
         rig = stand(rig, node, resting[:3], to_axes(resting[3:]))
-        held = SkinnedPoints(rig, self.seat.mesh, self.seat.vertices, int(rig.parents[node]))
+        held = SkinnedPoints(
+            as_bound_in_file(rig), self.seat.mesh, self.seat.vertices, int(rig.parents[node])
+        )
         counts: dict[str, int] = {}
         worst = 0.0
         for timeline in counted(timelines(rig), "clips"):
