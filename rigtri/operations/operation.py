@@ -122,7 +122,9 @@ def _run(
 ) -> Rig:
     """What an operation makes of a rig; one that knows its file keeps what was reported."""
     options = words.get("options")
-    run = _of_character(function, getattr(options, "character", None), *alone)
+    from rigtri.operations.left_behind import naming_left_behind
+
+    run = naming_left_behind(_of_character(function, getattr(options, "character", None), *alone))
     read = [*others, *(vars(options).values() if options is not None else ())]
     sources = [file for one in read if isinstance(one, Rig) and one.source for file in one.source.needed()]
     if rig.source is None:

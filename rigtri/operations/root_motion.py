@@ -17,7 +17,6 @@ from rigtri.model.animation import Clip, Track, values_minus
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.dependents import rebake_followers
 from rigtri.operations.bake.unbaked import UNBAKED, away_from_keys
-from rigtri.operations.constrain.behind import warn_keys_behind
 from rigtri.operations.ground_motion import is_none, over_ground, rests, turned, twist, up_of
 from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
@@ -75,9 +74,7 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     changed = frozenset(
         k for k, (was, now) in enumerate(zip(rig.clips, clips, strict=True)) if now is not was
     )
-    moved = rebake_followers(moved, changed, report)
-    warn_keys_behind(rig, moved, report)
-    return moved
+    return rebake_followers(moved, changed, report)
 
 
 def _warn_still_moving(rig: Rig, clip: Clip, root: int, report: Report) -> None:

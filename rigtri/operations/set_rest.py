@@ -25,7 +25,6 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.add_rivet.rebind import rebind_resting_rivets
 from rigtri.operations.body_pose import posed, sure_bones
-from rigtri.operations.constrain.behind import warn_rest_behind
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.moved_points import moving_nodes
 from rigtri.operations.operation import operation
@@ -102,7 +101,6 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         refuse_other_rest(rig, taken, moved)
         warn_old_rest(taken, moved, report)
     taken = rebind_resting_rivets(taken, report)
-    warn_rest_behind(rig, taken, report)
     warn_shown(rig, taken, moved, report, "no animation moves their skeleton, which could keep the old pose")
     return taken
 

@@ -15,6 +15,7 @@ from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
+from rigtri.frames.rescale import rescale
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
 from rigtri.operations.add_rivet import rivet
@@ -188,3 +189,19 @@ def test_children_of_rivets_are_named_only_where_these_move(samples: Path) -> No
         rigtri.merge_joints(held, joints=[joints], report=report)
         assert sum(record["type"] == "rivet" for record in report.added) == 4
         assert report.warned("followers-behind") == named
+
+
+@pytest.mark.parametrize("name", ["biped.usda", "biped.glb"])
+def test_rivets_are_on_a_mesh_that_a_step_before_has_given_another_size(
+    name: str, samples: Path, tmp_path: Path
+) -> None:
+    """Before, in one spec with freeze, they stood 0.19 of the size away."""
+    rig = rigtri.read(samples / name)
+    sizes = np.where(rig.is_joint, 0.25, 1.0)
+    rigtri.write(rescale(rig, sizes), tmp_path / name)
+    rig = rigtri.read(tmp_path / name)
+    frozen = rigtri.freeze(rig, **({"unit": 0.5, "up_axis": "z"} if name.endswith("usda") else {}))
+    body = next(mesh for mesh in frozen.meshes if mesh.skin is not None)
+    held = rigtri.add_rivet(frozen, mesh=frozen.address(body.node), triangle=(3, 300))
+    rigtri.write(held, tmp_path / f"held_{name}", verify=False)
+    assert off(tmp_path / f"held_{name}") < 2e-5

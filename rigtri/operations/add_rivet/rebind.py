@@ -9,7 +9,6 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_rivet.rivet import rebaked
-from rigtri.operations.constrain.behind import warn_keys_behind
 from rigtri.report import Report
 
 
@@ -27,13 +26,11 @@ def rebind_resting_rivets(rig: Rig, report: Report) -> Rig:
 
 
 def _rebound(rig: Rig, rivets: Sequence[int], clips: Collection[int], report: Report) -> Rig:
-    before = rig
     for node in rivets:
         try:
             rig = rebaked(rig, node, clips=clips, report=report)
         except (FileError, GeometryError) as error:
             report.warn("follower-kept", f"'{rig.title(node)}' keeps its keys: {error}")
-    warn_keys_behind(before, rig, report)
     return rig
 
 

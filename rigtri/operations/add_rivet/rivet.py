@@ -21,7 +21,7 @@ from rigtri.evaluation.timelines import (
     timelines,
     times_and_jumps,
 )
-from rigtri.evaluation.written_weights import as_bound_in_file, as_weighted_in_file
+from rigtri.evaluation.written_meshes import as_bound_in_file, as_in_file
 from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import angle_between, from_axes, make_continuous, slerp, to_axes
 from rigtri.maths.triangle import frame
@@ -84,7 +84,7 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
 
     Raises NameNotFoundError, UsageError, GeometryError (no triangles, out of range, no area), FileError.
     """
-    meshes = [as_weighted_in_file(mesh, rig) for mesh in meshes_named(rig, options.mesh)]
+    meshes = [as_in_file(mesh, rig) for mesh in meshes_named(rig, options.mesh)]
     ground = _Ground(as_bound_in_file(rig), meshes, options.mesh)
     for name in options.name:
         given_name(rig, name, report)
@@ -111,7 +111,7 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
     """
     record = rig.records(RivetRecord)[node]
     mesh_node, number = rig.known(record.mesh), record.primitive
-    meshes = [as_weighted_in_file(mesh, rig) for mesh in rig.meshes if mesh.node == mesh_node]
+    meshes = [as_in_file(mesh, rig) for mesh in rig.meshes if mesh.node == mesh_node]
     rows = np.array(record.vertices, dtype=np.int64)
     count = len(meshes[number].points) if number < len(meshes) else 0
     if len(rows) != 3 or rows.min() < 0 or rows.max() >= count:

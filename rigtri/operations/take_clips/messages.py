@@ -12,10 +12,8 @@ from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.similarity_fit import SAME_TURN, upright_turn
 from rigtri.model.animation import Path as TrackPath
 from rigtri.model.animation import Track, key_values
-from rigtri.model.metadata import PoseReaderRecord, RivetRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.unbaked import moved_otherwise
-from rigtri.operations.constrain.behind import keyed_anew, keys_behind, warn_behind
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.ik_switches import ik_ends, switches
 from rigtri.operations.take_clips.node_matching import why_unmatched
@@ -143,14 +141,6 @@ def moves(track: Track) -> bool:
     return bool(np.abs(values - values[0]).max(initial=0.0) > _MOVED)
 
 
-def warn_followers(start: Rig, rig: Rig, report: Report) -> None:
-    """Warn of what has keys that rigtri made of the motion of joints, which is another one in ``rig``."""
-    new = keyed_anew(start, rig)
-    behind = [node for node, followed in _followers(rig) if new.intersection(followed or new)]
-    behind += keys_behind(rig, new)
-    warn_behind(rig, sorted(node for node in behind if not new.intersection(rig.below(node))), report)
-
-
 def warn_overruled(start: Rig, rig: Rig, report: Report) -> None:
     """Warn of joints whose new keys the controls of ``rig`` overrule: a bake would lose that motion."""
     known = {id(track) for clip in start.clips for track in clip.tracks}
@@ -196,19 +186,3 @@ def _overruled(rig: Rig, known: Container[int] = ()) -> Iterator[tuple[str, list
         far = moved_otherwise(rig, timeline, keys) if keys else {}
         if names := [rig.title(node) for node in far if far[node] > _OVERRULED]:
             yield timeline.name, names, max(far.values())
-
-
-def _followers(rig: Rig) -> Iterator[tuple[int, set[int]]]:
-    """Twist joints, pose readers and rivets, with the nodes that they follow; () for any that move points."""
-    for node, record in rig.records(TwistRecord).items():
-        driver, joint = (_way(rig, name) for name in (record.driver, record.joint))
-        yield node, driver - joint or driver
-    for node, reader in rig.records(PoseReaderRecord).items():
-        yield node, _way(rig, reader.driver) ^ _way(rig, reader.frame)
-    for node in rig.records(RivetRecord):
-        yield node, set()
-
-
-def _way(rig: Rig, name: str) -> set[int]:
-    node = rig.known(name)
-    return set() if node is None else set(rig.path_to_root(node))

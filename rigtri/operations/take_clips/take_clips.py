@@ -44,7 +44,6 @@ from rigtri.operations.take_clips.key_merging import merged, thinned
 from rigtri.operations.take_clips.lost_motion import one_character, refuse_lost, without
 from rigtri.operations.take_clips.messages import (
     moves,
-    warn_followers,
     warn_overruled,
     warn_tracks,
     why_nothing_matches,
@@ -121,7 +120,6 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
         if rig is not before:
             changed.add(taken.name)
     axes.warn(moved, report)
-    warn_followers(start, rig, report)
     warn_ik_bones(bodies, moved, report)
     rig = as_switched(rig, switched, taken_all, changed, report)
     warn_overruled(start, rig, report)

@@ -1,4 +1,4 @@
-"""The skin weights that meshes will have in the file, where changes of them wait to be written.
+"""Meshes as they will be in the file, where changes of their weights and sizes wait to be written.
 
 Weights that are stored as whole numbers are rounded there, by half a unit at most.
 """
@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.maths.matrices import transform_points
+from rigtri.maths.matrices import multiply, transform_points
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin_weights import limited, shared
@@ -29,8 +29,12 @@ def as_bound_in_file(rig: Rig) -> Rig:
     return replace(rig, skins=tuple(skins))
 
 
-def as_weighted_in_file(mesh: Mesh, rig: Rig) -> Mesh:
-    """A mesh with the weights that the redistributions of its skin, and limits, give it."""
+def as_in_file(mesh: Mesh, rig: Rig) -> Mesh:
+    """A mesh of the size that its points are to be bound with, and with the weights that the redistributions
+    of its skin, and limits, give it."""
+    if mesh.skin is not None and mesh.skin in rig.pending.bind_sizes:
+        size = np.diag([*rig.pending.bind_sizes[mesh.skin], 1.0])
+        mesh = replace(mesh, bind=multiply(mesh.bind, size))
     joints, weights = mesh.joints, mesh.weights
     for redistribution in rig.pending.weight_redistributions if len(joints) else ():
         if redistribution.skin == mesh.skin:
