@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from contextvars import ContextVar
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
-from rigtri.operations.follower_places import Follower, followers
 from rigtri.report import Report
 from rigtri.text import list_names
+
+if TYPE_CHECKING:
+    from rigtri.operations.follower_places import Follower
 
 # Shares of the size, or radians: a tenth of what bakes leave between keys.
 _ON_PLACE = 1e-5
@@ -43,6 +46,9 @@ def naming_left_behind(run: Callable[..., Rig]) -> Callable[..., Rig]:
 
 
 def _warn(before: Rig, rig: Rig, report: Report) -> None:
+    # With the solvers of all that follows, which most files have not.
+    from rigtri.operations.follower_places import followers
+
     if before is rig or not (known := {each.keeper: each for each in followers(before)}):
         return
     of, kept, keeps = _counterparts(before, rig), _Kept(before), _Kept(rig)
