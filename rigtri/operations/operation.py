@@ -27,6 +27,7 @@ from rigtri.model.limb import Limb
 from rigtri.model.options import Kind, Option, check, default_of, hints_of, options_of
 from rigtri.model.rig import Rig
 from rigtri.model.spelling import AS_FLAGS, Spelling, described, python_spelling, spelled
+from rigtri.operations.left_behind import naming_left_behind
 from rigtri.operations.option_kinds import assigned, is_one
 from rigtri.report import Report
 
@@ -122,8 +123,6 @@ def _run(
 ) -> Rig:
     """What an operation makes of a rig; one that knows its file keeps what was reported."""
     options = words.get("options")
-    from rigtri.operations.left_behind import naming_left_behind
-
     run = naming_left_behind(_of_character(function, getattr(options, "character", None), *alone))
     read = [*others, *(vars(options).values() if options is not None else ())]
     sources = [file for one in read if isinstance(one, Rig) and one.source for file in one.source.needed()]
