@@ -33,7 +33,7 @@ from rigtri.pipeline.edit import (
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.across_formats import compare_converted
-from rigtri.verification.compare.advice import why_far, why_not_unit, why_sheared
+from rigtri.verification.compare.advice import why_far, why_levered, why_not_unit, why_sheared
 from rigtri.verification.compare.compare import Comparison, Source
 
 # What a conversion has no word for in the other format.
@@ -106,8 +106,7 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
                 report.extend(Notice(LOST, f"not converted: {what}") for what in conversion.lost)
                 if found is not None and not found.passes(request.tolerance):
                     summary = found.summary(request.tolerance)
-                    was, shown = document.rig, found.largest_deviation
-                    why = why_sheared(was) or why_not_unit(was, shown) or why_far(was, found)
+                    why = _why(document.rig, conversion, found)
                     raise DeviationError(
                         f"The result would look different: {summary}. Nothing was written.{why}"
                     )
@@ -123,6 +122,16 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
                 written.undo()
                 raise
             return outcome
+
+
+def _why(rig: Rig, conversion: Any, found: Comparison) -> str:
+    """What to do about a file that would look different. rig: of the source."""
+    return (
+        why_sheared(rig)
+        or why_not_unit(rig, found.largest_deviation)
+        or why_far(rig, found)
+        or why_levered(conversion.rig, found, conversion.scene.grains)
+    )
 
 
 def _conversion(document: Any, path: Path, options: ConvertOptions) -> Any:

@@ -130,7 +130,8 @@ class Scene:
     primitives, cameras, lights, extras: by node. hidden: nodes that are not shown. omitted: those that are
     left out. up: ``Y`` or ``Z``; unit: the metres of one length unit. per_second: the time units of
     clips in a second. played: clips by name as the source's own library plays them, as far as the other
-    format can say it, and where that is less also as they are.
+    format can say it, and where that is less also as they are. grains: how far that
+    library rounds the angles of nodes, in radians.
     """
 
     rig: Rig
@@ -147,6 +148,7 @@ class Scene:
     unit: float = 1.0
     per_second: float = 1.0
     played: dict[str, tuple[Clip, Clip | None]] = field(default_factory=dict)
+    grains: dict[int, float] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
 

@@ -27,9 +27,7 @@ from rigtri.formats.usd.composition.value_types import integers, vectors
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.loose_animations import nearest, tracks_of
 from rigtri.formats.usd.reading.mesh_reader import at_start, drives_shapes
-from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
@@ -304,11 +302,9 @@ class _Reader:
             return list(as_played(self.scene.rig, clip.tracks))
         rig = self.scene.rig
         prims = {track.node: self.stage.GetPrimAtPath(rig.labels[track.node]) for track in clip.tracks}
-        sizes = sizes_of(rig, self.document.meshes())
-        for node in prims:
-            if rig.parents[node] >= 0:
-                sizes[node] /= max(1e-9, float(length(rig.world[rig.parents[node], :3, :3]).max()))
-        return self.motion.follow(prims, clip.tracks, sizes)
+        found = self.motion.follow(rig, self.document.meshes(), prims, clip.tracks)
+        self.scene.grains |= self.motion.grains
+        return found
 
     def _say_how_it_is_played(self, clip: Clip) -> None:
         motion = self.motion

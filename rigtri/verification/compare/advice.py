@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from rigtri.errors import FileError
@@ -24,6 +26,8 @@ _BLAME = 0.1
 # Rounding is what differs where it comes to this share of that: keys of several joints, and of one in several
 # places, add up.
 _NEAR = 0.01
+# A turned node of which the rounding at most comes to this share of what was found is to blame.
+_ROUNDED = 0.3
 # Clips that scale joints may hold what is attached there up to so many times as large as it is at rest.
 _GROWN = 2.0
 
@@ -164,6 +168,30 @@ def why_far(rig: Rig, result: Comparison) -> str:
     return (
         f"{found}: the float32 of the file rounds what they move by {largest:.1g} sizes. Remove those "
         "keys, or export the clip again with the program that wrote it"
+    )
+
+
+def why_levered(rig: Rig, result: Comparison, grains: Mapping[int, float]) -> str:
+    """The node with rotation keys that moves what is so far from it that their rounding may be what was
+    found, and what to do; else "". grains: how far the source's own library rounds angles, in radians.
+    """
+    turned = sorted({t.node for clip in rig.clips for t in clip.tracks if t.path == "rotation"})
+    if not turned:
+        return ""
+    arm = LeverArm(rig)
+    far = arm.at_most * arm.sizes / (result.diagonal or 1.0)
+    float32 = float(np.finfo(np.float32).eps)
+    off, node = max((far[node] * (float32 + grains.get(node, 0.0)), -node) for node in turned)
+    if not _ROUNDED * result.largest_deviation <= off < np.inf:
+        return ""
+    node = -node
+    rounds, write = "rotation keys", ""
+    if grains.get(node, 0.0) > float32:
+        rounds, write = "its angles and of rotation keys", "Write its angles as doubles, p"
+    return (
+        f" '{rig.title(node)}' turns what is {far[node]:.2g} sizes from its origin: there the float32 of "
+        f"{rounds} comes to as much as {off:.1g}. {write or 'P'}ut its origin nearer to what it turns, or "
+        f"allow more with --tolerance {_rounded_up(result.largest_deviation):g}"
     )
 
 

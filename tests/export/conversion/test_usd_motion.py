@@ -10,7 +10,9 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom
 
 import rigtri
+from rigtri.errors import DeviationError
 from rigtri.evaluation.sampling import Motion, worlds
+from rigtri.maths.matrices import compose, decompose
 
 
 def _stage(path: Path) -> tuple[Any, Any]:
@@ -60,6 +62,79 @@ def test_shear_between_samples_is_reported_and_measured(tmp_path: Path) -> None:
     assert outcome.verification.deviation < 1e-5
     assert outcome.verification.motion is not None
     assert 1e-3 < outcome.verification.motion.deviation < 0.2
+
+
+def _far(path: Path, ops: str, *, away: float, frames: int = 12) -> Path:
+    """A plane of 14 m that a prim turns at some distance, by samples on every frame."""
+    stage, moved = _stage(path)
+    matrix = ops == "matrix"
+    op = moved.AddTransformOp() if matrix else moved.AddRotateXYZOp(UsdGeom.XformOp.PrecisionFloat)
+    for frame in range(frames + 1):
+        x, y, z = 10 * np.sin(frame / 9), 3.6 * frame, -20 * np.sin(frame / 13)
+        op.Set(_turned((0, 1, 0), y) * _turned((1, 0, 0), x) if matrix else (x, y, z), frame)
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/set/moved/blade"))
+    mesh.GetPointsAttr().Set([(away, 50, 0), (away + 10, 50, 0), (away, 58, 6)])
+    stage.Save()
+    return path
+
+
+@pytest.mark.parametrize(("ops", "away"), [("euler", 50.0), ("euler", 200.0), ("matrix", 200.0)])
+def test_what_turns_far_from_its_origin_has_keys_as_near_as_its_size_asks(
+    ops: str, away: float, tmp_path: Path
+) -> None:
+    rigtri.convert(_far(tmp_path / "in.usda", ops, away=away), tmp_path / "out.glb")
+    stage = Usd.Stage.Open(str(tmp_path / "in.usda"))
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/set/moved/blade"))
+    rig = rigtri.read(tmp_path / "out.glb")
+    points = np.array(mesh.GetPointsAttr().Get(), dtype=np.float64)
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    times = np.arange(0.0, 12.0, 1.0 / 16.0)
+    found = worlds(rig, Motion(rig, rig.clips[0]).locals_at(times / 24.0))[:, rig.find("blade")]
+    for time, world in zip(times.tolist(), found, strict=True):
+        there = np.array(UsdGeom.XformCache(time).GetLocalToWorldTransform(mesh.GetPrim()))
+        if ops == "matrix":  # glTF cannot say what shears between samples
+            there = compose(*decompose(there))
+        off = points @ (world - there)[:3, :3] + (world - there)[3, :3]
+        assert np.linalg.norm(off, axis=1).max() < 1e-5 * size
+
+
+def test_what_turns_at_its_origin_has_few_keys(tmp_path: Path) -> None:
+    """The keys of what is far away grow with the root of the distance, and what is near pays nothing."""
+    counts = []
+    for away in (0.0, 100.0):
+        source = _far(tmp_path / f"{away:g}.usda", "euler", away=away)
+        rigtri.convert(source, source.with_suffix(".glb"))
+        clip = rigtri.read(source.with_suffix(".glb")).clips[0]
+        counts.append(max(len(track.times) for track in clip.tracks))
+    assert 12 < counts[0] < counts[1] <= 4 * counts[0]
+
+
+def test_prims_that_turn_below_each_other_stay_within_the_limit_together(tmp_path: Path) -> None:
+    stage, _ = _stage(tmp_path / "in.usda")
+    path = "/set/moved"
+    for depth in range(3):
+        op = UsdGeom.Xformable(stage.GetPrimAtPath(path)).AddRotateXYZOp()
+        for k in range(2):
+            op.Set((20.0 * k, (70.0 - 10 * depth) * k, 90.0 * k), 12 * k)
+        path = f"{path}/arm{depth}"
+        UsdGeom.Xform.Define(stage, path).AddTranslateOp().Set((3.0, 0, 0))
+    mesh = UsdGeom.Mesh.Define(stage, f"{path}/hand")
+    mesh.CreatePointsAttr([(0, 0, 0), (0.3, 0, 0), (0, 0.3, 0.1)])
+    mesh.CreateFaceVertexCountsAttr([3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    stage.RemovePrim("/set/moved/blade")
+    stage.Save()
+    outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-5
+
+
+def test_where_float32_cannot_say_a_rotation_so_far_away_the_error_says_so(tmp_path: Path) -> None:
+    source = _far(tmp_path / "in.usda", "euler", away=20000.0, frames=2)
+    with pytest.raises(
+        DeviationError, match=r"'moved' turns what is .* sizes from its origin: there the float"
+    ):
+        rigtri.convert(source, tmp_path / "out.glb")
 
 
 @pytest.mark.parametrize(("degrees", "slow"), [(0.4, True), (30.0, False)])

@@ -16,8 +16,9 @@ from pxr import Gf, Usd, UsdGeom
 from rigtri.evaluation.sampling import sample
 from rigtri.formats.usd.composition.time_samples import ops_times
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import SKEW, compose, decompose, nearest_rotation, skew
-from rigtri.maths.quaternions import angle_between, from_axes, slerp
+from rigtri.maths.euler import from_angles
+from rigtri.maths.matrices import SKEW, compose, decompose, multiply, nearest_rotation, skew
+from rigtri.maths.quaternions import angle_between, conjugate, from_axes, from_axis_angle, slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Interpolation, Path, Track
 from rigtri.report import Notice
@@ -138,6 +139,40 @@ def matrices_at(xformable: Any, times: Iterable[float]) -> Floats:
     return np.array(found, dtype=np.float64)
 
 
+def unrounded_matrices(xformable: Any, times: Floats) -> Floats:
+    """As `matrices_at`, where USD does not round Euler angles between samples to the type of their op."""
+    found = np.broadcast_to(np.eye(4), (len(times), 4, 4))
+    for op in xformable.GetOrderedXformOps():
+        mine = _turned(op, times)
+        if mine is None:
+            some = times if op.MightBeTimeVarying() else times[:1]
+            mine = np.array([along_arcs(op, time) for time in some.tolist()], dtype=np.float64)
+        found = multiply(mine, found)
+    return found
+
+
+def _turned(op: Any, times: Floats) -> Floats | None:
+    """The matrices of an op of Euler angles, (f, 4, 4), from its samples; None for others, and where USD has
+    no line between these."""
+    attribute = op.GetAttr()
+    known = np.array(op.GetTimeSamples())
+    held = attribute.GetStage().GetInterpolationType() == Usd.InterpolationTypeHeld
+    values = [op.Get(time) for time in known.tolist()] if _is_euler(op) and not held else []
+    if len(values) < 2 or any(value is None for value in values):
+        return None
+    rows = np.array([np.ravel(value) for value in values], dtype=np.float64)
+    right = np.clip(np.searchsorted(known, times), 1, len(known) - 1)
+    share = np.clip((times - known[right - 1]) / (known[right] - known[right - 1]), 0.0, 1.0)[:, np.newaxis]
+    rows = np.radians(rows[right - 1] + (rows[right] - rows[right - 1]) * share)
+    axes = op.GetAttr().GetName().split(":")[1].removeprefix("rotate")
+    if len(axes) == 1:
+        turn = from_axis_angle(np.eye(3)["XYZ".index(axes)], rows[:, 0])
+    else:
+        turn = from_angles(rows, axes.lower())
+    turn = conjugate(turn) if op.IsInverseOp() else turn
+    return compose(np.zeros((len(times), 3)), turn, np.ones((len(times), 3)))
+
+
 def turning_ops(xformable: Any) -> list[Any]:
     """The orient ops of a prim that have several samples."""
     kind = UsdGeom.XformOp.TypeOrient
@@ -208,9 +243,13 @@ def can_scale(xformable: Any) -> bool:
     return any(kind.startswith(("scale", "transform")) for kind in kinds)
 
 
-def _rotating(xformable: Any) -> list[Any]:
-    """Its ops of Euler angles, one or three."""
-    return [op for op in xformable.GetOrderedXformOps() if op.GetOpName().startswith("xformOp:rotate")]
+def euler_ops(xformable: Any) -> list[Any]:
+    """The ops of a prim that hold Euler angles, one or three."""
+    return [op for op in xformable.GetOrderedXformOps() if _is_euler(op) and not op.IsInverseOp()]
+
+
+def _is_euler(op: Any) -> bool:
+    return str(op.GetOpName()).removeprefix("!invert!").startswith("xformOp:rotate")
 
 
 def _wraps(xformable: Any, times: list[float]) -> Floats:
@@ -222,7 +261,7 @@ def _wraps(xformable: Any, times: list[float]) -> Floats:
     frame = _frame(xformable.GetPrim().GetStage())
     starts: Floats = np.array(times[:-1])
     found = np.zeros(len(starts), dtype=bool)
-    for op in _rotating(xformable):
+    for op in euler_ops(xformable):
         values = [op.Get(time) for time in times]
         if all(value is not None for value in values):
             angles = np.array([np.ravel(value) for value in values], dtype=np.float64)
@@ -234,7 +273,7 @@ def _wraps(xformable: Any, times: list[float]) -> Floats:
 def _with_quarters(xformable: Any, times: list[float], wraps: Floats) -> list[float]:
     """The samples, and times between them from one to the next of which no angle goes more than a quarter."""
     pieces = np.ones(max(len(times) - 1, 0))
-    for op in _rotating(xformable):
+    for op in euler_ops(xformable):
         values: list[Any] = [op.Get(time) for time in times]
         if all(value is not None for value in values):
             way = np.abs(np.diff([np.ravel(value) for value in values], axis=0)).max(axis=1)
