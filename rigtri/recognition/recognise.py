@@ -125,7 +125,8 @@ def _draft(rig: Rig, group: JointGroup, poses: Poses, own: Sequence[Scheme]) -> 
     words = limb_names(rig, body, reading)
     shape = shape_of(body, poses, words)
     known = known_limbs(reading, certain)
-    known = known if len(known) == 4 else limbs_in_words(shape.limbs) or limbs_of_person(shape.body)
+    if len(known) != 4:
+        known = limbs_in_words(shape.limbs) or limbs_of_person(shape.body, shape.limbs)
     beside = worn_beside(shape.tree, poses, known, bones)
     if any(not beside.isdisjoint(limbs.pair.nodes) for limbs in taken_for_limbs(shape)):
         worn, body = worn | beside, [node for node in body if node not in beside]

@@ -181,9 +181,15 @@ def limbs_in_words(limbs: Sequence[Limbs]) -> _Known:
     return found
 
 
-def limbs_of_person(body: Body | None) -> _Known:
-    """The two arms and the two legs of a person by shape of which names say no more than which is which."""
+def limbs_of_person(body: Body | None, limbs: Sequence[Limbs]) -> _Known:
+    """The two arms and the two legs of a person by shape of which names say no more than which is which.
+
+    Where single words name all joints of another pair there are two bodies: a rider has legs of its own.
+    """
     if body is None or not is_person(body):
+        return {}
+    others = (k for k in limbs if k not in (body.legs, body.arms) and k.kind in BENDS)
+    if any(k.named >= _NAMED for k in others):
         return {}
     both: tuple[tuple[LimbKind, Limbs | None], ...] = (("leg", body.legs), ("arm", body.arms))
     known = [(kind, limbs) for kind, limbs in both if limbs is not None and len(limbs.at) == 3]

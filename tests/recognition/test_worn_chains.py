@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import FINGERS, MAN, Joint, both, line, renamed, rig_with
+from recognition_bodies.skeletons import FINGERS, MAN, SITTING, Joint, both, line, renamed, rig_with
 
 from rigtri import add_polevector, recognise
 from rigtri.model.rig import Rig
@@ -301,6 +301,23 @@ def test_what_is_called_a_leg_where_arms_have_no_names_does_not_turn_a_person() 
     (man,) = recognise(rig).characters
     assert man.up == pytest.approx((0, 1, 0), abs=1e-3)
     assert man.facing == pytest.approx((0, 0, 1), abs=1e-3)
+
+
+def test_a_rider_on_an_animal_keeps_its_legs() -> None:
+    """Its arms and the hind legs of the animal are no person whose other legs are worn."""
+    horse = line("pelvis back chest", "", (0, 1.5, -0.8), (0, 1.5, 0), (0, 1.5, 0.8))
+    for word, over, z in (("hind", "pelvis", -0.8), ("front", "chest", 0.8)):
+        names = f"{word}_thigh.L {word}_calf.L {word}_foot.L"
+        horse += both(line(names, over, (0.2, 1.4, z), (0.2, 0.7, z + 0.1), (0.2, 0.1, z)))
+    legs = {"thigh": "Hero Thigh", "shin": "Hero Calf", "foot": "Hero Foot", "toe": "Hero Toe0"}
+    arms = {"upper_arm": "Hero UpperArm", "forearm": "Hero Forearm", "hand": "Hero Hand"}
+    rest = {name: f"Hero {name}" for name, above, _ in BONES if "." not in name}
+    hero = renamed([*SITTING, *FINGERS], {**rest, **arms, **legs})
+    rider = [(name, above or "back", (x, y + 0.6, z)) for name, above, (x, y, z) in hero]
+    rig = rig_with([*horse, *rider])
+    (found,) = recognise(rig).characters
+    starts = {rig.names[chain.bend[0]] for chain in found.limbs if chain.bend}
+    assert {"Hero Thigh.L", "Hero Thigh.R", "hind_thigh.L", "front_thigh.R"} <= starts
 
 
 # The bones of Call of Duty, by those of the man.
