@@ -225,11 +225,18 @@ def _most_beside(legs: Limbs, others: Sequence[Limbs]) -> float:
 
 
 def _passed_over(tree: Tree, arms: Limbs, others: Sequence[Limbs], common: int) -> bool:
-    """Whether a pair is at the spine, below the arms, that would be arms as well: they are hair, or ears."""
+    """Whether a pair is at the spine, below the arms, that would be arms as well: they are hair, or ears.
+
+    What ends in fingers with a thumb is neither.
+    """
     high = arms.pair.above
     between = set(tree.way(common, high)[1:-1]) if high >= 0 else set()
     return any(
-        k.pair.above in between and len(k.at) == 3 and k.quality > 0.45 and k.size > 0.3 * arms.size
+        k.pair.above in between
+        and len(k.at) == 3
+        and (k.thumb or not arms.thumb)
+        and k.quality > 0.45
+        and k.size > 0.3 * arms.size
         for k in others
     )
 

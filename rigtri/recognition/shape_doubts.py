@@ -314,7 +314,7 @@ def rival(draft: Draft, each: Found) -> str:
         return ""
     if start == 1 and tree.bone[path[1]] > _BROAD * upper:
         return "its first bone may be an upper arm or a clavicle, and nothing shows where its hand is"
-    for node in _beside(draft, mine):
+    for node in (*_beside(draft, mine), *_beyond(draft, mine)):
         aside = [abs(draft.shape.plane.side_of(tree.at[k])) for k in tree.paths[node][:2]]
         long = len(tree.paths[node]) > 2 and tree.reach[node] > _RIVAL * mine.size
         if long and aside[0] > 0.01 * mine.size and aside[1] > 0.05 * mine.size:
@@ -369,6 +369,25 @@ def _beside(draft: Draft, mine: Limbs) -> list[int]:
         and chest not in tree.paths[k]
         and not any(roles_in_name(tree.rig.names[n]) for n in tree.paths[k])
     ]
+
+
+def _beyond(draft: Draft, mine: Limbs) -> list[int]:
+    """Where further pairs that bend as arms do hang from the trunk beyond the arms, below a neck and head.
+
+    Arms hang there, and cloth or cables below them; hair hangs from the end of it, and fingers from an arm.
+    """
+    tree, chest, found = draft.tree, mine.pair.above, list[int]()
+    first = {path[0] for path in mine.pair.paths}
+    for other in (k for k in draft.shape.limbs if k is not mine and len(k.at) == 3):
+        over, starts = other.pair.above, [path[0] for path in other.pair.paths]
+        way = tree.way(-1, over)
+        if chest < 0 or over == chest or chest not in way or not first.isdisjoint(way):
+            continue
+        on = [k for k in tree.below[over] if k not in starts and len(tree.paths[k]) > 1]
+        high = max(tree.at[k].dot(draft.up) for k in starts)
+        if any(tree.at[node].dot(draft.up) > high for k in on for node in tree.paths[k][1:]):
+            found += [k for k in starts if not any(roles_in_name(tree.rig.names[n]) for n in tree.paths[k])]
+    return found
 
 
 def ankle_as_knee(draft: Draft, each: Found) -> str:

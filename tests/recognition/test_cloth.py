@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import ARM, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import ARM, FINGERS, LEG, TRUNK, Joint, both, line, rig_with
 
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
@@ -75,3 +76,30 @@ def test_arms_of_one_who_crouches_in_wide_sleeves_are_sure_below_strands_of_hair
     ]
     layout = recognise(rig_with([*line("hips spine chest neck head", "", *torso), *both(limbs)]))
     assert {"left arm", "right arm"} <= {chain.name for chain in layout.chains if chain.is_sure}
+
+
+def hung_with_cables(arm: Sequence[Joint], long: float) -> Rig:
+    """Somebody without names who has a third joint in the spine, and cables at its first."""
+    heights = (1.0, 1.1, 1.2, 1.3, 1.5, 1.6)
+    trunk = line("hips spine belly chest neck head", "", *((0, high, 0) for high in heights))
+    cable = line("c1.L c2.L c3.L", "spine", *((0.22 + 0.02 * k, 1.15 - long * k, -0.05) for k in range(3)))
+    return rig_with([*trunk, *both([*arm, *LEG, *cable])], named=False)
+
+
+@pytest.mark.parametrize("long", [0.2, 0.28])
+def test_cables_below_arms_without_fingers_are_no_sure_arms(long: float) -> None:
+    """Before, they were, at 0.94, since only the joints next to theirs were asked for other arms."""
+    rig = hung_with_cables(ARM, long)
+    limbs = list(recognise(rig).chains)
+    assert not any(chain.is_sure for chain in limbs if chain.kind == "arm")
+    assert all(chain.is_sure for chain in limbs if chain.kind == "leg")
+
+
+def test_arms_that_end_in_hands_are_no_hair_above_cables() -> None:
+    """Before, cables at the spine had it that what is above them is hair or ears."""
+    rig = hung_with_cables([*ARM, *(joint for joint in FINGERS if joint[0].endswith(".L"))], 0.2)
+    arms = [chain for chain in recognise(rig).chains if chain.kind == "arm"]
+    assert len(arms) == 2
+    assert all(arm.is_sure for arm in arms)
+    left = next(arm for arm in arms if arm.side == "left")
+    assert rig.world[left.bend[2], 3, :3] == pytest.approx((0.7, 1.45, 0.0))
