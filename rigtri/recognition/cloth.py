@@ -1,17 +1,24 @@
-"""Legs by shape that may be worn, or hang as cloth does: skirts, and the strips of a ghost."""
+"""Limbs by shape that may be worn, or hang as cloth and cables do: skirts, the strips of a ghost, hoses."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
 
 from rigtri.recognition.body_shape import SIMILAR, lowest
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import feet_ahead
 from rigtri.recognition.found_limb import Found
+from rigtri.recognition.limb_words import NO_WORDS
+from rigtri.recognition.no_body import by_words, is_named
 from rigtri.recognition.shape_doubts import CLEAR, GOES_ON
 
 # Pairs as long as each other up to this part are alike.
 _SIMILAR = 0.15
 # What a foot moves goes so far ahead, of how far a long foot does.
 _FOOT = 0.35
+# Bones of a cable are as long as each other up to this part, and go down by this (a cosine, 25°).
+_EVEN, _DOWN = 0.05, 0.906
 
 
 def skirt(draft: Draft, each: Found) -> str:
@@ -51,3 +58,32 @@ def hangs_as_cloth(draft: Draft, each: Found) -> str:
     if not after and abs(feet_ahead(tree, body, draft.facing, draft.poses)) > _FOOT:
         return ""
     return "it hardly bends and moves no foot, as a strip of cloth does"
+
+
+def hangs_as_cable(draft: Draft, each: Found) -> str:
+    """Arms without names, clavicles or fingers that hang down in line, with bones as long as each other."""
+    mine, tree = each.pair, draft.tree
+    if each.kind != "arm" or mine is None or mine.named > 0.0 or mine.fingers >= 2 or mine.at[0] > 0:
+        return ""
+    path = mine.pair.paths[0]
+    bones = [tree.at[node] - tree.at[over] for over, node in pairwise(path)]
+    longest = max(bone.length for bone in bones)
+    even = min(bone.length for bone in bones) > (1.0 - _EVEN) * longest
+    straight = all(one.unit.dot(bones[0].unit) > CLEAR for one in bones)
+    hangs = all(-bone.unit.dot(draft.up) > _DOWN for bone in bones)
+    if not (even and straight and hangs):
+        return ""
+    return "it hangs down in line, with bones as long as each other, as a cable does"
+
+
+def beside_known_legs(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """Arms without hands of which names say nothing, of a body whose legs they know: cables of a machine."""
+    mine, tree = each.pair, draft.tree
+    if each.kind != "arm" or mine is None or mine.fingers >= 2:
+        return ""
+    bones = {*draft.known_bones.values()}
+    own = {*tree.branch(each.joints[0]), *each.before}
+    if any(k in bones or draft.words.get(k, NO_WORDS) is not NO_WORDS for k in own):
+        return ""
+    legs = [k for k in found if k.kind == "leg" and (is_named(draft, k) or by_words(k))]
+    return "names know its legs, and say nothing of this" if len(legs) > 1 else ""

@@ -15,7 +15,7 @@ from rigtri.recognition.arms_on_the_ground import (
     arm_on_the_ground,
 )
 from rigtri.recognition.character_draft import Draft, once
-from rigtri.recognition.cloth import hangs_as_cloth, skirt
+from rigtri.recognition.cloth import beside_known_legs, hangs_as_cable, hangs_as_cloth, skirt
 from rigtri.recognition.doubled_chains import moves_nothing
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.guessed_hierarchy import (
@@ -343,6 +343,7 @@ _OF_NAMES = (
 )
 _OF_SHAPES = (
     _beyond_the_known,
+    beside_known_legs,
     upside_down,
     at_the_top,
     arm_as_leg,
@@ -357,6 +358,7 @@ _OF_SHAPES = (
         skirt,
         hangs_as_cloth,
         rival,
+        hangs_as_cable,
         later_start,
         goes_on,
         middle_bone,

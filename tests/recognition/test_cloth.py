@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import ARM, FINGERS, LEG, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import ARM, FINGERS, LEG, TRUNK, Joint, both, line, renamed, rig_with
 
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
@@ -103,3 +103,24 @@ def test_arms_that_end_in_hands_are_no_hair_above_cables() -> None:
     assert all(arm.is_sure for arm in arms)
     left = next(arm for arm in arms if arm.side == "left")
     assert rig.world[left.bend[2], 3, :3] == pytest.approx((0.7, 1.45, 0.0))
+
+
+@pytest.mark.parametrize("legs", ["cuisse tibia pied", "leg_a leg_b leg_c", ""])
+@pytest.mark.parametrize("count", [3, 5])
+def test_cables_of_a_machine_on_two_legs_are_no_sure_arms(count: int, legs: str) -> None:
+    """Before, they were, at 0.94, where no scheme of names knows the legs. These stay sure."""
+    names = " ".join(f"cable_{k}.L" for k in range(count))
+    cable = line(names, "chest", *((0.22, 1.35 - 0.15 * k, 0.0) for k in range(count)))
+    called = dict(zip(("thigh", "shin", "foot"), legs.split(), strict=False))
+    joints = renamed([*TRUNK, *both([*LEG, *cable])], called)
+    limbs = list(recognise(rig_with(joints, named=bool(legs))).chains)
+    assert not any(chain.is_sure for chain in limbs if chain.kind == "arm")
+    assert [chain.is_sure for chain in limbs if chain.kind == "leg"] == [True, True]
+
+
+def test_arms_of_no_names_that_bend_or_have_clavicles_are_sure() -> None:
+    """Of one who stands relaxed, without fingers."""
+    relaxed = [(0.05, 1.45, 0.0), (0.18, 1.45, 0.0), (0.24, 1.2, -0.01), (0.27, 0.97, 0.03)]
+    arm = line("clavicle.L upper_arm.L forearm.L hand.L", "chest", *relaxed)
+    limbs = list(recognise(rig_with([*TRUNK, *both([*arm, *LEG])], named=False)).chains)
+    assert [chain.is_sure for chain in limbs if chain.kind == "arm"] == [True, True]
