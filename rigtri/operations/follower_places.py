@@ -17,7 +17,7 @@ from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.evaluation.constraint_solver import evaluate_constraint
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.pose_readers import PoseReader, weights
-from rigtri.evaluation.sampling import key_times, sample, thinned
+from rigtri.evaluation.sampling import key_times, sample, sorted_unique, thinned
 from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.evaluation.twist_joints import twist_of
@@ -34,7 +34,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_paths, joint_tracks
 
 # Of a long clip so many keys are looked at, evenly over it.
-_MOST_TIMES = 256
+_MOST_TIMES = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,23 +68,35 @@ class Follower:
     needs: frozenset[int]
     off: Callable[[Moments], Floats]
 
-    def worst(self, rig: Rig) -> tuple[float, float]:
-        """How far off it is at rest, and in clips, at worst; where it cannot be told, not at all."""
-        rest, moving = self._off(Moments(rig, None, np.zeros(1), PoseCache(rig))), 0.0
-        for timeline in timelines(rig):
-            times = thinned(key_times(timeline.clip, list(self.needs)), _MOST_TIMES)
-            if len(times):
-                parts = sample_parts(rig, timeline.clip, times, only=self.needs)
-                moving = max(moving, self._off(Moments(rig, timeline, times, PoseCache(rig, parts))))
-        return rest, moving
-
-    def _off(self, at: Moments) -> float:
+    def worst(self, at: Moments, keys: Floats) -> float:
+        """How far off it is at worst at those moments that are among ``keys``; 0 where it cannot be told."""
         try:
             with np.errstate(all="ignore"):
-                found = self.off(at)
+                found = np.broadcast_to(self.off(at), at.times.shape)
         except (RigtriError, IndexError):  # as where its mesh is gone: there is nothing to be on any more
             return 0.0
+        found = found[np.isin(at.times, keys)]
         return float(np.nan_to_num(found, nan=0.0, posinf=0.0).max(initial=0.0))
+
+
+def worst(rig: Rig, known: Sequence[Follower]) -> Floats:
+    """How far off each of k followers of a rig is at rest, and at its keys in clips, at worst, (2, k)."""
+    found = np.zeros((2, len(known)))
+    still = Moments(rig, None, np.zeros(1), PoseCache(rig))
+    found[0] = [each.worst(still, still.times) for each in known]
+    for timeline in timelines(rig) if known else ():
+        keys = [key_times(timeline.clip, list(each.needs)) for each in known]
+        moved = [k for k, own in enumerate(keys) if len(own)]
+        if not moved:
+            continue
+        # All at once: what they count from is sampled once.
+        times = thinned(sorted_unique(np.concatenate(keys)), _MOST_TIMES)
+        needs = frozenset[int]().union(*(known[k].needs for k in moved))
+        parts = sample_parts(rig, timeline.clip, times, only=needs)
+        at = Moments(rig, timeline, times, PoseCache(rig, parts))
+        for k in moved:
+            found[1, k] = max(found[1, k], known[k].worst(at, keys[k]))
+    return found
 
 
 def followers(rig: Rig) -> Iterator[Follower]:

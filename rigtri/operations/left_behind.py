@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from contextvars import ContextVar
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -47,20 +47,23 @@ def naming_left_behind(run: Callable[..., Rig]) -> Callable[..., Rig]:
 
 def _warn(before: Rig, rig: Rig, report: Report) -> None:
     # With the solvers of all that follows, which most files have not.
-    from rigtri.operations.follower_places import followers
+    from rigtri.operations.follower_places import followers, worst
 
     if before is rig or not (known := {each.keeper: each for each in followers(before)}):
         return
     of, kept, keeps = _counterparts(before, rig), _Kept(before), _Kept(rig)
-    resting, moving = list[int](), list[int]()
-    for now in followers(rig):
-        was = known.get(of.get(now.keeper, -1))
-        if was is None or not _changed(kept, was, keeps, now, of):
-            continue
-        for found, there, here in zip((resting, moving), was.worst(before), now.worst(rig), strict=True):
-            # What had not been baked is no worse off.
-            if here > max(_ON_PLACE, _AGAIN * there):
-                found.append(now.node)
+    was, now = list["Follower"](), list["Follower"]()
+    for each in followers(rig):
+        old = known.get(of.get(each.keeper, -1))
+        if old is not None and _changed(kept, old, keeps, each, of):
+            was.append(old)
+            now.append(each)
+    here = worst(rig, now)
+    far = np.flatnonzero((here > _ON_PLACE).any(axis=0))
+    # What had not been baked is no worse off.
+    there = worst(before, [was[k] for k in far])
+    left = here[:, far] > np.maximum(_ON_PLACE, _AGAIN * there)
+    resting, moving = ([now[k].node for k in far[row]] for row in left)
     if moving:
         _tell(rig, moving, report, "The keys of {} still follow the old motion: update them with rigtri bake")
     if rest := [node for node in resting if node not in moving]:
@@ -92,9 +95,24 @@ def _changed(before: _Kept, was: Follower, now: _Kept, after: Follower, of: Mapp
     """Whether anything that a follower's place is made of is not what it was."""
     if now.rig.pending.changes_weights or {of.get(node, -1) for node in after.needs} != was.needs:
         return True
-    if before.rig.metadata.get(was.keeper) != now.rig.metadata.get(after.keeper):
+    stored = before.rig.metadata.get(was.keeper), now.rig.metadata.get(after.keeper)
+    if not _are_same(before.rig, stored[0], now.rig, stored[1], of):
         return True
     return any(before.states[of[node]] != now.states[node] for node in after.needs)
+
+
+def _are_same(before: Rig, was: Any, rig: Rig, now: Any, of: Mapping[int, int]) -> bool:
+    """Whether metadata say the same, also where nodes that they name have other names."""
+    if type(was) is not type(now) or was == now:
+        return type(was) is type(now)
+    if isinstance(was, str):
+        old, new = before.known(was), rig.known(now)
+        return old is not None and new is not None and of.get(new) == old
+    if isinstance(was, dict):
+        return was.keys() == now.keys() and all(_are_same(before, was[k], rig, now[k], of) for k in was)
+    if isinstance(was, list | tuple) and len(was) == len(now):
+        return all(_are_same(before, a, rig, b, of) for a, b in zip(was, now, strict=True))
+    return False
 
 
 @dataclass(frozen=True, eq=False)
