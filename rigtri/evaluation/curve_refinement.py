@@ -13,6 +13,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from rigtri.errors import FileError
 from rigtri.evaluation.adaptive_sampling import refine_times
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
@@ -22,6 +23,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.solver_steps import Step, TwistStep
 from rigtri.evaluation.timelines import MOST_KEYS, as_float32
 from rigtri.maths.arrays import Integers
+from rigtri.maths.matrices import transform_directions
 from rigtri.maths.quaternions import slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -229,9 +231,11 @@ class _Curve:
 
     @cached_property
     def lever_arms(self) -> dict[int, float]:
-        """How far nodes below each of the nodes are from it, up to the next of them, in file units."""
+        """How far nodes and rigid meshes below each of the nodes are from it, up to the next of them, in file
+        units.
+        """
         rig, nodes = self.rig, set(self.nodes)
-        far, mine = np.full(len(rig), 0.05 * self.size), np.zeros(len(rig), dtype=bool)
+        far, mine = np.maximum(0.05 * self.size, rigid_reach(rig)), np.zeros(len(rig), dtype=bool)
         mine[list(nodes)] = True
         for node in np.flatnonzero(rig.at_or_below(mine))[::-1].tolist():
             parent = int(rig.parents[node])
@@ -257,6 +261,21 @@ class _Curve:
             most.node[far > most.far] = node
             np.maximum(most.far, far, out=most.far)
         return most
+
+
+def rigid_reach(rig: Rig) -> Floats:
+    """How far the points of meshes without a skin are at rest from the nodes that show them, (n,), in file
+    units; 0 where nothing can be read.
+    """
+    found = np.zeros(len(rig))
+    try:
+        meshes = [mesh for mesh in rig.content.outlines if mesh.skin is None or not mesh.joints.shape[1]]
+    except FileError:
+        return found
+    for mesh in meshes:
+        far = length(transform_directions(mesh.points, rig.world[mesh.node]))
+        found[mesh.node] = max(found[mesh.node], float(np.nan_to_num(far, posinf=0.0).max(initial=0.0)))
+    return found
 
 
 class JointCurve(_Curve):

@@ -16,7 +16,10 @@ from rigtri.evaluation.active_controls import controls_at_work
 from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import timelines
+from rigtri.maths.matrices import transform_points
 from rigtri.model.animation import Clip, Track
+from rigtri.model.content import Content
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.bake.unbaked import unbaked
@@ -68,6 +71,27 @@ def test_joints_follow_ik_between_keys(name: str) -> None:
     (entry,) = report.added
     assert 0.0 < entry["between_samples"] <= BOUND
     assert 10 < entry["frames"] < 1025
+
+
+@pytest.mark.ci
+def test_what_a_hand_holds_is_as_near_between_samples_as_the_hand() -> None:
+    """The tip of a spear, twice as long as who holds it."""
+    rig, report = reaching("biped.glb"), Report()
+    hand = rig.find("hand_L")
+    tip = np.array([[0.0, 2.0 * size(rig), 0.0]])
+    spear = Mesh("spear", hand, tip)
+    rig = replace(rig, content=Content(read_outlines=lambda: [spear]))
+    baked = bake(rig, options=BakeOptions(between=1e-3), report=report)
+    times = np.linspace(0.0, rig.rules.per_second, 500)
+    timeline = timelines(rig)[0]
+    there = Solver(rig, controls_at_work(rig, timeline)).run(sample_parts(rig, timeline.clip, times))
+    world = sampling.worlds(baked, sampling.locals_at(baked, baked.clips[0], times))[:, hand]
+    off = transform_points(tip, world[:, np.newaxis]) - transform_points(
+        tip, there.world(hand)[:, np.newaxis]
+    )
+    far = np.linalg.norm(off, axis=-1).max() / size(rig)
+    (entry,) = report.added
+    assert far <= entry["between_samples"] <= 1e-3
 
 
 @pytest.mark.ci
