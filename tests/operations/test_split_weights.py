@@ -15,6 +15,7 @@ from places import slow
 from program import cli
 from second_opinions import khronos_errors, validator
 
+import rigtri
 from rigtri import verify
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats import Document, read
@@ -110,6 +111,30 @@ def test_a_fifth_joint_opens_a_second_set_unless_the_nearest_is_to_take_all(tmp_
     assert named(read(tmp_path / "same.glb"))[1]["joint 0_twist_2"] == pytest.approx(0.4)
     (before, *after) = khronos_errors(source, tmp_path / "wide.glb", tmp_path / "same.glb")
     assert not [errors - before for errors in after if errors - before]
+
+
+@pytest.mark.parametrize(("kind", "more"), [("f4", {}), ("u1", {"normalized": True})])
+def test_weights_that_twist_joints_have_got_in_the_same_script_are_limited(
+    kind: str, more: dict[str, Any], tmp_path: Path
+) -> None:
+    """As two commands one after the other do. Before, "there is no accessor 42" was said of the file."""
+    full = 255 if kind == "u1" else 1
+    weights = [[full, 0, 0, 0], [0.4 * full, 0.6 * full, 0, 0], [0, full, 0, 0]]
+    source = bone(weights, kinds=("u1", kind), **more).glb(tmp_path / "in.glb")
+    limit = {"max_influences": 1, "report": Report()}
+    paths = [tmp_path / f"{name}.glb" for name in ("split", "two", "one")]
+    edit(source, paths[0], split)
+    edit(paths[0], paths[1], lambda rig, _: rigtri.limit_weights(rig, **limit), tolerance=10.0)
+    edit(
+        source,
+        paths[2],
+        lambda rig, report: rigtri.limit_weights(split(rig, report), **limit),
+        tolerance=10.0,
+    )
+    one, two = (read(path).rig.meshes[0] for path in paths[1:])
+    assert (one.weights == two.weights).all()
+    assert (one.joints == two.joints).all()
+    assert (one.weights.max(axis=1) == 1.0).all()
 
 
 @pytest.mark.ci

@@ -58,6 +58,10 @@ class WeightWriter:
         self._draft, self._storage, self._accessors, self._where = draft, storage, accessors, where
         self._known: dict[tuple[Any, ...], Mapping[str, int | None]] = {}
         self._again_used: set[int] = set()
+        # What this has added, which the file's own accessors do not have: rows as they are stored. And of
+        # which of those each has taken the place.
+        self._made: dict[int, NDArray[Any]] = {}
+        self._instead: dict[int, int | None] = {}
         self.notices: list[Notice] = []
         self._rescaled = 0
 
@@ -157,7 +161,7 @@ class WeightWriter:
         while all(attributes.get(f"{kind}_{len(found) // 2}") for kind in ("JOINTS", "WEIGHTS")):
             number = len(found) // 2
             for name in (f"JOINTS_{number}", f"WEIGHTS_{number}"):
-                found[name] = attributes.need(name).index(len(self._accessors), "accessor")
+                found[name] = attributes.need(name).index(len(self._draft.gltf["accessors"]), "accessor")
         return found
 
     def _check_alone(self, mesh: int, skins: Collection[int]) -> None:
@@ -321,13 +325,28 @@ class WeightWriter:
 
     def _add(self, rows: NDArray[Any], like: int | None, weights: bool) -> int:
         whole = weights and rows.dtype.kind == "u"
-        return self._storage.add(rows, "VEC4", _ROLES[rows.itemsize * 4], like, normalized=whole)
+        like = self._instead.get(like, like) if like is not None else None
+        index = self._storage.add(rows, "VEC4", _ROLES[rows.itemsize * 4], like, normalized=whole)
+        self._made[index], self._instead[index] = rows, like
+        return index
+
+    def _component(self, index: int) -> int:
+        if index in self._made:
+            return next(k for k, kind in COMPONENTS.items() if kind == self._made[index].dtype)
+        return self._accessors.layout(index).component
+
+    def _rows(self, index: int, name: str) -> Floats:
+        """The rows of a set, weights as shares of 1."""
+        if index not in self._made:
+            return self._accessors.read(index)
+        full = FULL.get(self._component(index), 1.0) if name.startswith("WEIGHTS") else 1.0
+        return self._made[index] / full
 
     def _read(self, primitive: Value, sets: dict[str, int]) -> _Influences:
-        components = {name: self._accessors.layout(index).component for name, index in sets.items()}
+        components = {name: self._component(index) for name, index in sets.items()}
         kinds = {component for name, component in components.items() if name.startswith("WEIGHTS")}
         weight = kinds.pop() if len(kinds) == 1 else FLOAT
-        rows = {name: self._accessors.read(index) for name, index in sets.items()}
+        rows = {name: self._rows(index, name) for name, index in sets.items()}
         if {own.shape for own in rows.values()} != {(len(rows["JOINTS_0"]), 4)}:
             primitive.fail("has sets of joints and weights that are not as many, or not four for each vertex")
         joints = np.concatenate([rows[n] for n in sets if n.startswith("JOINTS")], axis=1)
