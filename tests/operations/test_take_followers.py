@@ -103,16 +103,36 @@ def test_joints_that_controls_overrule_are_named(samples: Path) -> None:
     np.testing.assert_allclose(back, there, atol=1e-5)
 
 
+def from_blender(shown: Rig) -> Rig:
+    """A file that the script of export-blender was at work in, with the IK of a leg on."""
+    end = shown.find("foot_L_ik_ctl")
+    shown = shown.with_nodes(["rigtri_ik_foot_L_ik_ctl"], [end], np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]))
+    return replace(shown, scale=np.concatenate([shown.scale[:-1], [[1.5] * 3]]))
+
+
+@pytest.mark.parametrize("posed", [True, False])
+def test_keys_of_an_offset_bone_alone_are_named(posed: bool, samples: Path) -> None:
+    """Before: "EDITED has no changes", though Blender showed the head elsewhere."""
+    rig = bake(add_controls(read(samples / "biped.glb"), whole_character=True), to="controls", fps=24)
+    shown, report = from_blender(rig), Report()
+    offset = shown.find("neck_ctl_offset")
+    turns = np.stack([shown.rotation[offset]] * 2)
+    turns[1] = multiply(turns[1], from_axis_angle([0.6, 0.0, 0.8], 0.5 if posed else 1e-5))
+    track = Track(offset, "rotation", "LINEAR", np.array([0.0, 0.5]), turns)
+    first = replace(shown.clips[0], tracks=(*shown.clips[0].tracks, track))
+    take_clips(rig, from_=replace(shown, clips=(first, *shown.clips[1:])), report=report)
+    found = [notice.text for notice in report.warnings if notice.code == "offset-keys"]
+    assert len(found) == posed
+    assert all(text.startswith("Keys of 'neck_ctl_offset' in 'walk' move no joint") for text in found)
+
+
 @pytest.mark.parametrize(("joint", "told"), [("shin_L", ["shin_L", "foot_L", "toe_L"]), (None, [])])
 def test_bake_with_a_rig_names_joints_that_blender_has_shown_otherwise(
     joint: str | None, told: list[str], samples: Path
 ) -> None:
     """Where a switch of IK has keys, say. Before, the motion of the controls was taken, without a word."""
     rig = bake(add_controls(read(samples / "biped.glb"), whole_character=True), to="controls", fps=24)
-    shown = bake(rig, fps=24)
-    end = shown.find("foot_L_ik_ctl")
-    shown = shown.with_nodes(["rigtri_ik_foot_L_ik_ctl"], [end], np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]))
-    shown = replace(shown, scale=np.concatenate([shown.scale[:-1], [[1.5] * 3]]))
+    shown = from_blender(bake(rig, fps=24))
     report = Report()
     options = BakeOptions(rig_=rig)
     bake(bent(shown, joint) if joint else shown, options=options, report=report)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -89,27 +89,38 @@ def warn_of_result(rig: Rig, options: BakeOptions, report: Report) -> None:
 
 
 def _warn_offsets(rig: Rig, chosen: Sequence[Timeline], report: Report) -> None:
-    """Warn of keys of offset groups that move controls away from their joints.
+    """Warn of keys of offset groups that move controls away from their joints."""
+    free = free_offsets(rig)
+    for timeline in chosen:
+        tracks = (track for track in timeline.clip.tracks if track.node in free)
+        warn_offset_keys(rig, tracks, timeline.name, report)
 
-    Not of those that IK and constraints have beside them: their groups get keys that hold controls at joints.
+
+def free_offsets(rig: Rig) -> frozenset[int]:
+    """The offset groups that nothing moves but keys.
+
+    Not those that IK and constraints have beside them: their groups get keys that hold controls at joints.
     """
-    reference, size = ControlsAtZero(rig), skeleton_size(rig)
+    reference = ControlsAtZero(rig)
     held = {joint for limb in reference.limbs for joint in limb.chain}
     held |= {rule.child for rule in constraints_of(rig).values()}
-    free = {
+    return frozenset(
         own.offset
         for own in reference.fk.values()
         if held.isdisjoint({own.joint, own.offset, own.control, reference.control_of.get(own.above, -1)})
-    }
-    for timeline in chosen:
-        tracks = (track for track in timeline.clip.tracks if track.node in free)
-        if moved := {track.node for track in tracks if _leaves_rest(rig, track, size)}:
-            names = list_names([rig.title(node) for node in sorted(moved)])
-            text = (
-                f"Keys of {names} in '{timeline.name}' move no joint: joints follow the channels of controls "
-                "(an offset group only places its control at rest): key the control instead"
-            )
-            report.warn("offset-keys", text, joint=rig.title(min(moved)))
+    )
+
+
+def warn_offset_keys(rig: Rig, tracks: Iterable[Track], clip: str, report: Report) -> None:
+    """Warn of tracks of offset groups that leave where these rest. clip: the name of theirs."""
+    size = skeleton_size(rig)
+    if moved := {track.node for track in tracks if _leaves_rest(rig, track, size)}:
+        names = list_names([rig.title(node) for node in sorted(moved)])
+        text = (
+            f"Keys of {names} in '{clip}' move no joint: joints follow the channels of controls "
+            "(an offset group only places its control at rest): key the control instead"
+        )
+        report.warn("offset-keys", text, joint=rig.title(min(moved)))
 
 
 def _leaves_rest(rig: Rig, track: Track, size: float) -> bool:

@@ -23,6 +23,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Track, key_values
 from rigtri.model.animation import Path as TrackPath
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.warnings import free_offsets, warn_offset_keys
 from rigtri.operations.operation import operation
 from rigtri.operations.options.take_clips import TakeClipsOptions as TakeClipsOptions
 from rigtri.operations.take_clips.armature_motion import put_back
@@ -175,6 +176,10 @@ class _Taking:
         left = set(self.both.of).difference(moved)
         for node in sorted({node for node, path in self.seen.tracks if node in left and path in PATHS}):
             self._keep(node, ())
+        hidden = free_offsets(self.rig) & self.follow & set(moved) if self.follow else frozenset[int]()
+        posed = (track for node in sorted(hidden) for track in self.transfer.of(node).tracks)
+        fresh = (track for track in posed if self._old(track.node, track.path) is None)
+        warn_offset_keys(self.rig, fresh, self.taken.name, self.report)
         self._take_morphs()
         self._rest_of_joints()
         if home is None:
