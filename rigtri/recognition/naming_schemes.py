@@ -19,7 +19,7 @@ from typing import Any, Literal, get_args
 
 from rigtri.errors import FileError, did_you_mean, system_reason
 from rigtri.model.dataclass import dataclass
-from rigtri.model.joint_names import Side
+from rigtri.model.joint_names import SIDES, Side
 from rigtri.recognition.layout import BENDS, FINGERS, MIDDLE, SIDED, LimbKind
 from rigtri.recognition.limb_words import LONGEST, limb_words
 from rigtri.recognition.name_parsing import ParsedName, parse_name, with_words
@@ -251,13 +251,21 @@ def is_segment(name: str, above: str) -> bool:
 
 @lru_cache(_NAMES)
 def roles_in_name(name: str) -> tuple[str, ...]:
-    """The roles that a name says, ``twist``, ``control``, ``tail`` …, in the order of roles.toml."""
+    """The roles that a name says, ``twist``, ``control``, ``tail`` …, in the order of roles.toml.
+
+    A word may end in that of a role; of chains only after a side, ``leftwing``: swings are no wings.
+    """
     found = parse_name(name)
-    ends = {word[k:] for word in found.words for k in range(max(1, len(word) - LONGEST), len(word) - 3)}
+    ends = [
+        (word[:k], word[k:])
+        for word in found.words
+        for k in range(max(1, len(word) - LONGEST), len(word) - 3)
+    ]
+    any_end, sided = {end for _, end in ends}, {end for before, end in ends if before in SIDES}
     return tuple(
         role
         for role, known in role_words().items()
-        if found.words & known or found.plain in known or (ends & known and role not in _CHAINS)
+        if found.words & known or found.plain in known or known & (sided if role in _CHAINS else any_end)
     )
 
 

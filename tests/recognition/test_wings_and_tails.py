@@ -113,3 +113,24 @@ def test_a_tail_whose_box_lies_across_its_bones_is_no_broad_head() -> None:
     (character,) = recognise(replace(rig, content=Content(read_outlines=partial(list, [mesh])))).characters
     right = float(np.dot(character.facing, along)) > 0.9
     assert right or not any(limb.is_sure for limb in character.limbs)
+
+
+@pytest.mark.parametrize(("left", "right"), [("Left", "Right"), ("Lt", "Rt"), ("chrL", "chrR")])
+def test_wings_with_words_of_arms_behind_a_glued_side_are_wings(left: str, right: str) -> None:
+    """Before, those of ``Leftwing_arm`` were a second pair of arms, at 0.92."""
+    wing = line(
+        "wing_arm.L wing_forearm.L wing_hand.L",
+        "chest",
+        (0.06, 1.5, -0.12),
+        (0.4, 1.75, -0.25),
+        (0.9, 1.7, -0.3),
+    )
+    wings = both([*wing, ("feather_1.L", "wing_hand.L", (1.1, 1.6, -0.4))])
+    called = {
+        name: {"L": left, "R": right}[name[-1]] + name[:-2] if name[-2:] in (".L", ".R") else name
+        for name, _, _ in wings
+    }
+    joints = [*MAN, *((called[name], called.get(above, above), at) for name, above, at in wings)]
+    (character,) = recognise(rig_with(joints)).characters
+    kinds = [chain.kind for chain in character.chains if chain.bend]
+    assert [kinds.count("arm"), kinds.count("leg"), kinds.count("wing")] == [2, 2, 2]
