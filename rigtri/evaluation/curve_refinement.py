@@ -265,14 +265,14 @@ class _Curve:
 
 def rigid_reach(rig: Rig) -> Floats:
     """How far the points of meshes without a skin are at rest from the nodes that show them, (n,), in file
-    units; 0 where nothing can be read.
+    units; 0 where nothing can be read. Shapes of controls do not count.
     """
     found = np.zeros(len(rig))
     try:
-        meshes = [mesh for mesh in rig.content.outlines if mesh.skin is None or not mesh.joints.shape[1]]
+        shown = [mesh for mesh in rig.content.outlines if mesh.node not in rig.own]
     except FileError:
         return found
-    for mesh in meshes:
+    for mesh in (mesh for mesh in shown if mesh.skin is None or not mesh.joints.shape[1]):
         far = length(transform_directions(mesh.points, rig.world[mesh.node]))
         found[mesh.node] = max(found[mesh.node], float(np.nan_to_num(far, posinf=0.0).max(initial=0.0)))
     return found
