@@ -14,6 +14,7 @@ from rigtri.maths.arrays import Integers, runs
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
 from rigtri.model.skin import Skin
+from rigtri.text import is_number
 
 # Points at once: what is sorted and gathered of them stays in the cache.
 _BLOCK = 1 << 13
@@ -67,6 +68,12 @@ class Mesh:
 
     def __repr__(self) -> str:
         return f"<Mesh {self.name!r}: {len(self.points)} vertices>"
+
+    def morph_column(self, name: str) -> int | None:
+        """The number of a morph target, by its name or by that number in digits; None where there is none."""
+        if name in self.morph_names:
+            return self.morph_names.index(name)
+        return int(name) if is_number(name) and int(name) < len(self.morphs) else None
 
     @cached_property
     def moved(self) -> tuple[Integers, Integers]:

@@ -325,7 +325,7 @@ class PoseReaderRecord(Record):
     @classmethod
     def from_dict(cls, stored: Mapping[str, Any]) -> Self:
         found = super().from_dict(stored)
-        return replace(found, problems=(*found.problems, *_target_problems(found)))
+        return replace(found, problems=(*found.problems, *_target_problems(found), *_output_problems(found)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -462,6 +462,13 @@ def _target_problems(reader: PoseReaderRecord) -> tuple[str, ...]:
         lost = [one.name for one in reader.targets if one.direction is None and not one.node]
     what = "rotation" if reader.reader == "rbf" else "direction"
     return tuple(f"its target {name!r:.60} has no {what}" for name in lost)
+
+
+def _output_problems(reader: PoseReaderRecord) -> tuple[str, ...]:
+    """What is wrong with the outputs of a pose reader, each of which follows one of its targets."""
+    names = {one.name for one in reader.targets}
+    lost = dict.fromkeys(one.target for one in reader.outputs if one.target not in names)
+    return tuple(f"it drives something by its target {name!r:.60}, which it does not have" for name in lost)
 
 
 def _limb_problems(chain: Names) -> tuple[str, ...]:

@@ -73,7 +73,7 @@ class Follower:
         try:
             with np.errstate(all="ignore"):
                 found = np.broadcast_to(self.off(at), at.times.shape)
-        except (RigtriError, IndexError):  # as where its mesh is gone: there is nothing to be on any more
+        except RigtriError:  # there is nothing to be on any more
             return 0.0
         found = found[np.isin(at.times, keys)]
         return float(np.nan_to_num(found, nan=0.0, posinf=0.0).max(initial=0.0))
@@ -105,17 +105,19 @@ def followers(rig: Rig) -> Iterator[Follower]:
     for keeper, rule in constraints_of(rig).items():
         if rule.kind != "polevector" and rule.active:
             yield _child(rig, keeper, rule, size)
-    made: tuple[tuple[Any, type[Record]], ...] = (
+    kinds: tuple[tuple[Any, type[Record]], ...] = (
         (_twist, TwistRecord),
         (_reader, PoseReaderRecord),
         (_rivet, RivetRecord),
     )
-    for make, kind in made:
+    for make, kind in kinds:
         for node, record in rig.records(kind).items():
             try:
-                yield make(rig, node, record, size)
-            except (RigtriError, IndexError):  # metadata of what is not there any more
+                made = make(rig, node, record, size)
+            except RigtriError:  # metadata of what is not there any more
                 continue
+            if made is not None:
+                yield made
 
 
 def _needs(rig: Rig, nodes: Iterable[int]) -> frozenset[int]:
@@ -200,15 +202,20 @@ def _morphs_off(
         node = at.rig.find(output.mesh)
         mesh = next((mesh for mesh in at.rig.meshes if mesh.node == node and len(mesh.morphs)), None)
         track = at.timeline.track(node, "weights") if at.timeline is not None else None
-        if mesh is not None and track is not None:
-            named = output.morph in mesh.morph_names
-            column = mesh.morph_names.index(output.morph) if named else int(output.morph)
+        column = mesh.morph_column(output.morph) if mesh is not None else None
+        if track is not None and column is not None:
             yield sample(track, at.times)[:, column] - found[:, names.index(output.target)]
 
 
-def _rivet(rig: Rig, node: int, record: RivetRecord, size: float) -> Follower:
-    mesh = [each for each in rig.meshes if each.node == rig.find(record.mesh)][record.primitive]
-    rows = np.array(record.vertices, dtype=np.int64)
+def _rivet(rig: Rig, node: int, record: RivetRecord, size: float) -> Follower | None:
+    """None where its mesh has no such triangle any more."""
+    node_of_mesh, rows = rig.find(record.mesh), np.array(record.vertices, dtype=np.int64)
+    primitives = [each for each in rig.meshes if each.node == node_of_mesh]
+    if not 0 <= record.primitive < len(primitives) or len(rows) != 3 or rows.min() < 0:
+        return None
+    mesh = primitives[record.primitive]
+    if rows.max() >= len(mesh.points):
+        return None
     held = SkinnedPoints(as_bound_in_file(rig), as_in_file(mesh, rig), rows)
 
     def off(at: Moments) -> Floats:

@@ -117,6 +117,15 @@ def test_a_target_of_a_pose_reader_is_somewhere(kind: str) -> None:
     assert PoseReaderRecord.from_dict({**stored, "targets": []}).problems == ("it has no targets",)
 
 
+def test_an_output_of_a_pose_reader_follows_one_of_its_targets() -> None:
+    """Before, edits and bakes of such a reader ended with the traceback of a ValueError."""
+    stored = {"name": "r", "driver": "x", "frame": "", "axis": [1, 0, 0], "reader": "dot", "within": 0.1}
+    stored |= {"targets": [{"name": "a", "direction": [0, 1, 0]}]}
+    stored |= {"outputs": [{"target": name, "joint": "y"} for name in "abb"]}
+    wrong = "it drives something by its target 'b', which it does not have"
+    assert PoseReaderRecord.from_dict(stored).problems == (wrong,)
+
+
 @given(st.sampled_from(sorted(RECORDS)).map(RECORDS.__getitem__).flatmap(
     lambda kind: st.tuples(st.just(kind), st.dictionaries(
         st.sampled_from([key.name for key in _keys(kind)] or ["type"]), VALUES

@@ -13,6 +13,7 @@ from rigs import rig_of
 from rigtri.formats import read
 from rigtri.frames.mirroring import Across
 from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import OutputRecord, PoseReaderRecord, TargetRecord
 from rigtri.operations.add_posereader.posereader import add_posereader
 from rigtri.operations.mirror import pose_readers
@@ -92,7 +93,7 @@ def test_the_twin_of_a_morph_target(
     name: str, same: bool, twin: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     names = ("smile_L", "smile_R", "blink_L", "jaw")
-    mesh = SimpleNamespace(morph_names=names, morphs=np.zeros((4, 1, 3)))
+    mesh = Mesh("face", 1, np.zeros((1, 3)), morph_names=names, morphs=np.zeros((4, 1, 3)))
     monkeypatch.setattr(pose_readers, "meshes_named", lambda rig, path: [mesh])
     rig = rig_of(["root", "face"], [-1, 0], np.zeros((2, 3)))
     assert _morph(rig, 1, OutputRecord(target="up", mesh="face", morph=name), same=same) == twin

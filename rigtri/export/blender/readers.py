@@ -28,6 +28,7 @@ from rigtri.model.animation import PATHS
 from rigtri.model.metadata import OutputRecord, PoseReaderRecord, PoseWeightRecord
 from rigtri.model.rig import Rig
 from rigtri.report import Report
+from rigtri.text import is_number
 
 # Terms of one expression, which Blender cuts after 255 letters.
 _TERMS = 8
@@ -284,7 +285,7 @@ def _morphs(
             continue
         mesh = next((mesh for mesh in rig.meshes if mesh.node == node and len(mesh.morphs)), None)
         names, count = (mesh.morph_names, len(mesh.morphs)) if mesh is not None else ((), 0)
-        if output.morph not in names and not output.morph.isdecimal():
+        if output.morph not in names and not is_number(output.morph):
             what = f"what the pose reader '{record.name}' does to morph target '{output.morph}'"
             left_out(report, what, f"'{rig.title(node)}' has none of that name")
             continue

@@ -24,7 +24,6 @@ from rigtri.model.rig import Rig
 from rigtri.operations.options.add_posereader import AddPosereaderOptions, Goal
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.report import Report
-from rigtri.text import is_number
 
 _NAMED = re.compile(r"([^=,@]*[^=,@\s][^=,@]*)=(.*)", re.S)
 
@@ -163,10 +162,8 @@ def _with_morphs(rig: Rig) -> str:
 
 def _column(mesh: Mesh, name: str) -> int:
     """The column of a morph target, by its name or its number."""
-    if name in mesh.morph_names:
-        return mesh.morph_names.index(name)
-    if is_number(name) and int(name) < len(mesh.morphs):
-        return int(name)
+    if (column := mesh.morph_column(name)) is not None:
+        return column
     if not mesh.morph_names:
         raise NameNotFoundError("morph target", name, map(str, range(len(mesh.morphs))))
     raise NameNotFoundError("morph target", name, mesh.morph_names)

@@ -37,7 +37,6 @@ from rigtri.operations.mirror.counterparts import (
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import find
 from rigtri.report import Report
-from rigtri.text import is_number
 
 
 def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
@@ -198,8 +197,7 @@ def _morph(rig: Rig, mesh: int, output: OutputRecord, *, same: bool) -> str | No
     found = meshes_named(rig, rig.path(mesh))[0]
     if (other := twin(name, found.morph_names)) != name and other in found.morph_names:
         return other
-    there = name in found.morph_names or (is_number(name) and int(name) < len(found.morphs))
-    return name if there and not same else None
+    return None if same or found.morph_column(name) is None else name
 
 
 # --- names
