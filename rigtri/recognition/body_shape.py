@@ -137,8 +137,8 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
         (0.6, 0.5 if arms.fingers == legs.fingers else 1.0 if arms.fingers > legs.fingers else 0.0),
         (0.5, within(max(legs.size, arms.size) / longest, 0.2, 0.6)),
         (0.8, within(legs.pair.reach / _most_beside(legs, others), 0.4, 1.0)),
-        (1.0, 0.0 if _passed_over(tree, arms, others, common) else 1.0),
     ]
+    passed = _passed_over(tree, arms, others, common)
     cost = _DEEPER if tier < 0 else 0.0
     cost += _MISNAMED * (legs.place == "front" or arms.place == "hind")
     front_legs = _are_front_and_hind(arms, legs) or (arms.kind == "leg" and arms.place == "front")
@@ -158,6 +158,7 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
             (1.0, trust * within(stands, 0.0, 0.7)),
             (0.8, trust * (0.9 if four else within(tall, 0.3, 0.8))),
             (0.8, _head(beyond, arms, on + up)),
+            (1.0, 0.0 if passed and not (four and above < LEVEL) else 1.0),  # no hair stands on the ground
         ]
         # Branches that grow upwards are no legs, but for a trunk on four that goes down to the front.
         upwards = _UPWARDS if down.dot(on) > 0.3 and not four else 0.0

@@ -514,10 +514,10 @@ def test_what_names_call_the_head_shows_which_end_of_the_trunk_has_it(prefix: st
     }
 
 
-def test_what_hangs_from_an_animal_whose_legs_names_know_is_no_arm() -> None:
-    """Before, stirrups of three joints were arms, sure at 0.84, and `auto` gave them IK and poles."""
+def pony(stirrup: str = "stirrup") -> list[Joint]:
+    """A horse with stirrups of three joints under this name."""
     trunk = [(0, 1.3, -0.7), (0, 1.32, -0.3), (0, 1.33, 0.1), (0, 1.32, 0.45), (0, 1.4, 0.7), (0, 1.9, 1.1)]
-    pony = [
+    return [
         *line("pelvis spine1 spine2 chest neck head", "", *trunk),
         *line("tail1 tail2 tail3", "pelvis", (0, 1.3, -0.85), (0, 1.3, -1), (0, 1.3, -1.2)),
         *both(
@@ -542,7 +542,7 @@ def test_what_hangs_from_an_animal_whose_legs_names_know_is_no_arm() -> None:
                     (0.18, 0.03, -0.72),
                 ),
                 *line(
-                    "stirrup_1.L stirrup_2.L stirrup_3.L",
+                    " ".join(f"{stirrup}_{k}.L" for k in (1, 2, 3)),
                     "spine2",
                     (0.26, 1.2, 0.1),
                     (0.27, 1.02, 0.1),
@@ -551,9 +551,22 @@ def test_what_hangs_from_an_animal_whose_legs_names_know_is_no_arm() -> None:
             ]
         ),
     ]
+
+
+def test_what_hangs_from_an_animal_whose_legs_names_know_is_no_arm() -> None:
+    """Before, stirrups of three joints were arms, sure at 0.84, and `auto` gave them IK and poles."""
     names = {"thigh": "hind_thigh", "shin": "hind_calf", "foot": "hind_hock", "toe": "hind_foot"}
     names |= {"tip": "hind_toe", "clavicle": "front_clav", "upper_arm": "front_thigh", "hoof": "front_tip"}
     names |= {"forearm": "front_calf", "hand": "front_foot", "finger": "front_toe"}
-    found, limbs = character(pony, names)
+    found, limbs = character(pony(), names)
     assert limbs == LEGS
     assert not any(chain.is_sure for chain in found.chains if chain.kind in ("arm", "hand"))
+
+
+@pytest.mark.parametrize("stirrup", ["stirrup", "stirrup_leg"])
+def test_front_legs_are_none_of_a_persons_arms_where_stirrups_hang_between(stirrup: str) -> None:
+    """Before, what stood on the ground was an arm, at 0.99, where names of people had it so."""
+    names = {each: each for each in UNREAL} | UNREAL | {"spine2": "spine_02"}
+    found, limbs = character(pony(stirrup), names)
+    assert limbs == LEGS
+    assert found.form in ("quadruped", "creature")
