@@ -57,8 +57,8 @@ _SOLE = 0.5
 # A joint of a leg with a hock stands so far beside the line of its neighbours, as a part of that.
 ZIGZAG = 0.08
 _THREE: tuple[Level, Level, Level] = ("upper", "lower", "end")
-# Names that say so far which three joints bend: those of all three, one of them vague.
-CALLED = 0.8
+# Names that say so far which three joints bend: those of all three, one of them vague; and half of that.
+CALLED, _HALF_CALLED = 0.8, 0.5
 
 
 def of_twin(each: Found, found: Sequence[Found], doubts: Mapping[int, str]) -> str:
@@ -141,12 +141,13 @@ def folded(draft: Draft, each: Found) -> str:
 
 
 def other_bend(draft: Draft, each: Found) -> str:
-    """Shape that hardly tells which joint of a chain bends; of a hind leg with a hock either is right."""
+    """Shape, and names that half say it, that hardly tell which joint bends; at a hock either is right."""
     mine, body = each.pair, draft.shape.body
-    if mine is None or len(mine.pair.paths[0]) < 4 or mine.named > 0.0:
+    if mine is None or len(mine.pair.paths[0]) < 4 or mine.named > _HALF_CALLED:
         return ""
     hind = body is not None and body.form == "quadruped" and mine is body.legs
-    unclear = mine.quality < _NO_LIMB or (not hind and mine.lead < _NARROW and mine.quality < _HARDLY)
+    even = mine.named <= 0.0 and not hind and mine.lead < _NARROW and mine.quality < _HARDLY
+    unclear = mine.quality < _NO_LIMB or even
     return "another joint of its chain may be the one that bends" if unclear else ""
 
 

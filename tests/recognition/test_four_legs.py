@@ -570,3 +570,13 @@ def test_front_legs_are_none_of_a_persons_arms_where_stirrups_hang_between(stirr
     found, limbs = character(pony(stirrup), names)
     assert limbs == LEGS
     assert found.form in ("quadruped", "creature")
+
+
+def test_a_front_leg_that_names_half_know_does_not_surely_end_beyond_its_wrist() -> None:
+    """Before, it went on to the foot, at 0.76, whatever a joint between was called."""
+    names = {"upper_arm": "front_upper", "forearm": "front_lower", "hand": "front_pastern"}
+    names |= {"finger": "front_foot", "hoof": "front_toe", "clavicle": "front_scapula", "thigh": "rear_upper"}
+    names |= {"shin": "rear_lower", "foot": "rear_hock", "toe": "rear_foot", "tip": "rear_toe"}
+    bare = [joint for joint in pony() if not joint[0].startswith("stirrup")]
+    _, limbs = character(bare, names)
+    assert limbs.items() <= LEGS.items()
