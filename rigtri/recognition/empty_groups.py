@@ -6,6 +6,8 @@ Importers write one or more above each joint, for parts of its transform. Source
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rigtri.recognition.joint_tree import SAME_POSITION, Tree
 from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.pose_samples import Poses
@@ -14,20 +16,32 @@ from rigtri.recognition.pose_samples import Poses
 def empty_groups(tree: Tree, poses: Poses) -> frozenset[int]:
     """The joints that move no point and only hold the one below, in its place: limbs start and end at that.
 
-    It moves points, or its name is in that of the joint that holds it. Not what all others are below, nor
-    what is called a bone of a limb where the joint below is not.
+    It moves points, or its name is in that of the joint that holds it, or it is an end without a name where
+    others are held so. Not what all others are below, nor what is called a bone of a limb where the joint
+    below is not.
     """
-    found = set[int]()
-    for node in reversed(tree.nodes):
-        if len(tree.below[node]) != 1 or tree.above[node] < 0:
-            continue
-        below = tree.below[node][0]
-        if tree.bone[below] > SAME_POSITION * tree.span or poses.moves_points(node):
-            continue
-        held, name = tree.rig.names[below], tree.rig.names[node]
-        if (held and held in name) or below in found or poses.moves_points(below):
-            found.update([node] if _is_called_like(name, held) else [])
+    held = {k: tree.below[k][0] for k in reversed(tree.nodes) if _holds_one_in_place(tree, poses, k)}
+    found = _of_these(tree, poses, held, frozenset())
+    names = tree.rig.names
+    ends = (below for k, below in held.items() if not (tree.below[below] or names[k] or names[below]))
+    return _of_these(tree, poses, held, frozenset(ends)) if found else found
+
+
+def _of_these(tree: Tree, poses: Poses, held: Mapping[int, int], ends: frozenset[int]) -> frozenset[int]:
+    """Which of these joints, by what each holds, are groups; above these ends, too."""
+    names, found = tree.rig.names, set[int]()
+    for node, below in held.items():
+        inside = names[below] and names[below] in names[node]
+        if inside or below in found or below in ends or poses.moves_points(below):
+            found.update([node] if _is_called_like(names[node], names[below]) else [])
     return frozenset(found)
+
+
+def _holds_one_in_place(tree: Tree, poses: Poses, node: int) -> bool:
+    """Whether a joint moves no point and one alone is below it, in its place."""
+    if len(tree.below[node]) != 1 or tree.above[node] < 0 or poses.moves_points(node):
+        return False
+    return tree.bone[tree.below[node][0]] <= SAME_POSITION * tree.span
 
 
 def _is_called_like(name: str, held: str) -> bool:

@@ -30,7 +30,6 @@ from rigtri.recognition.split_bones import split_bone
 # What Assimp writes above each joint of an FBX file.
 MARKS = ("_$AssimpFbx$_Translation", "_$AssimpFbx$_PreRotation")
 ASSIMP = [*MAN, *FINGERS]
-HEADS = {f"head{mark}" for mark in MARKS}
 HANDS = {name[-1]: at for name, _, at in MAN if name.startswith("hand")}
 
 
@@ -95,7 +94,20 @@ def test_limbs_end_at_the_joint_that_moves_points_and_not_at_groups_above_it(nam
     assert bent == {(f"thigh.{s}", f"shin.{s}", f"foot.{s}") for s in "LR"} | arms
     held = {names[k] for each in groups.values() for k in map(names.index, each)}
     roles = {names[part.joint]: part.role for part in found.parts}
-    assert {name for name, role in roles.items() if role == "helper"} == held - (set() if named else HEADS)
+    assert {name for name, role in roles.items() if role == "helper"} == held
+
+
+def test_of_ends_that_move_no_points_the_group_is_the_upper_one_where_others_are_held() -> None:
+    """Before, arms without names ended at the group above the hand, at 0.94."""
+    joints = held(MAN, "hand", "forearm", "upper_arm")
+    names = [name for name, _, _ in joints]
+    bones = {name for name, _, _ in MAN}
+    moves = np.array([name in bones and not name.startswith("hand") for name in names])
+    rig = rig_with(joints, named=False)
+    rig = replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moves),))
+    (found,) = module.recognise(rig).characters
+    ends = {names[each.bend[2]] for each in found.limbs if each.kind == "arm"}
+    assert ends == {"hand.L", "hand.R"}
 
 
 def test_a_bone_without_weight_is_no_group_above_what_has_its_weight() -> None:
