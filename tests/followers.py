@@ -240,12 +240,14 @@ def moments(rig: Rig) -> Iterator[Moments]:
 
 
 def followers(rig: Rig) -> dict[int, int]:
-    """The nodes that keep a definition, each with the node that follows by it."""
-    return {
-        node: rig.find(note["child"]) if note["type"] == "constraint" else node
-        for node, note in rig.metadata.items()
-        if note["type"] in _MEASURED
-    }
+    """The nodes that keep a definition, each with the node that follows by it: of a reader what it drives."""
+    found = {}
+    for node, note in rig.metadata.items():
+        if note["type"] in _MEASURED:
+            joints = [output["joint"] for output in note.get("outputs", ()) if "joint" in output]
+            child = note["child"] if note["type"] == "constraint" else next(iter(joints), None)
+            found[node] = node if child is None else rig.find(child)
+    return found
 
 
 def off(rig: Rig) -> dict[int, float]:

@@ -58,12 +58,19 @@ class TwistJoint:
 
     def angles(self, local: Floats) -> Floats:
         """The twist of the driver, (f,), in radians, where the nodes' local matrices are (f, n, 4, 4)."""
-        now = _rotation([local[..., node, :, :] for node in self.path])
-        return twist_angle(product(now, conjugate(self.rest)), self.axis)
+        return self.angles_of([local[..., node, :, :] for node in self.path])
+
+    def angles_of(self, path: Sequence[Floats]) -> Floats:
+        """As `angles`, of the local matrices of the path alone, (f, 4, 4) each."""
+        return twist_angle(product(_rotation(path), conjugate(self.rest)), self.axis)
 
     def rotations(self, local: Floats) -> Floats:
         """The local rotations of the twist joint, (f, 4)."""
-        return product(from_axis_angle(self.own_axis, self.weight * self.angles(local)), self.standing)
+        return self.turned(self.angles(local))
+
+    def turned(self, angles: Floats) -> Floats:
+        """Its local rotations, (f, 4), at a twist of the driver, (f,), in radians."""
+        return product(from_axis_angle(self.own_axis, self.weight * angles), self.standing)
 
 
 def twist_joints(rig: Rig) -> list[TwistJoint]:

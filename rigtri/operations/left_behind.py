@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.operations.options.bake import BETWEEN
 from rigtri.report import Report
 from rigtri.text import list_names
 
 if TYPE_CHECKING:
+    from rigtri.evaluation.timelines import Timeline
     from rigtri.operations.follower_places import Follower
 
-# Shares of the size, or radians: a tenth of what bakes leave between keys.
+# Shares of the size, or radians: a hundredth of what bakes leave between keys.
 _ON_PLACE = 1e-5
 # Edits that write keys in other axes move by so much what thinned keys leave between them.
 _AGAIN = 2.0
+# What thinned keys leave is beside a key, too: so many keys to either side.
+_BESIDE = 2
 _KINDS = ("constraint", "poseReader", "rivet", "twist")
 _inside: ContextVar[bool] = ContextVar("inside another operation", default=False)
 
@@ -28,7 +34,7 @@ _inside: ContextVar[bool] = ContextVar("inside another operation", default=False
 def naming_left_behind(run: Callable[..., Rig]) -> Callable[..., Rig]:
     """An operation that warns of followers which were on their places before it, and are not after it.
 
-    Of operations within another one the outer one alone tells.
+    Of operations within another one the outer one alone tells; of those of one edit, its end (`told_once`).
     """
 
     def named(rig: Rig, *others: Rig, report: Report, **words: object) -> Rig:
@@ -39,41 +45,212 @@ def naming_left_behind(run: Callable[..., Rig]) -> Callable[..., Rig]:
             made = run(rig, *others, report=report, **words)
         finally:
             _inside.reset(token)
-        _warn(rig, made, report)
+        if made is not rig:
+            found, whole = list(_left(rig, made)), _whole.get()
+            if whole is None:
+                _warn(_named(made, found), report)
+            else:
+                whole.after(rig, made, found)
         return made
 
     return named
 
 
-def _warn(before: Rig, rig: Rig, report: Report) -> None:
-    # With the solvers of all that follows, which most files have not.
-    from rigtri.operations.follower_places import followers, worst
+@dataclass(frozen=True)
+class _Behind:
+    """A follower that an edit has left behind. keeper, node: as it has. clip: None at rest.
 
-    if before is rig or not (known := {each.keeper: each for each in followers(before)}):
+    allowed: how far it may be off, of which what was off before makes much.
+    """
+
+    keeper: int
+    node: int
+    clip: str | None
+    far: float
+    allowed: float
+
+
+def _left(before: Rig, rig: Rig) -> Iterator[_Behind]:
+    """The followers that are further off their places than before, at rest and in each clip."""
+    # With the solvers of all that follows, which most files have not.
+    from rigtri.evaluation.timelines import timelines
+    from rigtri.operations.follower_places import followers, off_at_rest
+
+    if not (known := {(each.keeper, each.node): each for each in followers(before)}):
         return
     of, kept, keeps = _counterparts(before, rig), _Kept(before), _Kept(rig)
-    was, now = list["Follower"](), list["Follower"]()
+    pairs = list[_Pair]()
     for each in followers(rig):
-        old = known.get(of.get(each.keeper, -1))
-        if old is not None and _changed(kept, old, keeps, each, of):
-            was.append(old)
-            now.append(each)
-    here = worst(rig, now)
-    far = np.flatnonzero((here > _ON_PLACE).any(axis=0))
-    # What had not been baked is no worse off.
-    there = worst(before, [was[k] for k in far])
-    left = here[:, far] > np.maximum(_ON_PLACE, _AGAIN * there)
-    resting, moving = ([now[k].node for k in far[row]] for row in left)
-    if moving:
-        _tell(rig, moving, report, "The keys of {} still follow the old motion: update them with rigtri bake")
-    if rest := [node for node in resting if node not in moving]:
-        text = "At rest, {} stay behind what they follow: put them there with rigtri bake"
-        _tell(rig, rest, report, text)
+        old = known.get((of.get(each.keeper, -1), of.get(each.node, -1)))
+        if old is not None:
+            pairs.append(_Pair(old, each, _is_other(kept, old, keeps, each, of)))
+    changed = [pair for pair in pairs if pair.other]
+    here = off_at_rest(rig, [pair.now for pair in changed])
+    there = off_at_rest(before, [pair.was for pair in changed])
+    for pair, now, was in zip(changed, here.tolist(), there.tolist(), strict=True):
+        if now > (allowed := max(_ON_PLACE, _AGAIN * was)):
+            yield _Behind(pair.now.keeper, pair.now.node, None, now, allowed)
+    clips, earlier = _same_clips(before, rig), timelines(before) if pairs else []
+    for timeline in timelines(rig) if pairs else ():
+        mine = {clips[k] for k in timeline.members if k in clips}
+        old_one = next((each for each in earlier if not mine.isdisjoint(each.members)), None)
+        moved = _otherwise_moved(old_one, timeline, of)
+        some = [pair for pair in pairs if pair.other or moved is None or not moved.isdisjoint(pair.now.needs)]
+        yield from _left_in_clip(before, old_one, rig, timeline, some)
 
 
-def _tell(rig: Rig, nodes: Iterable[int], report: Report, text: str) -> None:
-    names = list(dict.fromkeys(rig.title(node) for node in sorted(nodes)))
-    report.warn("followers-behind", text.format(list_names(names)), names=names)
+def _left_in_clip(
+    before: Rig, earlier: Timeline | None, rig: Rig, timeline: Timeline, pairs: Sequence[_Pair]
+) -> Iterator[_Behind]:
+    """Those that are behind in one clip. earlier: the same clip before, None where it is new."""
+    from rigtri.operations.follower_places import keys_of, off_in_clip
+
+    keys = [keys_of(timeline, pair.now) for pair in pairs]
+    moving = [k for k, own in enumerate(keys) if len(own)]
+    if not moving:
+        return
+    times, here = off_in_clip(rig, timeline, [pairs[k].now for k in moving])
+    far = {k: now for k, now in zip(moving, here, strict=True) if (now > _ON_PLACE).any()}
+    # Where nothing moved before nothing was there that could be better.
+    allowed = {k: np.full(len(times), BETWEEN) for k in far}
+    earlier_keys = {k: keys_of(earlier, pairs[k].was) for k in far} if earlier is not None else {}
+    same = {k: np.array_equal(own, keys[k]) for k, own in earlier_keys.items() if len(own)}
+    for alike in (True, False):
+        some = [k for k, is_same in same.items() if is_same is alike]
+        if earlier is not None and some:
+            were = [pairs[k].was for k in some]
+            _, rows = off_in_clip(before, earlier, were, times if alike else None)
+            for k, was in zip(some, rows, strict=True):
+                allowed[k] = _allowed(was) if alike else np.full(len(times), _AGAIN * was.max(initial=0.0))
+    for k, now in far.items():
+        bound = np.maximum(_ON_PLACE, allowed[k])
+        over = np.where(now > bound, now, 0.0)
+        worst = int(np.argmax(over))
+        if over[worst] > 0:
+            one = pairs[k].now
+            yield _Behind(one.keeper, one.node, timeline.name, float(over[worst]), float(bound[worst]))
+
+
+def _allowed(was: Floats) -> Floats:
+    """How far off a follower may be at keys where it was off by so much, (f,).
+
+    In a clip that was baked what was left at one key may come to another; else each key has what was off
+    there and beside it.
+    """
+    most = float(was.max(initial=0.0))
+    if most <= BETWEEN:
+        return np.full(len(was), _AGAIN * most)
+    around = np.pad(np.maximum(was, BETWEEN), _BESIDE)
+    beside = [around[k : k + len(was)] for k in range(2 * _BESIDE + 1)]
+    return np.asarray(_AGAIN * np.max(np.stack(beside), axis=0))
+
+
+def _named(rig: Rig, found: Iterable[_Behind]) -> dict[tuple[str, str], list[_Behind]]:
+    """What was left behind, by the titles of keeper and follower."""
+    named: dict[tuple[str, str], list[_Behind]] = {}
+    for one in sorted(found, key=lambda one: one.node):
+        named.setdefault((rig.title(one.keeper), rig.title(one.node)), []).append(one)
+    return named
+
+
+def _warn(found: Mapping[tuple[str, str], Sequence[_Behind]], report: Report) -> None:
+    moving = {name for (_, name), where in found.items() if any(one.clip is not None for one in where)}
+    names = list(dict.fromkeys(name for _, name in found))
+    _tell(
+        [n for n in names if n in moving], report, "The keys of {} still follow the old motion: update them"
+    )
+    rest = [n for n in names if n not in moving]
+    stays = ("stays behind what it follows", "put it there")
+    stay = stays if len(rest) == 1 else ("stay behind what they follow", "put them there")
+    _tell(rest, report, f"At rest, {{}} {': '.join(stay)}")
+
+
+def _tell(names: Sequence[str], report: Report, text: str) -> None:
+    if names:
+        report.warn("followers-behind", f"{text.format(list_names(names))} with rigtri bake", names=names)
+
+
+class LeftBehind:
+    """What the operations of one edit have left behind so far: `tell` says at its end what still is.
+
+    Each may bring back what one before it has left, as `bake` does, and a file may be written between two.
+    """
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[str, str], list[_Behind]] = {}
+        self._edits = 0
+
+    @contextmanager
+    def noting(self) -> Iterator[None]:
+        """Note what operations leave behind, instead of warning of each."""
+        token = _whole.set(self)
+        try:
+            yield
+        finally:
+            _whole.reset(token)
+
+    def after(self, before: Rig, rig: Rig, found: Iterable[_Behind]) -> None:
+        """Note what an operation has left."""
+        now = _counterparts(before, rig) if self._found else {}
+        titles = {before.title(was): rig.title(node) for node, was in now.items()}
+        kept = {
+            (titles[keeper], titles[node]): where
+            for (keeper, node), where in self._found.items()
+            if keeper in titles and node in titles
+        }
+        for both, where in _named(rig, found).items():
+            kept[both] = [*kept.get(both, ()), *where]
+        self._found, self._edits = kept, self._edits + 1
+
+    def tell(self, rig: Rig, report: Report) -> None:
+        """Warn of what is still behind in the rig that all have made."""
+        _warn(self._still(rig) if self._found and self._edits > 1 else self._found, report)
+
+    def _still(self, rig: Rig) -> dict[tuple[str, str], list[_Behind]]:
+        from rigtri.evaluation.timelines import timelines
+        from rigtri.operations.follower_places import followers, keys_of, off_at_rest, off_in_clip
+
+        every = {(rig.title(each.keeper), rig.title(each.node)): each for each in followers(rig)}
+        known = {both: every[both] for both in self._found if both in every}
+        far: dict[tuple[tuple[str, str], str | None], float] = {}
+        for both, off in zip(known, off_at_rest(rig, [*known.values()]).tolist(), strict=True):
+            far[both, None] = off
+        for timeline in timelines(rig):
+            some = {both: each for both, each in known.items() if len(keys_of(timeline, each))}
+            if some:
+                _, found = off_in_clip(rig, timeline, [*some.values()])
+                for both, row in zip(some, found, strict=True):
+                    worst = float(row.max(initial=0.0))
+                    far[both, timeline.name] = max(far.get((both, timeline.name), 0.0), worst)
+        still: dict[tuple[str, str], list[_Behind]] = {}
+        for both, where in self._found.items():
+            # What a bake leaves is no more than it may leave.
+            left = [
+                one
+                for one in where
+                if far.get((both, one.clip), 0.0) > max(one.allowed, min(BETWEEN, one.far / 2))
+            ]
+            if left:
+                still[both] = left
+        return still
+
+
+def told_once(step: Callable[[Rig, Report], Rig]) -> Callable[[Rig, Report], Rig]:
+    """A step that warns at its end of what its operations have left behind, where nothing around it does."""
+
+    def run(rig: Rig, report: Report) -> Rig:
+        if _whole.get() is not None:
+            return step(rig, report)
+        whole = LeftBehind()
+        with whole.noting():
+            made = step(rig, report)
+        whole.tell(made, report)
+        return made
+
+    return run
+
+
+_whole: ContextVar[LeftBehind | None] = ContextVar("what one edit leaves behind", default=None)
 
 
 def _counterparts(before: Rig, rig: Rig) -> dict[int, int]:
@@ -91,14 +268,48 @@ def _counterparts(before: Rig, rig: Rig) -> dict[int, int]:
     return found
 
 
-def _changed(before: _Kept, was: Follower, now: _Kept, after: Follower, of: Mapping[int, int]) -> bool:
-    """Whether anything that a follower's place is made of is not what it was."""
+def _same_clips(before: Rig, rig: Rig) -> dict[int, int]:
+    """The clips of a rig that were there before, each with what it was: by their keys, new ones by name."""
+    keys = {clip.key: number for number, clip in enumerate(before.clips) if clip.key is not None}
+    names = {clip.name: number for number, clip in reversed([*enumerate(before.clips)])}
+    found = {}
+    for number, clip in enumerate(rig.clips):
+        was = keys.get(clip.key) if clip.key is not None else names.get(clip.name)
+        if was is not None:
+            found[number] = was
+    return found
+
+
+def _otherwise_moved(earlier: Timeline | None, timeline: Timeline, of: Mapping[int, int]) -> set[int] | None:
+    """The nodes that have not the keys that they had in a clip; None where it is new."""
+    if earlier is None:
+        return None
+    back = {was: node for node, was in of.items()}
+    was, now = (
+        {(t.node, t.path): (t.interpolation, id(t.times), id(t.values)) for t in each.clip.tracks}
+        for each in (earlier, timeline)
+    )
+    was = {(back.get(node, -1), path): keys for (node, path), keys in was.items()}
+    return {both[0] for both in was.keys() | now.keys() if was.get(both) != now.get(both)}
+
+
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """A follower before and after an edit. other: something that its place is made of, but for keys, is."""
+
+    was: Follower
+    now: Follower
+    other: bool
+
+
+def _is_other(before: _Kept, was: Follower, now: _Kept, after: Follower, of: Mapping[int, int]) -> bool:
+    """Whether anything that a follower's place is made of, but for keys, is not what it was."""
     if now.rig.pending.changes_weights or {of.get(node, -1) for node in after.needs} != was.needs:
         return True
     stored = before.rig.metadata.get(was.keeper), now.rig.metadata.get(after.keeper)
     if not _are_same(before.rig, stored[0], now.rig, stored[1], of):
         return True
-    return any(before.states[of[node]] != now.states[node] for node in after.needs)
+    return any(before.rest[of[node]] != now.rest[node] for node in after.needs)
 
 
 def _are_same(before: Rig, was: Any, rig: Rig, now: Any, of: Mapping[int, int]) -> bool:
@@ -122,11 +333,6 @@ class _Kept:
     rig: Rig
 
     @cached_property
-    def states(self) -> list[tuple[object, ...]]:
-        """How each node rests, as files keep it, and the keys that it has."""
-        found: list[tuple[object, ...]] = [(row.tobytes(),) for row in self.rig.local.astype(np.float32)]
-        for number, clip in enumerate(self.rig.clips):
-            for track in clip.tracks:
-                keys = number, track.path, id(track.times), id(track.values)
-                found[track.node] = (*found[track.node], keys)
-        return found
+    def rest(self) -> list[bytes]:
+        """How each node rests, as files keep it."""
+        return [row.tobytes() for row in self.rig.local.astype(np.float32)]

@@ -6,12 +6,25 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from test_bake_followers import built, source_of
+from test_take_followers import bent
 
-from rigtri import orient_joints, set_rest
+from rigtri import (
+    add_posereader,
+    add_socket,
+    bake,
+    constrain,
+    edit,
+    orient_joints,
+    rename_joints,
+    set_rest,
+    take_clips,
+)
 from rigtri.formats import read
 from rigtri.model.rig import Rig
+from rigtri.operations.follower_places import followers, off_at_rest
 from rigtri.report import Report
 
 POSE = "bend@0.5"
@@ -57,3 +70,75 @@ def test_a_rivet_without_its_triangle_is_not_measured(change: dict[str, object],
     report = Report()
     set_rest(replace(reading, metadata={**reading.metadata, node: damaged}), pose=POSE, report=report)
     assert behind(report) == []
+
+
+def in_two_clips(rig: Rig) -> Rig:
+    """The rig with a second clip, which moves as the first one does."""
+    first = rig.clips[0]
+    return replace(rig, clips=(first, replace(first, name="again", key=None)))
+
+
+@pytest.mark.parametrize("baked", ["bend", "*"])
+def test_a_follower_that_was_not_baked_in_one_clip_is_named_for_another(baked: str, tmp_path: Path) -> None:
+    """Before, the worst of all clips was compared: once off its place in one, it was never named."""
+    source, joint, _ = source_of("glb", tmp_path)
+    rig = constrain(in_two_clips(read(source).rig), type="parent", child="pin", driver=joint)
+    rig = bake(rig, clip=(baked,), to="joints")
+    report = Report()
+    take_clips(rig, from_=bent(rig, joint), report=report)
+    assert behind(report) == [["pin"]]
+
+
+def test_what_a_later_step_of_an_edit_brings_back_is_not_named(tmp_path: Path) -> None:
+    """Before, each step warned, and the bake that the warning asks for did not count."""
+    source, joint, mesh = source_of("glb", tmp_path)
+    place, report = tmp_path / "rig.glb", Report()
+    edit(source, place, lambda rig, report: bake(built(rig, joint, mesh, report), to="joints"))
+    other = bent(read(place).rig, "lower")
+
+    def taken(rig: Rig, report: Report) -> Rig:
+        return take_clips(rig, from_=other, report=report)
+
+    def step(rig: Rig, report: Report) -> Rig:
+        return bake(taken(rig, report), to="joints", report=report)
+
+    edit(place, tmp_path / "out.glb", step, report=report, strict=True)
+    assert behind(report) == []
+    edit(
+        place, tmp_path / "again.glb", lambda rig, report: renamed(taken(rig, report), report), report=report
+    )
+    assert [sorted(names) for names in behind(report)] == [["new_button", "new_reader"]]
+
+
+def renamed(rig: Rig, report: Report) -> Rig:
+    return rename_joints(rig, name={"button": "new_button", "reader": "new_reader"}, report=report)
+
+
+def test_a_single_follower_stays_behind_what_it_follows(tmp_path: Path) -> None:
+    """Before: "'pin' stay behind what they follow"."""
+    source, joint, _ = source_of("glb", tmp_path)
+    rig = bake(constrain(read(source).rig, type="parent", child="pin", driver=joint), to="joints")
+    report = Report()
+    set_rest(rig, pose=POSE, report=report)
+    (text,) = [notice.text for notice in report.warnings if notice.code == "followers-behind"]
+    assert text == "At rest, 'pin' stays behind what it follows: put it there with rigtri bake"
+
+
+def test_a_place_that_is_no_number_any_more_is_off(reading: Rig) -> None:
+    """Before, it counted as on its place."""
+    node = reading.find("button")
+    local = reading.translation.copy()
+    local[node] = np.nan
+    (rivet,) = [each for each in followers(reading) if each.node == node]
+    assert off_at_rest(replace(reading, translation=local), [rivet]) == [np.inf]
+
+
+def test_of_a_reader_the_joint_that_it_drives_is_named(samples: Path) -> None:
+    """Before, the reader was."""
+    rig = add_socket(read(samples / "biped.glb").rig, name="helper", on="forearm_L")
+    rig = add_posereader(
+        rig, driver="shin_L", target=("up=walk@0",), joint=(("up", "helper", "tx=0.1"),), name="knee"
+    )
+    report = Report()
+    take_clips(bake(rig, to="joints"), from_=bent(rig, "shin_L"), report=report)
+    assert behind(report) == [["helper"]]

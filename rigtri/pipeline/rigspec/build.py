@@ -27,6 +27,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
 from rigtri.model.spelling import AS_FLAGS, Spelling, spelled
+from rigtri.operations.left_behind import LeftBehind
 from rigtri.operations.operation import with_keywords
 from rigtri.pipeline.edit import EditRequest, Outcome, Step, check_target, edit_file, requested
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
@@ -130,7 +131,8 @@ class _Work:
     """A build as it goes on: where the character is, what was done, what it has not. spared: what the
     build will write, which must be no file that the source refers to. hint: as in `build_file`. source: the
     file as it came. keys: how the spec writes the options of the step. trail: where its nodes are now.
-    motion: how far all steps together move it on purpose, where several do.
+    motion: how far all steps together move it on purpose, where several do. behind: what they have left
+    behind that follows something, which a later step may bring back.
 
     Each step goes through a file, as its command does: it finds numbers as they are stored, so that a
     second build finds the same, and is measured against what was there before it.
@@ -150,6 +152,7 @@ class _Work:
     keys: Spelling = AS_FLAGS
     trail: Trail | None = None
     motion: Motion | None = None
+    behind: LeftBehind = field(default_factory=LeftBehind)
 
     def do(self, one: PlannedStep, place: Path | None) -> bool:
         """Do a step; whether there is anything of it at ``place``, or of the last one at the target."""
@@ -212,9 +215,16 @@ class _Work:
         names = {str(self.at): str(self.source)}
         if place is not None:
             names[str(place)] = f"a file for {self.request.target} in the temporary folder {gettempdir()}"
+
+        def followed(rig: Rig, report: Report) -> Rig:
+            made = step(rig, report)
+            if place is None:
+                self.behind.tell(made, report)
+            return made
+
         try:
-            with called(names), spelled(self.keys):
-                outcome = edit_file(self._request(place), step, report)
+            with called(names), spelled(self.keys), self.behind.noting():
+                outcome = edit_file(self._request(place), followed, report)
         finally:
             self._call(report)
             self.report.merge(report)
