@@ -63,6 +63,8 @@ def stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
     across = sum((_apart(draft, *two, in_row=two[0].pair in row) for two in twins), Vector())
     legs, arms = ([each.joints for each in named if each.kind == kind] for kind in ("leg", "arm"))
     up = Vector(*draft.tree.rig.rules.up)
+    # Arms that no names know may be cables: legs that they know say without them whether it lies.
+    known = replace(body, arms=None) if body is not None and not arms else body
     if (stretched := up_of_stretched(draft.tree, legs, arms, across.unit)) is not None:
         up = stretched
     elif row:
@@ -75,7 +77,7 @@ def stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
         and (
             is_clear(body)
             or abs(across.unit.dot(up)) > _LATERAL
-            or (_has_legs_of(body, legs, arms) and lies(draft.tree, body, up))
+            or (_has_legs_of(body, legs, arms) and known and lies(draft.tree, known, up))
         )
     ):
         up = body.up

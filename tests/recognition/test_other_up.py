@@ -472,3 +472,15 @@ def test_a_seal_with_its_hind_legs_back_does_not_stand_on_its_head(tail: bool, b
     assert (there.up, there.facing) == ((0, 1, 0), (0, 0, 1))
     assert (found.up, found.facing) == ((0, 0, 1), (0, -1, 0))
     assert not found.is_mirrored
+
+
+@pytest.mark.parametrize("count", [3, 4])
+def test_cables_at_the_hips_of_a_body_without_arms_do_not_lay_it_down(count: int) -> None:
+    """Before, they passed for arms, and it looked up, sure at 0.99, while without them it stood."""
+    legs = [joint for joint in MAN if not joint[0].startswith(("clavicle", "upper_arm", "forearm", "hand"))]
+    names = " ".join(f"cable_{k}.L" for k in range(count))
+    cable = line(names, "hips", *((0.18 + 0.004 * k, 1.0 - 0.05 * k, 0.0) for k in range(count)))
+    for joints in (legs, [*legs, *both(cable)]):
+        (found,) = recognise(lying(joints)).characters
+        assert found.up == pytest.approx((0, 0, 1), abs=1e-3)
+        assert found.facing == pytest.approx((0, -1, 0), abs=1e-3)
