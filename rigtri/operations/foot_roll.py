@@ -102,8 +102,11 @@ def _toes(
         if limb.kind != "leg":
             continue
         toe = toes.get(limb.end, -1)
-        if toe < 0 or int(rig.parents[toe]) != limb.end:
+        if toe < 0:
             found[limb] = "no toe joint is recognised below it"
+            continue
+        if (over := int(rig.parents[toe])) != limb.end:
+            found[limb] = f"'{rig.title(over)}' stands between it and its toe '{rig.title(toe)}'"
             continue
         way = standing[toe, 3, :3] - standing[limb.end, 3, :3]
         lies = float(length(_level(rig, way))) > _LIES * float(length(way))

@@ -12,7 +12,7 @@ import pytest
 from gltf_files import glb_bytes, glb_parts, standing_along_z
 from places import SAMPLES, slow
 from program import cli
-from recognition_bodies.skeletons import HORSE, rig_with
+from recognition_bodies.skeletons import HORSE, MAN, rig_with
 
 import rigtri
 from rigtri.evaluation.constraint_solver import Parts
@@ -301,6 +301,16 @@ def test_feet_that_cannot_roll_are_named() -> None:
     named = not_rolling(rig_with(HORSE))
     assert named.keys() == {"foot.L", "foot.R", "hand.L", "hand.R"}
     assert all(text.endswith("it does not lie on the ground") for text in named.values())
+
+
+def test_a_group_between_a_foot_and_its_toe_is_named() -> None:
+    """Before, "no toe joint is recognised below it" was said where recognise shows the toe."""
+    toes = [(name, at) for name, _, at in MAN if name.startswith("toe")]
+    groups = [(f"{name}_offset", f"foot{name[3:]}", at) for name, at in toes]
+    held = [(name, f"{name}_offset", at) for name, at in toes]
+    joints = [*(joint for joint in MAN if not joint[0].startswith("toe")), *groups, *held]
+    named = not_rolling(rig_with(joints))
+    assert named["foot.L"].endswith("'toe.L_offset' stands between it and its toe 'toe.L'")
 
 
 def test_the_paws_of_a_bear_roll_where_their_skin_ends() -> None:
