@@ -218,10 +218,16 @@ def _kept(rig: Rig, report: Report) -> frozenset[int]:
 
 
 def _of_others(rig: Rig) -> frozenset[int]:
-    """The constraints of other characters that follow this one, with their weights and what holds them."""
-    rules = [
-        node for node, rule in rig.records(ConstraintRecord).items() if rig.known(rule.child) in rig.others
-    ]
+    """The constraints of other characters that follow this one, with their weights and what holds them.
+
+    A constraint is of the character that has its child, or the joint from which this hangs.
+    """
+    rules = []
+    for node, rule in rig.records(ConstraintRecord).items():
+        child = rig.known(rule.child)
+        above = rig.path_to_root(child) if child is not None else ()
+        if next((each for each in above if rig.is_joint[each] or each in rig.others), -1) in rig.others:
+            rules.append(node)
     return frozenset(k for node in rules for k in (*rig.path_to_root(node), *rig.below(node))) & rig.own
 
 

@@ -229,7 +229,8 @@ def about(rig: Rig, node: int, seen: Nodes = frozenset()) -> set[int]:
     """The joints that a node of rigtri is about: those that it names, else those of what it names or is in.
 
     A constraint is about its child and its drivers, joints or controls, of another character, too. Its
-    weights name one driver each, or the world: they are about what it is about.
+    weights name one driver each, or the world: they are about what it is about. A rivet is about the joints
+    of its mesh, and what hangs from a joint is of that.
     """
     if rig.is_joint[node]:
         return {node}
@@ -242,7 +243,18 @@ def about(rig: Rig, node: int, seen: Nodes = frozenset()) -> set[int]:
     if joints and rig.type_of(node) != ConstraintRecord.type:
         return joints
     seen |= {node}
-    if named := set[int]().union(*(about(rig, each, seen) for each in known)):
+    others = (about(rig, each, seen) if each in rig.metadata else _carriers(rig, each) for each in known)
+    if named := set[int]().union(*others):
         return named
     above = int(rig.parents[node])
     return about(rig, above, seen) if above >= 0 and not rig.is_joint[above] else set()
+
+
+def _carriers(rig: Rig, node: int) -> set[int]:
+    """The joints that move a node which is not of rigtri: those of its skin, else the first above it."""
+    if rig.is_joint[node]:
+        return {node}
+    skins = {mesh.skin for mesh in rig.content.outlines if mesh.node == node and mesh.skin is not None}
+    if joints := {joint for skin in skins for joint in rig.skins[skin].joints.tolist()}:
+        return joints
+    return set(next(([above] for above in rig.path_to_root(node) if rig.is_joint[above]), []))

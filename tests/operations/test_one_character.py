@@ -18,7 +18,18 @@ from recognition_bodies.skeletons import MAN, rig_with
 from rigs import rig_of
 from usd_files import MESH, animation, deviation, save, scene, skeleton
 
-from rigtri import add_controls, bake, constrain, mirror, orient_joints, snap, strip, take_clips
+from rigtri import (
+    add_controls,
+    add_rivet,
+    add_socket,
+    bake,
+    constrain,
+    mirror,
+    orient_joints,
+    snap,
+    strip,
+    take_clips,
+)
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.timelines import put_tracks, timelines
 from rigtri.formats import Document, read
@@ -32,6 +43,7 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.recognition.one_character import _of_others, named, within
 from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
 
 
 def built(rig: Rig) -> list[list[str]]:
@@ -208,6 +220,23 @@ def test_the_spaces_of_a_control_go_with_its_character(space: str, samples: Path
     assert kinds.count("constraint") == 1
     assert kinds.count("constraintWeight") == 2
     assert kinds.count("group") == 1
+
+
+@pytest.mark.parametrize(("name", "gone"), [("A", "button"), ("B", "con_slot_parent")])
+def test_a_rule_is_of_the_character_of_its_child_and_a_rivet_of_that_of_its_mesh(
+    name: str, gone: str, samples: Path, tmp_path: Path
+) -> None:
+    """Before, strip took the constraint of B's socket with A, whose hand it follows, and kept A's rivet."""
+    rig = read(pair(samples, tmp_path, "gltf")).rig
+    mine, _ = characters(rig)
+    hand = next(node for node in sorted(mine) if rig.names[node] == "hand_L")
+    body = next(mesh.node for mesh in rig.meshes if mesh.skin is not None)
+    rig = add_rivet(rig, mesh=rig.address(body), triangle=(350,), name=("button",))
+    rig = add_socket(rig, name="slot", on="head", character="B")
+    rig = constrain(rig, type="parent", child="slot", driver=rig.address(hand))
+    report = Report()
+    strip(rig, character=name, report=report)
+    assert [record["node"] for record in report.removed] == [gone]
 
 
 def test_spaces_are_those_of_the_child_s_own_character(samples: Path, tmp_path: Path) -> None:
