@@ -94,9 +94,8 @@ class Motion:
         See the function of the same name.
         """
         every = [np.atleast_1d(np.asarray(some, dtype=np.float64)) for some in times]
-        ends = np.cumsum([len(some) for some in every]).tolist()
-        spans = [slice(end - len(some), end) for some, end in zip(every, ends, strict=True)]
-        rig, count = self.rig, ends[-1]
+        spans = _spans(every)
+        rig, count = self.rig, spans[-1].stop
         # Each number of a node at all times in one row of memory, and these together: see `worlds`.
         local: Floats = np.empty((len(rig), 4, 4, count)).transpose(3, 0, 1, 2)
         still = np.ones(len(rig), dtype=bool)
@@ -104,21 +103,27 @@ class Motion:
         local[:, still] = (rig.normalised_local if normalised else rig.local)[still]
         if not len(self.driven):
             return local
-        # With nodes before times, as they lie in memory.
-        translation, rotation, scale = (
-            self._sampled(path, values, every, spans).swapaxes(0, 1)
-            for path, values in (
-                ("translation", rig.translation),
-                ("rotation", rig.rotation),
-                ("scale", rig.scale),
-            )
-        )
+        translation, rotation, scale = self.parts_at(*every)
         composed = compose(translation, normalise(rotation) if normalised else rotation, scale)
         local[:, self.driven] = composed.swapaxes(0, 1)
         for nodes, span in zip(self.still, spans, strict=True):
             if nodes:
                 local[span, nodes] = rig.matrix[nodes]
         return local
+
+    def parts_at(self, *times: Floats) -> tuple[Floats, Floats, Floats]:
+        """Translations, rotations as they are stored, and scales of the ``driven`` nodes, (d, f, c) each."""
+        rig, spans = self.rig, _spans(times)
+        # With nodes before times, as they lie in memory.
+        translation, rotation, scale = (
+            self._sampled(path, values, times, spans).swapaxes(0, 1)
+            for path, values in (
+                ("translation", rig.translation),
+                ("rotation", rig.rotation),
+                ("scale", rig.scale),
+            )
+        )
+        return translation, rotation, scale
 
     def _sampled(self, path: str, still: Floats, times: Sequence[Floats], spans: Sequence[slice]) -> Floats:
         """What the driven nodes have of one path, (f, d, c); ``still``, (n, c), where no track drives it."""
@@ -136,6 +141,12 @@ class Motion:
         for (pack, _, span), some in zip(parts, values, strict=True):
             found[span, pack.columns] = some
         return found
+
+
+def _spans(times: Sequence[Floats]) -> list[slice]:
+    """Which rows are those of each of some arrays of times, one after the other."""
+    ends = np.cumsum([len(some) for some in times]).tolist()
+    return [slice(end - len(some), end) for some, end in zip(times, ends, strict=True)]
 
 
 def sample(track: Track, times: ArrayLike) -> Floats:

@@ -16,19 +16,20 @@ import numpy as np
 
 from rigtri.errors import RigtriError
 from rigtri.evaluation.active_controls import skeleton_size
-from rigtri.evaluation.constraint_solver import evaluate_constraint
-from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.constraint_solver import Parts, evaluate_constraint
+from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.pose_readers import PoseReader, weights
-from rigtri.evaluation.sampling import key_times, sample, sorted_unique, thinned
+from rigtri.evaluation.sampling import Motion, key_times, sample, sorted_unique, thinned
 from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.evaluation.timelines import Timeline
 from rigtri.evaluation.twist_joints import twist_of
 from rigtri.evaluation.written_meshes import as_bound_in_file, as_in_file
+from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import multiply
-from rigtri.maths.quaternions import angle_between
+from rigtri.maths.quaternions import angle_between, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.animation import PATHS, Track
+from rigtri.model.animation import PATHS, Clip, Track, Tracks
 from rigtri.model.constraints import Constraint, constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PoseReaderRecord, PoseWeightRecord, Record, RivetRecord, TwistRecord
@@ -37,18 +38,20 @@ from rigtri.operations.add_posereader.corrective_joints import driven_paths, joi
 
 # Of a long clip so many keys are looked at, evenly over it.
 _MOST_TIMES = 512
+# So many times of short clips are evaluated at once.
+_MOST_AT_ONCE = 2048
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
 class Moments:
-    """A rig at some times of a timeline, (f,), or at rest, where it is None; f is 1 there.
+    """A rig at some times, (f,), of timelines, or at rest, where there are none; f is 1 there.
 
-    made: what several followers count from, by what it is.
+    spans: which times are those of each timeline. made: what several followers count from, by what it is.
     """
 
     rig: Rig
-    timeline: Timeline | None
+    spans: Sequence[tuple[Timeline, slice]]
     times: Floats
     posed: PoseCache
     made: dict[Hashable, Any] = field(default_factory=dict)
@@ -98,7 +101,7 @@ class Follower:
 
 def off_at_rest(rig: Rig, known: Sequence[Follower]) -> Floats:
     """How far off each of k followers of a rig is at rest, (k,)."""
-    at = Moments(rig, None, np.zeros(1), PoseCache(rig))
+    at = Moments(rig, (), np.zeros(1), PoseCache(rig))
     return np.array([float(each.measure(at)[0]) for each in known])
 
 
@@ -107,21 +110,74 @@ def keys_of(timeline: Timeline, one: Follower) -> Floats:
     return key_times(timeline.clip, list(one.needs))
 
 
-def off_in_clip(
-    rig: Rig, timeline: Timeline, known: Sequence[Follower], times: Floats | None = None
-) -> tuple[Floats, Floats]:
-    """Times, (f,), and how far off each of k followers is there, (k, f): 0 where it has no keys.
+@dataclass(frozen=True, eq=False)
+class Look:
+    """Where to look at followers: in a timeline, at ``times``, or at all their keys, if not too many.
 
-    times: where to look; all keys of these followers, where they are not too many. There must be some.
+    keys: the times of each, (f,), as `keys_of`. There must be some.
     """
-    keys = [keys_of(timeline, each) for each in known]
-    if times is None:
-        times = thinned(sorted_unique(np.concatenate(keys)), _MOST_TIMES)
-    # All at once: what they count from is sampled once.
-    parts = sample_parts(rig, timeline.clip, times, only=frozenset().union(*(one.needs for one in known)))
-    at = Moments(rig, timeline, times, PoseCache(rig, parts))
-    rows = [np.where(np.isin(times, own), one.measure(at), 0.0) for one, own in zip(known, keys, strict=True)]
-    return times, np.stack(rows)
+
+    timeline: Timeline
+    known: Sequence[Follower]
+    keys: Sequence[Floats]
+    times: Floats | None = None
+
+    def at(self) -> Floats:
+        """The times to look at, (f,)."""
+        if self.times is not None:
+            return self.times
+        return thinned(sorted_unique(np.concatenate(self.keys)), _MOST_TIMES)
+
+
+def off_in_clips(rig: Rig, looks: Sequence[Look]) -> Iterator[tuple[Floats, Floats]]:
+    """For each look its times, (f,), and how far off each of its followers is there, (k, f).
+
+    That is 0 where a follower has no keys. Of many short clips most time goes into the number of arrays:
+    they are evaluated as one.
+    """
+    some, count = list[tuple[Look, Floats]](), 0
+    for look in looks:
+        times = look.at()
+        if some and count + len(times) > _MOST_AT_ONCE:
+            yield from _off_at_once(rig, some)
+            some, count = [], 0
+        some.append((look, times))
+        count += len(times)
+    if some:
+        yield from _off_at_once(rig, some)
+
+
+def _off_at_once(rig: Rig, looks: Sequence[tuple[Look, Floats]]) -> Iterator[tuple[Floats, Floats]]:
+    known = {id(each): each for look, _ in looks for each in look.known}
+    needs = frozenset[int]().union(*(each.needs for each in known.values()))
+    place = np.array([node if node in needs else -1 for node in range(len(rig))])
+    motion = Motion(rig, *(_of_nodes(look.timeline.clip, place) for look, _ in looks))
+    if any(motion.still) and len(looks) > 1:  # parts cannot say how a node rests in one of these clips
+        for one in looks:
+            yield from _off_at_once(rig, [one])
+        return
+    translation, rotation, scale = motion.parts_at(*(times for _, times in looks))
+    parts = {
+        node: Parts(translation[k], unit(rotation[k]), scale[k])
+        for k, node in enumerate(motion.driven.tolist())
+    }
+    spans, start = list[tuple[Timeline, slice]](), 0
+    for look, times in looks:
+        spans.append((look.timeline, slice(start, start := start + len(times))))
+    at = Moments(rig, spans, np.concatenate([times for _, times in looks]), PoseCache(rig, parts))
+    found = {key: each.measure(at) for key, each in known.items()}
+    for (look, times), (_, span) in zip(looks, spans, strict=True):
+        rows = [
+            np.where(np.isin(times, own, assume_unique=True), found[id(each)][span], 0.0)
+            for each, own in zip(look.known, look.keys, strict=True)
+        ]
+        yield times, np.stack(rows)
+
+
+def _of_nodes(clip: Clip, place: Integers) -> Clip:
+    """The motion of some nodes in a clip; place: of these their numbers, of others −1, (n,)."""
+    some = (column.moved(place) for column in clip.columns if column.path != "weights")
+    return Clip(clip.name, Tracks(column for column in some if column is not None))
 
 
 def followers(rig: Rig) -> Iterator[Follower]:
@@ -202,7 +258,7 @@ def _reader(rig: Rig, keeper: int, record: PoseReaderRecord, size: float) -> Ite
 
     def joint_off(at: Moments, joint: int) -> Floats:
         # What joints do counts from how they rest, whatever the weights are there.
-        if at.timeline is None:
+        if not at.spans:
             return np.zeros(1)
         tracks = at.once(("driven", keeper), lambda: [*joint_tracks(rig, record, names, at.times, read(at))])
         far = [_track_off(at, each, size) for each in tracks if each.node == joint]
@@ -232,14 +288,16 @@ def _morphs_off(
     at: Moments, record: PoseReaderRecord, names: Sequence[str], found: Floats
 ) -> Iterator[Floats]:
     """How far the weights of morph targets that a reader drives are from its own, (f,) each."""
-    outputs = [each for each in record.outputs if each.morph]
-    for output in outputs if at.timeline is not None else ():
+    for output in (each for each in record.outputs if each.morph):
         node = at.rig.find(output.mesh)
         mesh = next((mesh for mesh in at.rig.meshes if mesh.node == node and len(mesh.morphs)), None)
-        track = at.timeline.track(node, "weights") if at.timeline is not None else None
         column = mesh.morph_column(output.morph) if mesh is not None else None
-        if track is not None and column is not None:
-            yield sample(track, at.times)[:, column] - found[:, names.index(output.target)]
+        far = np.zeros(len(at.times))
+        for timeline, span in at.spans if column is not None else ():
+            if (track := timeline.track(node, "weights")) is not None:
+                share = found[span, names.index(output.target)]
+                far[span] = sample(track, at.times[span])[:, column] - share
+        yield far
 
 
 def _rivet(rig: Rig, node: int, record: RivetRecord, size: float) -> Iterator[Follower]:
@@ -254,10 +312,8 @@ def _rivet(rig: Rig, node: int, record: RivetRecord, size: float) -> Iterator[Fo
     held = SkinnedPoints(as_bound_in_file(rig), as_in_file(mesh, rig), rows)
 
     def off(at: Moments) -> Floats:
-        if at.timeline is None:
-            corners = held.at_rest()[np.newaxis]
-        else:
-            corners = held.sample(held.affecting(at.timeline), at.times)
+        rows = [held.sample(held.affecting(timeline), at.times[span]) for timeline, span in at.spans]
+        corners = np.concatenate(rows) if rows else held.at_rest()[np.newaxis]
         a, b, c = record.barycentric
         places = a * corners[:, 0] + b * corners[:, 1] + c * corners[:, 2]
         return np.asarray(length(places - at.world(node)[:, 3, :3]) / size)

@@ -19,7 +19,7 @@ from rigtri.text import list_names
 
 if TYPE_CHECKING:
     from rigtri.evaluation.timelines import Timeline
-    from rigtri.operations.follower_places import Follower
+    from rigtri.operations.follower_places import Follower, Look
 
 # Shares of the size, or radians: a hundredth of what bakes leave between keys.
 _ON_PLACE = 1e-5
@@ -74,7 +74,7 @@ def _left(before: Rig, rig: Rig) -> Iterator[_Behind]:
     """The followers that are further off their places than before, at rest and in each clip."""
     # With the solvers of all that follows, which most files have not.
     from rigtri.evaluation.timelines import timelines
-    from rigtri.operations.follower_places import followers, off_at_rest
+    from rigtri.operations.follower_places import Look, followers, keys_of, off_at_rest
 
     if not (known := {(each.keeper, each.node): each for each in followers(before)}):
         return
@@ -91,44 +91,63 @@ def _left(before: Rig, rig: Rig) -> Iterator[_Behind]:
         if now > (allowed := max(_ON_PLACE, _AGAIN * was)):
             yield _Behind(pair.now.keeper, pair.now.node, None, now, allowed)
     clips, earlier = _same_clips(before, rig), timelines(before) if pairs else []
+    shown = list[_Shown]()
     for timeline in timelines(rig) if pairs else ():
         mine = {clips[k] for k in timeline.members if k in clips}
         old_one = next((each for each in earlier if not mine.isdisjoint(each.members)), None)
         moved = _otherwise_moved(old_one, timeline, of)
         some = [pair for pair in pairs if pair.other or moved is None or not moved.isdisjoint(pair.now.needs)]
-        yield from _left_in_clip(before, old_one, rig, timeline, some)
+        keyed = [(pair, keys) for pair in some if len(keys := keys_of(timeline, pair.now))]
+        if keyed:
+            look = Look(timeline, [pair.now for pair, _ in keyed], [keys for _, keys in keyed])
+            shown.append(_Shown(look, [pair.was for pair, _ in keyed], old_one))
+    yield from _left_in_clips(before, rig, shown)
 
 
-def _left_in_clip(
-    before: Rig, earlier: Timeline | None, rig: Rig, timeline: Timeline, pairs: Sequence[_Pair]
-) -> Iterator[_Behind]:
-    """Those that are behind in one clip. earlier: the same clip before, None where it is new."""
-    from rigtri.operations.follower_places import keys_of, off_in_clip
+@dataclass(frozen=True, eq=False)
+class _Shown:
+    """Where to look at followers, as they were, (k,), and the same clip before; None where it is new."""
 
-    keys = [keys_of(timeline, pair.now) for pair in pairs]
-    moving = [k for k, own in enumerate(keys) if len(own)]
-    if not moving:
-        return
-    times, here = off_in_clip(rig, timeline, [pairs[k].now for k in moving])
-    far = {k: now for k, now in zip(moving, here, strict=True) if (now > _ON_PLACE).any()}
+    look: Look
+    were: Sequence[Follower]
+    earlier: Timeline | None
+
+
+def _left_in_clips(before: Rig, rig: Rig, shown: Sequence[_Shown]) -> Iterator[_Behind]:
+    """Those that are behind at keys of clips."""
+    from rigtri.operations.follower_places import Look, keys_of, off_in_clips
+
+    looks, asked = list[Look](), list[list[tuple[int, int]]]()
+    found = [*off_in_clips(rig, [one.look for one in shown])]
     # Where nothing moved before nothing was there that could be better.
-    allowed = {k: np.full(len(times), BETWEEN) for k in far}
-    earlier_keys = {k: keys_of(earlier, pairs[k].was) for k in far} if earlier is not None else {}
-    same = {k: np.array_equal(own, keys[k]) for k, own in earlier_keys.items() if len(own)}
-    for alike in (True, False):
-        some = [k for k, is_same in same.items() if is_same is alike]
-        if earlier is not None and some:
-            were = [pairs[k].was for k in some]
-            _, rows = off_in_clip(before, earlier, were, times if alike else None)
-            for k, was in zip(some, rows, strict=True):
-                allowed[k] = _allowed(was) if alike else np.full(len(times), _AGAIN * was.max(initial=0.0))
-    for k, now in far.items():
-        bound = np.maximum(_ON_PLACE, allowed[k])
-        over = np.where(now > bound, now, 0.0)
-        worst = int(np.argmax(over))
-        if over[worst] > 0:
-            one = pairs[k].now
-            yield _Behind(one.keeper, one.node, timeline.name, float(over[worst]), float(bound[worst]))
+    allowed = {
+        (number, k): np.full(len(times), BETWEEN)
+        for number, (times, here) in enumerate(found)
+        for k in np.flatnonzero((here > _ON_PLACE).any(axis=1)).tolist()
+    }
+    groups: dict[tuple[int, bool], list[tuple[int, Floats]]] = {}
+    for number, k in allowed:
+        one = shown[number]
+        keys = keys_of(one.earlier, one.were[k]) if one.earlier is not None else np.zeros(0)
+        if len(keys):
+            groups.setdefault((number, np.array_equal(keys, one.look.keys[k])), []).append((k, keys))
+    for (number, same), some in groups.items():
+        one, (times, _) = shown[number], found[number]
+        if one.earlier is not None:
+            were, keys_ = [one.were[k] for k, _ in some], [keys for _, keys in some]
+            looks.append(Look(one.earlier, were, keys_, times if same else None))
+            asked.append([(number, k) for k, _ in some])
+    for both, look, (_, rows) in zip(asked, looks, off_in_clips(before, looks), strict=True):
+        for each, was in zip(both, rows, strict=True):
+            worst = np.full(len(allowed[each]), _AGAIN * was.max(initial=0.0))
+            allowed[each] = worst if look.times is None else _allowed(was)
+    for (number, k), most in allowed.items():
+        look, bound = shown[number].look, np.maximum(_ON_PLACE, most)
+        over = np.where(found[number][1][k] > bound, found[number][1][k], 0.0)
+        at = int(np.argmax(over))
+        if over[at] > 0:
+            one_ = look.known[k]
+            yield _Behind(one_.keeper, one_.node, look.timeline.name, float(over[at]), float(bound[at]))
 
 
 def _allowed(was: Floats) -> Floats:
@@ -208,20 +227,24 @@ class LeftBehind:
 
     def _still(self, rig: Rig) -> dict[tuple[str, str], list[_Behind]]:
         from rigtri.evaluation.timelines import timelines
-        from rigtri.operations.follower_places import followers, keys_of, off_at_rest, off_in_clip
+        from rigtri.operations.follower_places import Look, followers, keys_of, off_at_rest, off_in_clips
 
         every = {(rig.title(each.keeper), rig.title(each.node)): each for each in followers(rig)}
         known = {both: every[both] for both in self._found if both in every}
-        far: dict[tuple[tuple[str, str], str | None], float] = {}
-        for both, off in zip(known, off_at_rest(rig, [*known.values()]).tolist(), strict=True):
-            far[both, None] = off
+        resting = off_at_rest(rig, [*known.values()]).tolist()
+        far: dict[tuple[object, str | None], float] = dict(
+            zip([(both, None) for both in known], resting, strict=True)
+        )
+        looks, asked = list[Look](), list[list[tuple[str, str]]]()
         for timeline in timelines(rig):
-            some = {both: each for both, each in known.items() if len(keys_of(timeline, each))}
-            if some:
-                _, found = off_in_clip(rig, timeline, [*some.values()])
-                for both, row in zip(some, found, strict=True):
-                    worst = float(row.max(initial=0.0))
-                    far[both, timeline.name] = max(far.get((both, timeline.name), 0.0), worst)
+            keyed = {both: keys for both, each in known.items() if len(keys := keys_of(timeline, each))}
+            if keyed:
+                looks.append(Look(timeline, [known[both] for both in keyed], [*keyed.values()]))
+                asked.append([*keyed])
+        for some, look, (_, rows) in zip(asked, looks, off_in_clips(rig, looks), strict=True):
+            for both, row in zip(some, rows, strict=True):
+                at = both, look.timeline.name
+                far[at] = max(far.get(at, 0.0), float(row.max(initial=0.0)))
         still: dict[tuple[str, str], list[_Behind]] = {}
         for both, where in self._found.items():
             # What a bake leaves is no more than it may leave.
