@@ -16,6 +16,8 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 
 VERSION = 1
+# The largest whole number up to which floats have all.
+_MOST = 2**53
 TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
 
 Triple = tuple[float, float, float]
@@ -549,8 +551,10 @@ def _number(value: Any) -> float | None:
 
 
 def _whole(value: Any) -> int | None:
-    """A whole number, also as a float: USD's lists have floats alone."""
-    return int(value) if _number(value) is not None and value == value // 1 else None
+    """A whole number, also as a float: USD's lists have floats alone. Larger ones fit no array, and count
+    nothing that a file can hold."""
+    found = _number(value)
+    return int(value) if found is not None and abs(found) <= _MOST and value == value // 1 else None
 
 
 _PLAIN: Mapping[Any, tuple[Callable[[Any], Any], Any]] = {

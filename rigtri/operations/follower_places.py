@@ -302,13 +302,14 @@ def _morphs_off(
 
 def _rivet(rig: Rig, node: int, record: RivetRecord, size: float) -> Iterator[Follower]:
     """Nothing where its mesh has no such triangle any more."""
-    node_of_mesh, rows = rig.find(record.mesh), np.array(record.vertices, dtype=np.int64)
-    primitives = [each for each in rig.meshes if each.node == node_of_mesh]
-    if not 0 <= record.primitive < len(primitives) or len(rows) != 3 or rows.min() < 0:
+    shown = rig.find(record.mesh)
+    primitives = [each for each in rig.meshes if each.node == shown]
+    if not 0 <= record.primitive < len(primitives) or len(record.vertices) != 3:
         return
     mesh = primitives[record.primitive]
-    if rows.max() >= len(mesh.points):
+    if not all(0 <= vertex < len(mesh.points) for vertex in record.vertices):
         return
+    rows = np.array(record.vertices, dtype=np.int64)
     held = SkinnedPoints(as_bound_in_file(rig), as_in_file(mesh, rig), rows)
 
     def off(at: Moments) -> Floats:

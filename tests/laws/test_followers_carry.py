@@ -33,7 +33,7 @@ NAMING = ("followers-behind", "follower-kept")
 REFUSED = {
     "add-posereader": "has keys of its own",
     "freeze unit": "glTF has the up axis y",
-    "merge-joints": "is a twist of rigtri|counts from its parent",
+    "merge-joints": "is a twist of rigtri|counts from its parent|is named by the",
 }
 # What the fast run looks at, each with all that follows at once; the rest are proofs.
 FEW = ("set-rest clip", "add-rivet", "make-limb helper")

@@ -117,6 +117,15 @@ def test_a_target_of_a_pose_reader_is_somewhere(kind: str) -> None:
     assert PoseReaderRecord.from_dict({**stored, "targets": []}).problems == ("it has no targets",)
 
 
+@pytest.mark.parametrize("number", [2**70, 2.9e201, -(2**70)])
+def test_whole_numbers_are_those_that_an_array_takes(number: float) -> None:
+    """Before, edits and bakes of a rivet at such a vertex ended with the traceback of an OverflowError."""
+    stored = {"name": "r", "mesh": "m", "primitive": 0, "vertices": [0, 1, number]}
+    stored |= {"barycentric": [1, 0, 0], "within": 0.1}
+    (problem,) = RivetRecord.from_dict(stored).problems
+    assert problem.startswith("its vertices is [0, 1, ")
+
+
 def test_an_output_of_a_pose_reader_follows_one_of_its_targets() -> None:
     """Before, edits and bakes of such a reader ended with the traceback of a ValueError."""
     stored = {"name": "r", "driver": "x", "frame": "", "axis": [1, 0, 0], "reader": "dot", "within": 0.1}
