@@ -238,10 +238,18 @@ def _counted(draft: Draft, each: Found) -> str:
 
 
 def _named_to_bend_elsewhere(draft: Draft, each: Found) -> str:
-    """A middle joint that is called as an upper bone, after one that is called as what comes before it."""
+    """A middle joint that is called as an upper bone, after one that is called as what comes before it.
+
+    Or as a hand or foot, before which names tell no two bones: limbs of one have three with toes.
+    """
     first, middle, last = (limb_words(draft.tree.rig.names[joint]).levels for joint in each.joints)
     if middle.keys() == {"upper"} and "before" in first and (not last or last.keys() == {"lower"}):
         return f"{_title(draft, each.joints[1])} is called as an upper bone is"
+    if middle == {"end": 1.0}:
+        before = [draft.words.get(k, NO_WORDS).levels for k in (*each.before, each.joints[0])]
+        told = {level for levels in before for level, sure in levels.items() if sure == 1.0}
+        if not told >= {"upper", "lower"}:
+            return f"{_title(draft, each.joints[1])}, where it bends, is called as the end of a limb is"
     return ""
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import FINGERS, FLAT, HORSE, MAN, TRUNK, Joint, line, rig_with
+from recognition_bodies.skeletons import FINGERS, FLAT, HORSE, MAN, TRUNK, Joint, both, line, rig_with
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition import recognise as module
@@ -108,6 +108,38 @@ def test_of_ends_that_move_no_points_the_group_is_the_upper_one_where_others_are
     (found,) = module.recognise(rig).characters
     ends = {names[each.bend[2]] for each in found.limbs if each.kind == "arm"}
     assert ends == {"hand.L", "hand.R"}
+
+
+def test_an_empty_joint_below_a_bone_in_its_place_is_none() -> None:
+    """Before, a thigh without a name began at that, at 0.94."""
+    thighs = {f"thigh.{s}": f"null.{s}" for s in "LR"}
+    joints: list[Joint] = []
+    for name, over, at in MAN:
+        joints.append((name, thighs.get(over, over), at))
+        joints += [(thighs[name], name, at)] if name in thighs else []
+    names = [name for name, _, _ in joints]
+    rig = rig_with(joints, named=False)
+    moves = np.array(["null" not in name for name in names])
+    (found,) = module.recognise(replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moves),))).characters
+    assert {names[each.bend[0]] for each in found.limbs if each.kind == "leg"} == set(thighs)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        "leg foot toe arm hand fingers",
+        "leg foot foot_end arm hand hand_end",
+        "thigh foot ball upperarm hand fingers",
+        "UpLeg Foot ToeBase Arm Hand HandEnd",
+    ],
+)
+def test_a_hand_or_foot_is_no_elbow_or_knee_of_limbs_of_one_bone(names: str) -> None:
+    """Before, ``leg``, ``foot`` and ``toe`` were hip, knee and ankle, at 0.94."""
+    leg, foot, toe, arm, hand, fingers = (f"{name}.L" for name in names.split())
+    legs = line(f"{leg} {foot} {toe}", "hips", (0.1, 0.9, 0), (0.1, 0.4, 0.02), (0.1, 0.03, 0.25))
+    arms = line(f"{arm} {hand} {fingers}", "chest", (0.2, 1.4, 0), (0.5, 1.38, 0), (0.75, 1.36, 0.05))
+    (found,) = module.recognise(rig_with([*TRUNK, *both([*legs, *arms])])).characters
+    assert not [each for each in found.limbs if each.is_sure]
 
 
 def test_a_bone_without_weight_is_no_group_above_what_has_its_weight() -> None:
