@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import combinations
 
 from rigtri.maths.disjoint_sets import DisjointSets
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_words import limb_words
+from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.symmetry import Plane, pairs_of, plane_of
 
 # So many joints of the same names in two branches make two characters of one skin.
@@ -88,11 +90,32 @@ def _tops(tree: Tree) -> list[int]:
     for node in left:  # it grows as it is walked
         below = tree.below[node]
         is_container = joint.any() and not joint[node] and len(below) > 1
-        if is_container and (len(below) <= _MANY or _have_skins(tree, below)):
+        if (is_container and (len(below) <= _MANY or _have_skins(tree, below))) or _holds_bodies(tree, node):
             left += below
         else:
             tops.append(node)
     return sorted(tops)
+
+
+def _holds_bodies(tree: Tree, node: int) -> bool:
+    """Whether two branches or more below one joint are bodies by their names, which stand apart.
+
+    Each has a head, and legs on both sides. Skeletons of controls stand where the body does.
+    """
+    named = (_named_head(tree, top) for top in tree.below[node])
+    heads = [head for head in named if head >= 0]
+    least = _APART * tree.span
+    return any(tree.at[a].distance(tree.at[b]) > least for a, b in combinations(heads, 2))
+
+
+def _named_head(tree: Tree, top: int) -> int:
+    """The first joint of a branch that is called a head, beside legs on both sides; −1 without these."""
+    heads, sides = list[int](), set[str]()
+    for node in tree.branch(top) if tree.size[top] >= _PART else ():
+        parsed = parse_name(tree.rig.names[node])
+        heads += [node] if "head" in parsed.words else []
+        sides |= {parsed.side} if limb_words(tree.rig.names[node]).kind == "leg" else set()
+    return heads[0] if heads and sides >= {"left", "right"} else -1
 
 
 def _have_skins(tree: Tree, tops: Sequence[int]) -> bool:
@@ -108,6 +131,8 @@ def _are_two(one: _Branch, other: _Branch) -> bool:
     """Whether two branches that one skin moves are bodies of a crowd: by names, size, or where they stand."""
     if {one.place_of_legs, other.place_of_legs} == {"front", "hind"}:
         return False
+    if min(_named_head(each.whole, each.top) for each in (one, other)) >= 0:
+        return True
     if len(one.names & other.names) >= _SAME_NAMES or _alike_bodies(one.whole, one.top, other.top):
         return True
     return _stand_apart(one, other)

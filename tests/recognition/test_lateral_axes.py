@@ -116,7 +116,7 @@ def test_skeletons_begin_below_containers_of_several_things_that_are_no_joints(
 ) -> None:
     is_joint = np.isin(np.arange(_MANY + 2), list(joints))
     rig = SimpleNamespace(is_joint=is_joint, skins=[])
-    tree: Any = SimpleNamespace(rig=rig, below=defaultdict(list, below))
+    tree: Any = SimpleNamespace(rig=rig, below=defaultdict(list, below), size=defaultdict(int), span=1.0)
     assert _tops(tree) == tops
 
 
@@ -140,6 +140,6 @@ def test_a_container_of_many_is_a_crowd_where_each_branch_has_its_skins(skins: s
         is_joint=np.arange(size) > 0, skins=[SimpleNamespace(joints=np.array(joints)) for joints in bound]
     )
     below = {-1: [0], 0: [first for first, _ in branches], **{first: [second] for first, second in branches}}
-    tree: Any = SimpleNamespace(rig=rig, below=defaultdict(list, below))
+    tree: Any = SimpleNamespace(rig=rig, below=defaultdict(list, below), size=defaultdict(int), span=1.0)
     tree.branch = lambda top: [top, *tree.below[top]]
     assert _tops(tree) == (below[0] if crowd else [0])

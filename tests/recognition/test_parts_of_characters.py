@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from calls import lines
+from recognition_bodies.skeletons import HORSE, MAN, Joint, rig_with
 from rigs import rig_of
 
 from rigtri.maths.matrices import inverse
@@ -13,6 +15,37 @@ from rigtri.model.metadata import GroupRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.recognition.one_character import within
+from rigtri.recognition.recognise import recognise
+
+
+def _placed(joints: list[Joint], prefix: str, aside: float, turn: float) -> list[Joint]:
+    """A body below ``root`` with a prefix on all names, aside along x, and turned round for −1."""
+    return [
+        (prefix + name, prefix + over if over else "root", (turn * x + aside, y, turn * z))
+        for name, over, (x, y, z) in joints
+    ]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "turn"), [(MAN, MAN, 1.0), (MAN, MAN, -1.0), (HORSE, MAN, 1.0), (HORSE, HORSE, 1.0)]
+)
+def test_bodies_below_one_root_joint_are_told_by_their_names(
+    first: list[Joint], second: list[Joint], turn: float
+) -> None:
+    """Before, two people beside one another were a creature that faces up, at 0.86."""
+    joints = [*_placed(first, "a_", 0.0, 1.0), *_placed(second, "b_", 2.5, turn)]
+    found = recognise(rig_with([("root", "", (0.0, 0.0, 0.0)), *joints])).characters
+    alone = [recognise(rig_with(body)).characters[0] for body in (first, second)]
+    assert [each.form for each in found] == [each.form for each in alone]
+    assert [sum(k.is_sure for k in each.limbs) for each in found] == [
+        sum(k.is_sure for k in each.limbs) for each in alone
+    ]
+    assert [each.facing[2] for each in found] == pytest.approx([1.0, turn])
+
+
+def test_skeletons_of_controls_below_one_root_joint_are_no_bodies() -> None:
+    joints = [*_placed(MAN, "DEF-", 0.0, 1.0), *_placed(MAN, "ORG-", 0.0, 1.0)]
+    assert len(recognise(rig_with([("root", "", (0.0, 0.0, 0.0)), *joints])).characters) == 1
 
 
 def crowd(count: int) -> Rig:
