@@ -36,8 +36,8 @@ from rigtri.model.metadata import PoseReaderRecord, PoseWeightRecord, Record, Ri
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_paths, joint_tracks
 
-# Of a long clip so many keys are looked at, evenly over it.
-_MOST_TIMES = 512
+# Of a long clip so many keys are looked at, evenly over it: of a minute and more at 60 a second all.
+_MOST_TIMES = 4096
 # So many times of short clips are evaluated at once.
 _MOST_AT_ONCE = 2048
 T = TypeVar("T")

@@ -23,6 +23,8 @@ from rigtri import (
     take_clips,
 )
 from rigtri.formats import read
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.follower_places import followers, off_at_rest
 from rigtri.report import Report
@@ -86,6 +88,25 @@ def test_a_follower_that_was_not_baked_in_one_clip_is_named_for_another(baked: s
     rig = bake(rig, clip=(baked,), to="joints")
     report = Report()
     take_clips(rig, from_=bent(rig, joint), report=report)
+    assert behind(report) == [["pin"]]
+
+
+def test_a_follower_is_named_for_one_key_of_a_long_clip(tmp_path: Path) -> None:
+    """Before, 256 keys of a clip were looked at, and an edit of a few frames was none of them."""
+    source, joint, _ = source_of("glb", tmp_path)
+    rig = read(source).rig
+    clip, node = rig.clips[0], rig.find(joint)
+    times = np.linspace(0.0, 50.0, 3001)
+    turns = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.sin(times))
+    moved = replace(clip, tracks=(Track(node, "rotation", "LINEAR", times, turns),))
+    rig = constrain(replace(rig, clips=(moved,)), type="parent", child="pin", driver=joint)
+    rig = bake(rig, to="joints")
+    (track,) = (t for t in rig.clips[0].tracks if (t.node, t.path) == (node, "rotation"))
+    values = track.values.copy()
+    values[1511] = from_axis_angle(np.array([0.0, 0.0, 1.0]), 2.5)
+    tracks = tuple(replace(t, values=values) if t is track else t for t in rig.clips[0].tracks)
+    report = Report()
+    take_clips(rig, from_=replace(rig, clips=(replace(rig.clips[0], tracks=tracks),)), report=report)
     assert behind(report) == [["pin"]]
 
 
