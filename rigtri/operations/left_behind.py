@@ -138,9 +138,11 @@ def _left_in_clips(before: Rig, rig: Rig, shown: Sequence[_Shown]) -> Iterator[_
             looks.append(Look(one.earlier, were, keys_, times if same else None))
             asked.append([(number, k) for k, _ in some])
     for both, look, (_, rows) in zip(asked, looks, off_in_clips(before, looks), strict=True):
-        for each, was in zip(both, rows, strict=True):
-            worst = np.full(len(allowed[each]), _AGAIN * was.max(initial=0.0))
-            allowed[each] = worst if look.times is None else _allowed(was)
+        for each, was, keys in zip(both, rows, look.keys, strict=True):
+            # Where no key was before is what a bake leaves between keys.
+            worst, old = _AGAIN * was.max(initial=0.0), np.isin(found[each[0]][0], keys)
+            among = np.where(old, worst, max(worst, BETWEEN))
+            allowed[each] = among if look.times is None else _allowed(was)
     for (number, k), most in allowed.items():
         look, bound = shown[number].look, np.maximum(_ON_PLACE, most)
         over = np.where(found[number][1][k] > bound, found[number][1][k], 0.0)

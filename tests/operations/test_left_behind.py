@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from followers import BUILT, stored
 from test_bake_followers import built, source_of
 from test_take_followers import bent
 
+import rigtri
 from rigtri import (
     add_posereader,
     add_socket,
@@ -163,3 +165,11 @@ def test_of_a_reader_the_joint_that_it_drives_is_named(samples: Path) -> None:
     report = Report()
     take_clips(bake(rig, to="joints"), from_=bent(rig, "shin_L"), report=report)
     assert behind(report) == [["helper"]]
+
+
+def test_new_keys_between_those_of_a_bake_leave_nothing_behind(samples: Path, tmp_path: Path) -> None:
+    """Before, what a bake leaves between keys counted as behind at keys that yaw has added."""
+    rig = stored(BUILT["children"](rigtri.read(samples / "biped.glb")), tmp_path / "in.glb")
+    report = Report()
+    rigtri.root_motion(rig, yaw=True, report=report)
+    assert behind(report) == []
