@@ -34,7 +34,7 @@ _inside: ContextVar[bool] = ContextVar("inside another operation", default=False
 def naming_left_behind(run: Callable[..., Rig]) -> Callable[..., Rig]:
     """An operation that warns of followers which were on their places before it, and are not after it.
 
-    Of operations within another one the outer one alone tells; of those of one edit, its end (`told_once`).
+    Of operations within another one the outer one alone warns, and of those of one edit its end.
     """
 
     def named(rig: Rig, *others: Rig, report: Report, **words: object) -> Rig:
@@ -117,7 +117,7 @@ def _left_in_clips(before: Rig, rig: Rig, shown: Sequence[_Shown]) -> Iterator[_
     """Those that are behind at keys of clips."""
     from rigtri.operations.follower_places import Look, keys_of, off_in_clips
 
-    looks, asked = list[Look](), list[list[tuple[int, int]]]()
+    looks, places = list[Look](), list[list[tuple[int, int]]]()
     found = [*off_in_clips(rig, [one.look for one in shown])]
     # Where nothing moved before nothing was there that could be better.
     allowed = {
@@ -134,10 +134,10 @@ def _left_in_clips(before: Rig, rig: Rig, shown: Sequence[_Shown]) -> Iterator[_
     for (number, same), some in groups.items():
         one, (times, _) = shown[number], found[number]
         if one.earlier is not None:
-            were, keys_ = [one.were[k] for k, _ in some], [keys for _, keys in some]
-            looks.append(Look(one.earlier, were, keys_, times if same else None))
-            asked.append([(number, k) for k, _ in some])
-    for both, look, (_, rows) in zip(asked, looks, off_in_clips(before, looks), strict=True):
+            were, keyed = [one.were[k] for k, _ in some], [keys for _, keys in some]
+            looks.append(Look(one.earlier, were, keyed, times if same else None))
+            places.append([(number, k) for k, _ in some])
+    for both, look, (_, rows) in zip(places, looks, off_in_clips(before, looks), strict=True):
         for each, was, keys in zip(both, rows, look.keys, strict=True):
             # Where no key was before is what a bake leaves between keys.
             worst, old = _AGAIN * was.max(initial=0.0), np.isin(found[each[0]][0], keys)
@@ -148,8 +148,8 @@ def _left_in_clips(before: Rig, rig: Rig, shown: Sequence[_Shown]) -> Iterator[_
         over = np.where(found[number][1][k] > bound, found[number][1][k], 0.0)
         at = int(np.argmax(over))
         if over[at] > 0:
-            one_ = look.known[k]
-            yield _Behind(one_.keeper, one_.node, look.timeline.name, float(over[at]), float(bound[at]))
+            left = look.known[k]
+            yield _Behind(left.keeper, left.node, look.timeline.name, float(over[at]), float(bound[at]))
 
 
 def _allowed(was: Floats) -> Floats:
@@ -177,22 +177,22 @@ def _named(rig: Rig, found: Iterable[_Behind]) -> dict[tuple[str, str], list[_Be
 def _warn(found: Mapping[tuple[str, str], Sequence[_Behind]], report: Report) -> None:
     moving = {name for (_, name), where in found.items() if any(one.clip is not None for one in where)}
     names = list(dict.fromkeys(name for _, name in found))
-    _tell(
+    _warn_of(
         [n for n in names if n in moving], report, "The keys of {} still follow the old motion: update them"
     )
     rest = [n for n in names if n not in moving]
     stays = ("stays behind what it follows", "put it there")
     stay = stays if len(rest) == 1 else ("stay behind what they follow", "put them there")
-    _tell(rest, report, f"At rest, {{}} {': '.join(stay)}")
+    _warn_of(rest, report, f"At rest, {{}} {': '.join(stay)}")
 
 
-def _tell(names: Sequence[str], report: Report, text: str) -> None:
+def _warn_of(names: Sequence[str], report: Report, text: str) -> None:
     if names:
         report.warn("followers-behind", f"{text.format(list_names(names))} with rigtri bake", names=names)
 
 
 class LeftBehind:
-    """What the operations of one edit have left behind so far: `tell` says at its end what still is.
+    """What the operations of one edit have left behind so far: `warn` says at its end what still is.
 
     Each may bring back what one before it has left, as `bake` does, and a file may be written between two.
     """
@@ -223,7 +223,7 @@ class LeftBehind:
             kept[both] = [*kept.get(both, ()), *where]
         self._found, self._edits = kept, self._edits + 1
 
-    def tell(self, rig: Rig, report: Report) -> None:
+    def warn(self, rig: Rig, report: Report) -> None:
         """Warn of what is still behind in the rig that all have made."""
         _warn(self._still(rig) if self._found and self._edits > 1 else self._found, report)
 
@@ -237,13 +237,13 @@ class LeftBehind:
         far: dict[tuple[object, str | None], float] = dict(
             zip([(both, None) for both in known], resting, strict=True)
         )
-        looks, asked = list[Look](), list[list[tuple[str, str]]]()
+        looks, titles = list[Look](), list[list[tuple[str, str]]]()
         for timeline in timelines(rig):
             keyed = {both: keys for both, each in known.items() if len(keys := keys_of(timeline, each))}
             if keyed:
                 looks.append(Look(timeline, [known[both] for both in keyed], [*keyed.values()]))
-                asked.append([*keyed])
-        for some, look, (_, rows) in zip(asked, looks, off_in_clips(rig, looks), strict=True):
+                titles.append([*keyed])
+        for some, look, (_, rows) in zip(titles, looks, off_in_clips(rig, looks), strict=True):
             for both, row in zip(some, rows, strict=True):
                 at = both, look.timeline.name
                 far[at] = max(far.get(at, 0.0), float(row.max(initial=0.0)))
@@ -260,7 +260,7 @@ class LeftBehind:
         return still
 
 
-def told_once(step: Callable[[Rig, Report], Rig]) -> Callable[[Rig, Report], Rig]:
+def warning_once(step: Callable[[Rig, Report], Rig]) -> Callable[[Rig, Report], Rig]:
     """A step that warns at its end of what its operations have left behind, where nothing around it does."""
 
     def run(rig: Rig, report: Report) -> Rig:
@@ -269,7 +269,7 @@ def told_once(step: Callable[[Rig, Report], Rig]) -> Callable[[Rig, Report], Rig
         whole = LeftBehind()
         with whole.noting():
             made = step(rig, report)
-        whole.tell(made, report)
+        whole.warn(made, report)
         return made
 
     return run

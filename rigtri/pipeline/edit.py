@@ -29,7 +29,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.metadata import EXPORT_WARNINGS
 from rigtri.model.rig import Rig
-from rigtri.operations.left_behind import told_once
+from rigtri.operations.left_behind import warning_once
 from rigtri.operations.operation import from_keywords, with_keywords
 from rigtri.pipeline.rig_checks import check_numbers, check_order
 from rigtri.progress import begin_stage
@@ -154,7 +154,7 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
         _take_warnings(document, report, request.strict and not lost)
         clock.lap("read")
         begin_stage("edit")
-        rig = _own(told_once(step)(document.rig, report))
+        rig = _own(warning_once(step)(document.rig, report))
         check_numbers(document.rig, rig)
         check_order(rig)
         for place in written_to:

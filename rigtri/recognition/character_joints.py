@@ -56,6 +56,14 @@ class _Branch:
         return frozenset(_COUNTED.sub("", self.whole.rig.names[k]) for k in self.nodes) - {""}
 
     @cached_property
+    def head(self) -> int:
+        """The first joint that is called a head, beside legs on both sides; −1 without these."""
+        names = {node: self.whole.rig.names[node] for node in self.nodes}
+        heads = [node for node, name in names.items() if "head" in parse_name(name).words]
+        sides = {parse_name(name).side for name in names.values() if limb_words(name).kind == "leg"}
+        return heads[0] if heads and sides >= {"left", "right"} else -1
+
+    @cached_property
     def place_of_legs(self) -> str:
         """Where names say that the legs are, ``front`` or ``hind``; "" for both or neither."""
         named = (limb_words(self.whole.rig.names[node]) for node in self.nodes)
@@ -102,20 +110,10 @@ def _holds_bodies(tree: Tree, node: int) -> bool:
 
     Each has a head, and legs on both sides. Skeletons of controls stand where the body does.
     """
-    named = (_named_head(tree, top) for top in tree.below[node])
-    heads = [head for head in named if head >= 0]
-    least = _APART * tree.span
+    large = [top for top in tree.below[node] if tree.size[top] >= _PART]
+    named = [_Branch(tree, top).head for top in large] if len(large) > 1 else []
+    heads, least = [head for head in named if head >= 0], _APART * tree.span
     return any(tree.at[a].distance(tree.at[b]) > least for a, b in combinations(heads, 2))
-
-
-def _named_head(tree: Tree, top: int) -> int:
-    """The first joint of a branch that is called a head, beside legs on both sides; −1 without these."""
-    heads, sides = list[int](), set[str]()
-    for node in tree.branch(top) if tree.size[top] >= _PART else ():
-        parsed = parse_name(tree.rig.names[node])
-        heads += [node] if "head" in parsed.words else []
-        sides |= {parsed.side} if limb_words(tree.rig.names[node]).kind == "leg" else set()
-    return heads[0] if heads and sides >= {"left", "right"} else -1
 
 
 def _have_skins(tree: Tree, tops: Sequence[int]) -> bool:
@@ -131,7 +129,7 @@ def _are_two(one: _Branch, other: _Branch) -> bool:
     """Whether two branches that one skin moves are bodies of a crowd: by names, size, or where they stand."""
     if {one.place_of_legs, other.place_of_legs} == {"front", "hind"}:
         return False
-    if min(_named_head(each.whole, each.top) for each in (one, other)) >= 0:
+    if min(one.head, other.head) >= 0:
         return True
     if len(one.names & other.names) >= _SAME_NAMES or _alike_bodies(one.whole, one.top, other.top):
         return True

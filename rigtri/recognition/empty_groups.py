@@ -40,9 +40,10 @@ def _of_these(tree: Tree, poses: Poses, held: Mapping[int, int], ends: frozenset
 
 def _holds_one_in_place(tree: Tree, poses: Poses, node: int) -> bool:
     """Whether a joint moves no point and one alone is below it, in its place."""
-    if len(tree.below[node]) != 1 or tree.above[node] < 0 or poses.moves_points(node):
+    if len(tree.below[node]) != 1 or tree.above[node] < 0:
         return False
-    return tree.bone[tree.below[node][0]] <= SAME_POSITION * tree.span
+    in_place = tree.bone[tree.below[node][0]] <= SAME_POSITION * tree.span
+    return in_place and not poses.moves_points(node)  # the weights of all meshes are read for that
 
 
 def _is_below_its_bone(tree: Tree, poses: Poses, node: int) -> bool:

@@ -247,8 +247,8 @@ def _named_to_bend_elsewhere(draft: Draft, each: Found) -> str:
         return f"{_title(draft, each.joints[1])} is called as an upper bone is"
     if middle == {"end": 1.0}:
         before = [draft.words.get(k, NO_WORDS).levels for k in (*each.before, each.joints[0])]
-        told = {level for levels in before for level, sure in levels.items() if sure == 1.0}
-        if not told >= {"upper", "lower"}:
+        named = {level for levels in before for level, sure in levels.items() if sure == 1.0}
+        if not named >= {"upper", "lower"}:
             return f"{_title(draft, each.joints[1])}, where it bends, is called as the end of a limb is"
     return ""
 

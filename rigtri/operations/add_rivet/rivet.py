@@ -281,14 +281,11 @@ class _Rivet:
             rig, node = add(rig, self.name, parent, record)
         else:
             rig = with_record(rig, node, record)
-        bound = as_bound_in_file(rig)
-        resting = self._seats(SkinnedPoints(bound, self.seat.mesh, self.seat.vertices).at_rest()[np.newaxis])[
-            0
-        ]
+        mesh, rows = self.seat.mesh, self.seat.vertices
+        corners = SkinnedPoints(as_bound_in_file(rig), mesh, rows).at_rest()
+        resting = self._seats(corners[np.newaxis])[0]
         rig = stand(rig, node, resting[:3], to_axes(resting[3:]))
-        held = SkinnedPoints(
-            as_bound_in_file(rig), self.seat.mesh, self.seat.vertices, int(rig.parents[node])
-        )
+        held = SkinnedPoints(as_bound_in_file(rig), mesh, rows, int(rig.parents[node]))
         counts: dict[str, int] = {}
         worst = 0.0
         for timeline in counted(timelines(rig), "clips"):

@@ -196,11 +196,8 @@ def _twin(rig: Rig, node: int) -> int | None:
     if isinstance(record, PoseReaderRecord):
         return reader_twin(rig, node)
     if isinstance(record, RivetRecord):
-        return find(
-            rig,
-            RivetRecord,
-            name=twin(record.name, [each.name for each in rig.records(RivetRecord).values()]),
-        )
+        names = {each.name for each in rig.records(RivetRecord).values()}
+        return find(rig, RivetRecord, name=twin(record.name, names))
     return other(rig, node)
 
 

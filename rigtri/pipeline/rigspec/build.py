@@ -219,7 +219,7 @@ class _Work:
         def followed(rig: Rig, report: Report) -> Rig:
             made = step(rig, report)
             if place is None:
-                self.behind.tell(made, report)
+                self.behind.warn(made, report)
             return made
 
         try:
