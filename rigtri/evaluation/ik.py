@@ -1,11 +1,10 @@
 """IK of a limb: its end follows a control, its bend a pole vector; and the positions that both need.
 
 The solver turns the rest pose of the limb, moved by the node above the limb, from the triangle
-that its joints make there to the one that reaches the target. A control that rounding has put
-beside its joint is taken to be on it, so that a hard limb's rest pose stays as it is. FK controls
-of the limb's joints work below the solver: their channels come on top of what it has found. An end joint
-that is no descendant of the mid joint (a flat rig) stands where the control is, whether the limb reaches
-it or not.
+that its joints make there to the one that reaches the target. A control that rounding has put beside its
+joint is taken to be on it, so that a hard limb's rest pose stays as it is. FK controls of the limb's joints
+work below the solver: their channels come on top of what it has found. An end joint that is no descendant of
+the mid joint (a flat rig) stands where the control is, whether the limb reaches it or not.
 """
 
 from __future__ import annotations
@@ -270,6 +269,7 @@ class Ik:
             result[end] = parts[end]._replace(rotation=product(conjugate(below), hand))
         if self.rolls:
             toe, turned = self._own(self.limb.toe), product(posed.turn(self.limb.pivots[-2]), self._toe)
+            hand = self.reference.turn_below(hand, end, int(self.rig.parents[self.limb.toe]))
             result[self.limb.toe] = toe._replace(rotation=product(conjugate(hand), turned))
         if self.limb.stretch:
             for node in (*self.paths[0], *(() if self.limb.detached else self.paths[1])):

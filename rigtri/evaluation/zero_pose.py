@@ -31,7 +31,7 @@ from rigtri.maths.matrices import (
     skew,
     unsheared_axes,
 )
-from rigtri.maths.quaternions import from_axes, to_axes
+from rigtri.maths.quaternions import conjugate, from_axes, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, cube_root
 from rigtri.maths.vectors import length, triple
@@ -256,6 +256,12 @@ class ControlsAtZero:
         """How a node is turned in the world while controls are zero, (4,), without scale; −1: not at all."""
         return from_axes(unsheared_axes(self.world[node] if node >= 0 else _WORLD))
 
+    def turn_below(self, turn: Floats, node: int, below: int) -> Floats:
+        """How what is below a node is turned, (f, 4), while the node is turned so and controls are zero."""
+        if below == node:
+            return turn
+        return product(turn, product(conjugate(self.world_rotation(node)), self.world_rotation(below)))
+
 
 def _with_scales_at_zero(rig: Rig) -> Rig:
     """The rig, whose joints have the scales that are stored with their offsets."""
@@ -378,7 +384,7 @@ def _with_foot(rig: Rig, limb: IkLimb, found: Mapping[str, tuple[int, ControlRec
     if not all(rig.is_below(node, above) for above, node in pairwise(line)):
         return limb
     toe = rig.known(found["ball"][1].joint)
-    follows = toe is not None and int(rig.parents[toe]) == limb.chain[2]
+    follows = toe is not None and toe != limb.chain[2] and rig.is_below(toe, limb.chain[2])
     path = rig.path_to_root(pivots[-1])
     pivot_path = tuple(path[: path.index(limb.control)])
     return replace(limb, pivots=pivots, pivot_path=pivot_path, toe=toe if toe is not None and follows else -1)

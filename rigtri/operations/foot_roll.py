@@ -1,8 +1,8 @@
 """Where a foot rolls: heel, toe tip and ball, from its joints and its skin at rest.
 
-A foot is one that is recognised at the end of a leg, with a toe joint ahead of the ankle. Heel and tip lie
-on the ground, where the skin of the foot ends behind and ahead; the ball is the toe joint. All three turn
-about the lateral axis of the foot: a positive turn rolls ahead.
+A foot is one that is recognised at the end of a leg, with a toe joint below it, ahead of the ankle. Heel and
+tip lie on the ground, where the skin of the foot ends behind and ahead; the ball is the toe joint. All three
+turn about the lateral axis of the foot: a positive turn rolls ahead.
 
 Source: reverse foot of rigging practice: heel, tip and ball are children of each other, and the ankle
 is below the ball, while the toe is below the tip.
@@ -10,31 +10,39 @@ is below the ball, while the toe is below the tip.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from rigtri.evaluation.bind_pose import bind_worlds, placed_bind
 from rigtri.frames.skeleton import Skeleton, reference
 from rigtri.maths.matrices import (
+    SKEW,
     from_frame,
     inverse,
     multiply,
     orthonormal_axes,
+    skew,
     transform_directions,
     transform_points,
 )
 from rigtri.maths.triangle import frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PIVOTS, ControlKind, ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import moving_points
+from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.control_sizes import SkinSections
 from rigtri.operations.options.add_controls import AddControlsOptions
 from rigtri.operations.skin_cuts import MARGIN
+from rigtri.recognition.layout import Character
+from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.limbs import Limb, upright
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
@@ -95,7 +103,7 @@ def _toes(
     feet = [
         (c, one) for one in recognise(rig).characters for c in one.chains if c.kind == "foot" and c.is_sure
     ]
-    toes = {c.joints[0]: c.joints[1] for c, _ in feet if len(c.joints) > 1}
+    toes = {c.joints[0]: _toe_of(rig, c.joints, one) for c, one in feet if len(c.joints) > 1}
     paws = {c.joints[0] for c, one in feet if one.form in ("quadruped", "creature")}
     found = dict[Limb, int | str]()
     for limb in limbs:
@@ -105,8 +113,8 @@ def _toes(
         if toe < 0:
             found[limb] = "no toe joint is recognised below it"
             continue
-        if (over := int(rig.parents[toe])) != limb.end:
-            found[limb] = f"'{rig.title(over)}' stands between it and its toe '{rig.title(toe)}'"
+        if why := _parted(rig, limb.end, toe):
+            found[limb] = why
             continue
         way = standing[toe, 3, :3] - standing[limb.end, 3, :3]
         lies = float(length(_level(rig, way))) > _LIES * float(length(way))
@@ -115,6 +123,44 @@ def _toes(
         else:
             found[limb] = toe if lies else "it does not lie on the ground"
     return found
+
+
+def _toe_of(rig: Rig, foot: Sequence[int], body: Character) -> int:
+    """The joint of a foot that its toes turn with: what a map or names call toes or ball, else the next one.
+
+    Of several the first that moves points: what stands between without is a helper, and turns with the foot.
+    """
+    bones = {part.joint for part in body.parts if part.bone.endswith("Toes")}
+    called = [k for k in foot[1:] if k in bones or "after" in limb_words(rig.names[k]).levels]
+    called = [k for k in called if k in bones or "end" not in roles_in_name(rig.names[k])]
+    moving, found = moving_points(rig.skins, len(rig)), called or foot[1:]
+    return next((k for k in found if moving[k]), found[0])
+
+
+def _parted(rig: Rig, foot: int, toe: int) -> str:
+    """Why a toe does not follow its foot as a rigid part does, in words; "" where it does.
+
+    The toe is turned against the foot by what turns it at rest, so nodes between may stand as they like, but
+    nothing else may move them, and their scale may not shear it. Their keys and FK controls come on top, as
+    the toe's own do.
+    """
+    if not rig.is_below(toe, foot):
+        return f"its toe '{rig.title(toe)}' is not below it"
+    path = rig.path_to_root(toe)
+    between = path[1 : path.index(foot)]
+    moved = {rule.child for rule in constraints_of(rig).values()} | {c.node for c in rig.node_constraints}
+    moved.update(driven_joints(rig))
+    for node in between:
+        if node in moved or rig.type_of(node) == "twist":
+            return (
+                f"'{rig.title(node)}' between it and its toe '{rig.title(toe)}' follows something else, too"
+            )
+        sizes = length(rig.normalised_local[node, :3, :3])
+        if sizes.max() - sizes.min() > SKEW * sizes.max() or skew(rig.local[node]) > SKEW:
+            return (
+                f"the scale of '{rig.title(node)}' between it and its toe '{rig.title(toe)}' is not uniform"
+            )
+    return ""
 
 
 def rolling_feet(

@@ -12,7 +12,7 @@ import pytest
 from gltf_files import glb_bytes, glb_parts, standing_along_z
 from places import SAMPLES, slow
 from program import cli
-from recognition_bodies.skeletons import HORSE, MAN, rig_with
+from recognition_bodies.skeletons import HORSE, MAN, both, line, rig_with, without
 
 import rigtri
 from rigtri.evaluation.constraint_solver import Parts
@@ -20,7 +20,7 @@ from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
 from rigtri.frames.skeleton import skeleton
-from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.content import Content
@@ -169,8 +169,11 @@ def test_pivots_are_on_the_sole_also_where_the_topmost_joint_leans_at_rest() -> 
 
 @pytest.fixture(scope="module")
 def keyed(rolling: Path) -> Rig:
+    return with_rolls(read(rolling).rig)
+
+
+def with_rolls(rig: Rig) -> Rig:
     """The rig with the motion of its first clip on the controls, and keys of all pivots in that."""
-    rig = read(rolling).rig
     rig = rigtri.bake(replace(rig, clips=rig.clips[:1]), to="controls")
     clip = rig.clips[0]
     times = np.array([0.0, 0.4, 0.7, 1.0]) * max(track.times[-1] for track in clip.tracks)
@@ -303,14 +306,96 @@ def test_feet_that_cannot_roll_are_named() -> None:
     assert all(text.endswith("it does not lie on the ground") for text in named.values())
 
 
-def test_a_group_between_a_foot_and_its_toe_is_named() -> None:
-    """Before, "no toe joint is recognised below it" was said where recognise shows the toe."""
-    toes = [(name, at) for name, _, at in MAN if name.startswith("toe")]
-    groups = [(f"{name}_offset", f"foot{name[3:]}", at) for name, at in toes]
-    held = [(name, f"{name}_offset", at) for name, at in toes]
-    joints = [*(joint for joint in MAN if not joint[0].startswith("toe")), *groups, *held]
-    named = not_rolling(rig_with(joints))
-    assert named["foot.L"].endswith("'toe.L_offset' stands between it and its toe 'toe.L'")
+def parted(*, sizes: tuple[float, ...] = (1.0, 1.0, 1.0)) -> bytes:
+    """The biped with a node between each foot and its toe that stands where the toe does, turned, as the null
+    that Assimp makes of a PreRotation, and one above that, half the way to the toe."""
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    nodes, turn = gltf["nodes"], np.array([0.5, 0.1, -0.3, 0.8]) / np.sqrt(0.99)
+    number = {node.get("name"): k for k, node in enumerate(nodes)}
+    for side in "LR":
+        toe = nodes[number[f"toe_{side}"]]
+        half = [each / 2.0 for each in toe.pop("translation")]
+        toe["rotation"] = multiply(conjugate(turn), np.array(toe["rotation"])).tolist()
+        middle = {"name": f"foot_{side}_mid", "translation": half, "children": [len(nodes) + 1]}
+        null = {"name": f"toe_{side}_pre", "translation": half, "rotation": turn.tolist(), "scale": [*sizes]}
+        nodes += [middle, null | {"children": [number[f"toe_{side}"]]}]
+        children = nodes[number[f"foot_{side}"]]["children"]
+        children[children.index(number[f"toe_{side}"])] = len(nodes) - 2
+    return glb_bytes(gltf, binary)
+
+
+@pytest.fixture(scope="module", params=["parted.glb", pytest.param("parted.usda", marks=pytest.mark.ci)])
+def rolling_apart(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("apart")
+    source, path = folder / "parted.glb", folder / f"out_{request.param}"
+    source.write_bytes(parted())
+    if path.suffix == ".usda":
+        cli("convert", source, "-o", folder / request.param, code=0)
+    cli("add-controls", folder / request.param, "-o", path, "--whole-character", "--foot-roll", code=0)
+    return path
+
+
+@pytest.mark.parametrize("degrees", ROLLS, ids="-".join)
+def test_a_foot_rolls_as_well_with_nodes_between_it_and_its_toe(rolling_apart: Path, degrees: Turns) -> None:
+    """Before, it got no pivots."""
+    plain = rigtri.add_controls(read(SAMPLES / "biped.glb").rig, whole_character=True, foot_roll=True)
+    rig = read(rolling_apart).rig
+    pose, wanted = posed(rig, degrees), posed(plain, degrees)
+    for name in ("hips", "shin_L", "foot_L", "toe_L", "toe_L_end", "toe_R"):
+        here, there = pose.world(rig.find(name))[0], wanted.world(plain.find(name))[0]
+        assert np.allclose(here, there, atol=4e-6)
+
+
+def test_a_foot_with_nodes_between_it_and_its_toe_is_baked_and_given_back(rolling_apart: Path) -> None:
+    plain = rigtri.add_controls(read(SAMPLES / "biped.glb").rig, whole_character=True, foot_roll=True)
+    rigs = (without_keys_of_toes(rig) for rig in (read(rolling_apart).rig, plain))
+    joints, wanted = (rigtri.bake(with_rolls(rig), to="joints") for rig in rigs)
+    assert shown_by_name(joints) == {
+        name: pytest.approx(places, abs=2e-5) for name, places in shown_by_name(wanted).items()
+    }
+    back = rigtri.bake(rigtri.bake(joints, to="controls"), to="joints")
+    assert np.abs(shown(back) - shown(joints)).max() < 1e-5
+
+
+def without_keys_of_toes(rig: Rig) -> Rig:
+    """The rig with its first clip, but for what turns a toe: that counts from what the toe is a child of."""
+    clip, toes = rig.clips[0], {rig.find("toe_L"), rig.find("toe_R")}
+    tracks = tuple(track for track in clip.tracks if track.node not in toes)
+    return replace(rig, clips=(replace(clip, tracks=tracks),))
+
+
+def shown_by_name(rig: Rig) -> dict[str, Floats]:
+    joints = [node for node in range(len(rig)) if rig.is_joint[node]]
+    return {rig.names[node]: places for node, places in zip(joints, shown(rig), strict=True)}
+
+
+def test_controls_of_joints_between_a_foot_and_its_toe_come_on_top() -> None:
+    middle = line("middle.L toe.L", "foot.L", (0.1, 0.06, 0.05), (0.1, 0.03, 0.12))
+    joints = [*without(MAN, "toe"), *both(middle)]
+    rig = rigtri.add_controls(rig_with(joints), whole_character=True, foot_roll=True)
+    control, foot, toe = map(rig.find, ("middle.L_ctl", "foot.L", "toe.L"))
+    turn = from_axis_angle(np.array([0.0, 0.6, 0.8]), np.float64(0.2))
+    bent = {control: PoseCache(rig).part(control)._replace(rotation=turn[np.newaxis])}
+
+    def seen(pose: PoseCache) -> Floats:
+        return np.asarray(pose.world(toe)[0, :3, :3] @ np.linalg.inv(pose.world(foot)[0, :3, :3]))
+
+    alone, rolls = seen(Solver(rig, {control}).run(bent)), seen(posed(rig, ROLLS[0]))
+    assert np.abs(rolls - alone).max() > 0.1
+    assert np.allclose(seen(posed(rig, ROLLS[0], bent)), rolls @ alone, atol=2e-6)
+
+
+def test_a_toe_that_does_not_follow_its_foot_as_one_piece_is_named(tmp_path: Path) -> None:
+    source = tmp_path / "parted.glb"
+    source.write_bytes(parted(sizes=(1.0, 1.2, 1.0)))
+    text = not_rolling(read(source).rig)["foot_L"]
+    assert text.endswith("the scale of 'toe_L_pre' between it and its toe 'toe_L' is not uniform")
+    source.write_bytes(parted())
+    rig = read(source).rig
+    for name in ("foot_L_mid", "foot_R_mid"):
+        rig = rigtri.constrain(rig, child=name, driver=["head"], type="orient")
+    text = not_rolling(rig)["foot_L"]
+    assert text.endswith("'foot_L_mid' between it and its toe 'toe_L' follows something else, too")
 
 
 def test_the_paws_of_a_bear_roll_where_their_skin_ends() -> None:
