@@ -12,6 +12,7 @@ from usd_files import MESH, ONE, animation, deviation, read, save, scene, skelet
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition.stage import open_stage
 from rigtri.formats.usd.composition.time_samples import time_samples
 
 QUARTER = "[(1, 0, 0, 0), (0.6, 0, 0.8, 0), (1, 0, 0, 0)]"
@@ -255,3 +256,12 @@ def test_array_edits_of_a_rest_pose_are_composed_and_reoriented(tmp_path: Path) 
     source = save(tmp_path, text, "shot.usda")
     document = read(source)
     assert deviation(source, write(document, turned(document.rig), tmp_path / "out.usda")) < 1e-5
+
+
+def test_a_layer_is_parsed_once_where_it_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = save(tmp_path, scene(skeleton(), animation(), MESH))
+    again: list[str] = []
+    monkeypatch.setattr(Sdf.Layer, "Reload", lambda layer, force=False: again.append(layer.identifier))
+    stage, _ = open_stage(path, allow_external=False)
+    assert stage.GetPrimAtPath("/Root/Skel")
+    assert not again

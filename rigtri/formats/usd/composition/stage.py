@@ -128,8 +128,8 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
         raise FileError(f"{path}: the file is empty.")
     with quiet(f"{path}: no USD file, or a damaged one") as texts:
         layer_content.check(str(path))
+        held = [layers.fresh(path)]  # first: what is looked at before is read again
         checked = external_paths.check(path, allow_external=allow_external, allow_missing=allow_missing)
-        held = [layers.fresh(path), *checked]
         composition_limits.check(path, checked)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
         del held, checked  # they had to stay open until the stage has them
