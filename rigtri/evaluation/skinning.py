@@ -8,6 +8,7 @@ Source: glTF 2.0 §3.7.3; UsdSkel; L. Kavan et al., "Skinning with dual quaterni
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
@@ -115,10 +116,15 @@ def most_weight(mesh: Mesh) -> float:
 
 def _short_of_one(mesh: Mesh) -> Floats:
     """What the weights of points lack of 1, (v,), where that is seen; 0 elsewhere."""
+    found = np.zeros(len(mesh.weights))
     if not mesh.raw_weights or mesh.dual_quaternion or not mesh.weights.shape[1]:
-        return np.zeros(len(mesh.weights))
-    short = 1.0 - total_weights(mesh.weights)
-    return np.where(np.abs(short) > _SUM_ROUNDING, short, 0.0)  # NaN is never
+        return found
+    for start in range(0, len(found), _POINTS):
+        short = 1.0 - total_weights(mesh.weights[start : start + _POINTS])
+        seen = np.abs(short) > _SUM_ROUNDING  # NaN is never
+        if seen.any():  # of zeros that nobody writes no memory is taken
+            found[start : start + _POINTS][seen] = short[seen]
+    return found
 
 
 def _space(rig: Rig, skin: Skin) -> int:
@@ -146,6 +152,19 @@ def deformed(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Floats:
     return _blended(points, matrices, joints, weights, dual_quaternion=mesh.dual_quaternion)
 
 
+def deformed_parts(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Iterator[Floats]:
+    """The same at one time, some points after the other, (p, 3) each. world: (n, 4, 4). morph: (t,)."""
+    skinned = mesh.skin is not None and mesh.joints.shape[1]
+    if not skinned or mesh.dual_quaternion or morph.any() or not sums_to_one(mesh):
+        yield deformed(mesh, rig, world[np.newaxis], morph[np.newaxis])[0]
+        return
+    assert mesh.skin is not None
+    skin = rig.skins[mesh.skin]
+    matrices = multiply(multiply(mesh.bind, skin.inverse_bind), world[skin.joints])
+    # Scaled by and by: large meshes have as many weights as all else together.
+    yield from _linear_parts(mesh.points, matrices, mesh.joints, mesh.weights, normalised_weights)
+
+
 def _blended(
     points: Floats, matrices: Floats, joints: Integers, weights: Floats, *, dual_quaternion: bool = False
 ) -> Floats:
@@ -170,7 +189,7 @@ def _linear_still(points: Floats, matrices: Floats, joints: Integers, weights: F
     """The same points, (v, 3), at all times: joint by joint, all of its points at once."""
     times = len(matrices)
     if times == 1:
-        return _linear_once(points, matrices[0], joints, weights)[np.newaxis]
+        return np.concatenate(list(_linear_parts(points, matrices[0], joints, weights)))[np.newaxis]
     # Row i of a joint's matrices at all times side by side: what coordinate i is multiplied by.
     beside = matrices[..., :3].transpose(1, 2, 0, 3).reshape(matrices.shape[1], 4, times * 3)
     moved = np.zeros((len(points), times * 3))
@@ -190,14 +209,24 @@ def _linear_still(points: Floats, matrices: Floats, joints: Integers, weights: F
     return moved.reshape(len(points), times, 3).transpose(1, 0, 2)
 
 
-def _linear_once(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
-    """At one time, matrices (m, 4, 4) → (v, 3): influence by influence, each point with its own joint."""
+def _linear_parts(
+    points: Floats,
+    matrices: Floats,
+    joints: Integers,
+    weights: Floats,
+    scaled: Callable[[Floats], Floats] = np.asarray,
+) -> Iterator[Floats]:
+    """At one time, matrices (m, 4, 4) → (p, 3) each: influence by influence, each point with its own joint.
+
+    scaled: what weights count as.
+    """
     beside = np.ascontiguousarray(matrices[..., :3].transpose(1, 2, 0))
     blocks = [slice(start, start + _POINTS) for start in range(0, max(len(points), 1), _POINTS)]
     if len(blocks) > 1 and _alike(matrices):
         # At rest, where rest and bind pose are one: Σ w·(p·M) is (Σ w)·(p·M).
-        return np.concatenate([_together_block(points[k], weights[k], matrices[0]) for k in blocks])
-    return np.concatenate([_linear_block(points[k], joints[k], weights[k], beside) for k in blocks])
+        yield from (_together_block(points[k], scaled(weights[k]), matrices[0]) for k in blocks)
+        return
+    yield from (_linear_block(points[k], joints[k], scaled(weights[k]), beside) for k in blocks)
 
 
 def _together_block(points: Floats, weights: Floats, matrix: Floats) -> Floats:

@@ -12,7 +12,7 @@ from weakref import WeakKeyDictionary, ref
 import numpy as np
 
 from rigtri.evaluation.sampling import morph_weights
-from rigtri.evaluation.skinning import deformed
+from rigtri.evaluation.skinning import deformed_parts
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.characters import characters
@@ -88,12 +88,10 @@ def _box(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> tuple[Floats, Float
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for mesh in meshes:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            morph = morph_weights(mesh, None, np.zeros(1))
-            points = deformed(mesh, rig, world[np.newaxis], morph)[0]
-        if not np.isfinite(points).all():
-            points = points[np.isfinite(points).all(axis=1)]
-        low, high = (
-            np.minimum(low, points.min(axis=0, initial=np.inf)),
-            np.maximum(high, points.max(axis=0, initial=-np.inf)),
-        )
+            (morph,) = morph_weights(mesh, None, np.zeros(1))
+            for points in deformed_parts(mesh, rig, world, morph):
+                if not np.isfinite(points).all():
+                    points = points[np.isfinite(points).all(axis=1)]
+                low = np.minimum(low, points.min(axis=0, initial=np.inf))
+                high = np.maximum(high, points.max(axis=0, initial=-np.inf))
     return low, high

@@ -12,7 +12,12 @@ from rigs import chain
 
 from rigtri.evaluation import skinning
 from rigtri.evaluation.sampling import locals_at, worlds
-from rigtri.evaluation.skinning import SkinnedPoints, deformed, normalised_weights
+from rigtri.evaluation.skinning import (
+    SkinnedPoints,
+    deformed,
+    deformed_parts,
+    normalised_weights,
+)
 from rigtri.evaluation.timelines import timelines
 from rigtri.maths.quaternions import from_axis_angle, to_axes, unit
 from rigtri.maths.trigonometry import Floats
@@ -242,3 +247,29 @@ def test_matrices_are_alike_up_to_rounding() -> None:
         assert skinning._alike(np.stack([first, other])) is alike
         assert skinning._alike(np.stack([other, first])) is alike
     assert skinning._alike(first[np.newaxis])
+
+
+EVEN = normalised_weights(np.random.default_rng(3).uniform(size=(COUNT, 3)))
+
+
+@pytest.mark.parametrize(
+    ("more", "in_parts"),
+    [
+        ({}, True),
+        ({"raw_weights": True, "weights": EVEN}, True),
+        ({"raw_weights": True}, False),
+        ({"dual_quaternion": True}, False),
+        ({"skin": None}, False),
+    ],
+)
+@pytest.mark.parametrize("block", [2, COUNT, 100])
+def test_points_some_after_the_other_are_those_of_all_at_once_to_the_bit(
+    more: dict[str, Any], in_parts: bool, block: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(skinning, "_POINTS", block)
+    rig, mesh = arm(), body(**more)
+    world = worlds(rig, locals_at(rig, rig.clips[0], np.array([0.4])))
+    (whole,) = deformed(mesh, rig, world, np.zeros((1, 0)))
+    parts = list(deformed_parts(mesh, rig, world[0], np.zeros(0)))
+    assert_array_equal(np.concatenate(parts), whole)
+    assert len(parts) == (-(-COUNT // block) if in_parts else 1)

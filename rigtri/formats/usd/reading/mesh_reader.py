@@ -291,13 +291,12 @@ def _influences(query: Any, tokens: Sequence[str], points: int) -> tuple[Integer
     if pair is None:
         return None
     width = max(query.GetNumInfluencesPerComponent(), 1)
-    indices, weights = (
-        pair[0].astype(np.int64).reshape(-1, width),
-        pair[1].astype(np.float64).reshape(-1, width),
-    )
+    # Indices in their own type, as USD holds them: of large meshes a copy takes as much memory as the points.
+    indices, weights = pair[0].reshape(-1, width), pair[1].astype(np.float64).reshape(-1, width)
     order = _places(query, tokens)
     usable = _usable(indices, len(order))
     if usable is not None:
+        indices = indices.copy()
         _check_indices(query, indices[~usable & (weights != 0.0)], len(order))
         indices[~usable], weights[~usable] = 0, 0.0
     if not np.array_equal(order, np.arange(len(order))):
