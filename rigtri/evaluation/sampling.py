@@ -234,7 +234,7 @@ def _together(columns: Sequence[Column]) -> list[list[Column]]:
     for column in columns:
         # What has one key is the same at all times, whatever its time is.
         times = column.times.tobytes() if len(column.times) > 1 else b""
-        alike = (column.path, column.interpolation, times, column.values.shape[1:])
+        alike = (column.path, column.interpolation, times, column.stored.shape[1:])
         groups.setdefault(alike, []).append(column)
     return list(groups.values())
 
@@ -268,7 +268,7 @@ class _Pack:
 
     def keyed(self, keys: Integers | slice) -> Floats:
         """The values of some keys, (k, tracks, [3,] c); in memory the keys of one number lie side by side."""
-        parts = [column.values[:, keys] for column in self.alike]
+        parts = [column.stored[:, keys] for column in self.alike]
         shape = parts[0].shape[1], sum(map(len, parts)), *parts[0].shape[2:]
         values: Floats = np.empty(shape[::-1]).transpose()
         for part, place in zip(parts, self.places, strict=True):

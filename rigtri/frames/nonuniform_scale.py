@@ -267,7 +267,8 @@ def _off_unit(rig: Rig) -> Floats:
     """The largest | |q|² − 1 | of each node's rotations, at rest and at keys, (n,)."""
     off = np.where(rig.has_matrix, 0.0, _off(rig.rotation))
     for column in (c for clip in rig.clips for c in clip.columns if c.path == "rotation"):
-        np.maximum.at(off, column.nodes, _off(column.key_values).max(axis=1, initial=0.0))
+        for rows, values in column.parts():
+            np.maximum.at(off, column.nodes[rows], _off(values).max(axis=1, initial=0.0))
     return np.asarray(off)
 
 

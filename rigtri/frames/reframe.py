@@ -203,7 +203,7 @@ def _reorient_clips(rig: Rig, delta: Floats, above: Floats, fold: Floats, scales
         mine = [k for k, rows in moving.items() if rows.any()]
         for k in [k for k in mine if path != "scale" and columns[k].rows >= _LONG]:
             mine.remove(k)
-            values = columns[k].values.copy()
+            values = columns[k].copied()
             for track in np.flatnonzero(moving[k]).tolist():
                 rows, node = values[track].reshape(-1, values.shape[-1]), columns[k].nodes[[track]]
                 for first in range(0, len(rows), _BLOCK):
@@ -229,7 +229,7 @@ def _reorient_clips(rig: Rig, delta: Floats, above: Floats, fold: Floats, scales
             if which.all():
                 changed[k] = columns[k].having(part, which)
             elif which.any():
-                values = columns[k].values.copy()
+                values = columns[k].copied()
                 values[which] = part
                 changed[k] = columns[k].having(values, which)
     if not changed:

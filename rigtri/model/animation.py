@@ -14,6 +14,7 @@ from operator import itemgetter
 from typing import Any, Literal, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
@@ -25,6 +26,10 @@ PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 Interpolation = Literal["LINEAR", "STEP", "CUBICSPLINE"]
 # Of a tangent times its time to the next key, so much at most is between the two.
 _TANGENT = 4.0 / 27.0
+# So many keys of all tracks are put in order at once.
+_BLOCK = 1 << 8
+# So many numbers of some tracks are looked at at once.
+_PART = 1 << 19
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +71,28 @@ class Track:
             unlisted=unlisted,
         )
 
+    @property
+    def stored(self) -> NDArray[np.floating[Any]]:
+        """The values as the file has them, which may be in single or half precision: to compare them."""
+        return np.asarray(vars(self)["values"])
+
     def having(self, values: Floats) -> Track:
         """The track with other values; `replace` takes twice as long, and clips have hundreds."""
+        return Track(self.node, self.path, self.interpolation, self.times, values, self.key, self.unlisted)
+
+
+class _StoredTrack(Track):
+    """A track whose values are in the file's precision, until somebody asks for them."""
+
+    @property
+    def values(self) -> Floats:
+        known: dict[str, Any] = vars(self)
+        if "double" not in known:
+            known["double"] = np.asarray(known["values"], dtype=np.float64)
+        found: Floats = known["double"]
+        return found
+
+    def having(self, values: Floats) -> Track:
         return Track(self.node, self.path, self.interpolation, self.times, values, self.key, self.unlisted)
 
 
@@ -75,16 +100,17 @@ class Track:
 class Column:
     """Tracks of a clip that share path, interpolation and key times, in one array of values, (t, k, [3,] c).
 
-    times: (k,). nodes: (t,). keys, own_times: `Track.key` and `Track.times` of each; the latter may be other
-    arrays with the same numbers. places: where each stands among the tracks of the clip. tracks: those that
-    were read, by their row.
+    stored: the values as the file has them, which may be in single or half precision: clips of minutes take
+    half of the memory. times: (k,). nodes: (t,). keys, own_times: `Track.key` and `Track.times` of each; the
+    latter may be other arrays with the same numbers. places: where each stands among the tracks of the clip.
+    tracks: those that were read, by their row.
     """
 
     path: Path
     interpolation: Interpolation
     times: Floats
     nodes: Integers
-    values: Floats
+    stored: NDArray[np.floating[Any]]
     keys: Sequence[Hashable]
     own_times: Sequence[Floats]
     places: Sequence[int]
@@ -95,24 +121,51 @@ class Column:
         return len(self.nodes)
 
     @property
+    def values(self) -> Floats:
+        """The values in double precision; made anew each time where they are not stored so."""
+        return np.asarray(self.stored) if self.stored.dtype == np.float64 else self.copied()
+
+    def copied(self) -> Floats:
+        """The values in double precision, in an array of their own."""
+        whole: Floats = np.empty(self.stored.shape)
+        for first in range(0, whole.shape[1], _BLOCK):  # some keys of all tracks stay in the cache
+            whole[:, first : first + _BLOCK] = self.stored[:, first : first + _BLOCK]
+        return whole
+
+    @property
     def key_values(self) -> Floats:
         """The values at the keys, (t, k, c), without the tangents of splines."""
-        return self.values[:, :, 1] if self.interpolation == "CUBICSPLINE" else self.values
+        values = self.values
+        return values[:, :, 1] if self.interpolation == "CUBICSPLINE" else values
+
+    def at_keys(self, keys: Sequence[int]) -> Floats:
+        """The same at some keys alone, (t, len(keys), c)."""
+        some = self.stored[:, keys]
+        return np.asarray(some[:, :, 1] if self.interpolation == "CUBICSPLINE" else some, dtype=np.float64)
 
     @property
     def rows(self) -> int:
         """How many values, (c,), each track has: of splines, three a key."""
-        return int(self.values[0].size) // int(self.values.shape[-1])
+        return int(self.stored[0].size) // int(self.stored.shape[-1])
+
+    def parts(self) -> Iterator[tuple[slice, Floats]]:
+        """The key values of some tracks after the other, (t, k, c), and which rows those are."""
+        step = max(1, _PART // max(self.stored[:1].size, 1))
+        for first in range(0, len(self), step):
+            some = self.stored[first : first + step]
+            keys = some[:, :, 1] if self.interpolation == "CUBICSPLINE" else some
+            yield slice(first, first + step), np.asarray(keys, dtype=np.float64)
 
     def track(self, row: int) -> Track:
         """One of the tracks; its values are a part of the column's."""
         if row not in self.tracks:
-            self.tracks[row] = Track(
+            kind = Track if self.stored.dtype == np.float64 else _StoredTrack
+            self.tracks[row] = kind(
                 int(self.nodes[row]),
                 self.path,
                 self.interpolation,
                 self.own_times[row],
-                self.values[row],
+                self.stored[row],
                 self.keys[row],
                 self.unlisted,
             )
@@ -121,7 +174,7 @@ class Column:
     def having(self, values: Floats, changed: Booleans) -> Column:
         """The column with other values, in rows that are ``changed``, (t,)."""
         same = {row: track for row, track in self.tracks.items() if not changed[row]}
-        return replace(self, values=values, tracks=same)
+        return replace(self, stored=values, tracks=same)
 
     def moved(self, place: Integers) -> Column | None:
         """The column on other nodes: ``place``, (n,), has where each went, −1 for those that are left out."""
@@ -134,7 +187,7 @@ class Column:
         return replace(
             self,
             nodes=nodes[rows],
-            values=self.values[rows],
+            stored=self.stored[rows],
             keys=[self.keys[row] for row in rows.tolist()],
             own_times=[self.own_times[row] for row in rows.tolist()],
             places=[self.places[row] for row in rows.tolist()],
@@ -167,7 +220,7 @@ class Tracks(Sequence[Track]):
         return self._all[index]
 
 
-def other_rows(a: Floats, b: Floats) -> Booleans:
+def other_rows(a: NDArray[Any], b: NDArray[Any]) -> Booleans:
     """Which rows of two arrays of one shape, (t, ...), are not the same, (t,)."""
     return np.asarray((a != b).reshape(len(a), -1).any(axis=1))
 

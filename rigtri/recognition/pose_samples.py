@@ -119,7 +119,7 @@ class Poses:
                 if column.path == "rotation" and len(column.times):
                     keys = [int(part * len(column.times)) for part in PARTS]
                     rows = np.flatnonzero(place[column.nodes] >= 0)
-                    moved = column.key_values[rows][:, keys]
+                    moved = column.at_keys(keys)[rows]
                     moments[:, place[column.nodes[rows]]] = moved.swapaxes(0, 1)
         local = compose(rig.translation[body], rotation.reshape(-1, len(body), 4), rig.scale[body])
         fixed = rig.has_matrix[body]
@@ -147,8 +147,8 @@ class Poses:
             tops = [each for each in rows if each[0] in inside]
             if tops:
                 top, k, row = min(tops)  # parents come first
-                keys = moved[k].key_values[row]
-                way = keys[-1] - keys[0]
+                start, end = moved[k].at_keys((0, -1))[row]
+                way = end - start
                 above = int(rig.parents[top])
                 total = total + Vector(*(transform_directions(way, rig.world[above]) if above >= 0 else way))
         return total

@@ -191,7 +191,7 @@ class ClipWriter:
         rows = [
             (column.places[row], column.track(row), then.track(row))
             for column, then in pairs
-            for row in np.flatnonzero(other_rows(column.values, then.values)).tolist()
+            for row in np.flatnonzero(other_rows(column.stored, then.stored)).tolist()
         ]
         # New accessors come in the order of the channels.
         changed = [(track, before) for _, track, before in sorted(rows, key=itemgetter(0))]

@@ -12,6 +12,7 @@ import numpy as np
 
 from rigtri.errors import NameNotFoundError
 from rigtri.files.atomic_write import same_file
+from rigtri.files.freed_memory import give_back
 from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.usd.codeless_schemas import check_known
 from rigtri.formats.usd.composition import external_paths
@@ -233,6 +234,7 @@ class UsdDocument:
 
     def reopen(self, part: Path) -> UsdDocument:
         """Read what was written; bare opinions are read over the file they were made for."""
+        give_back()  # what writing took in small pieces, before all is read again
         whole = not (self._output.is_bare or self._output.is_sublayer)
         options = replace(self._options, empty=True)  # its only skeleton may have been removed
         if whole and (not self._output.is_streamed or part.suffix.lower() == ".usdz"):

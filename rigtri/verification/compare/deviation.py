@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import field, replace
+from functools import reduce
 from itertools import chain
 
 import numpy as np
@@ -248,8 +249,8 @@ def denormalisation(rig: Rig, nodes: Booleans | None = None) -> float:
     """The largest | |q|−1 | of a rig's rotations, at rest and at keys; tangents do not count. nodes: (n,)."""
     some = np.ones(len(rig), dtype=bool) if nodes is None else nodes
     turns = [c for clip in rig.clips for c in clip.columns if c.path == "rotation"]
-    tracks = ((c.key_values, some[c.nodes]) for c in turns)
-    keyed = (values if rows.all() else values[rows] for values, rows in tracks)
+    tracks = ((values, some[c.nodes[rows]]) for c in turns for rows, values in c.parts())
+    keyed = (values if mine.all() else values[mine] for values, mine in tracks)
     return max(map(off_unit, chain([rig.rotation[~rig.has_matrix & some]], keyed)))
 
 
@@ -278,7 +279,8 @@ def _moments(clip: Clip) -> tuple[Floats, Floats]:
         return np.zeros(0), sampling.between_keys(keys)
     chosen = np.zeros(len(keys) - 1, dtype=bool)
     for column in moving:
-        step = np.max([_steps(column.path, values) for values in column.values], axis=0)
+        steps = (_steps(column.path, values) for _, some in column.parts() for values in some)
+        step = reduce(np.maximum, steps)
         chosen[np.argpartition(step, -_GAPS)[-_GAPS:]] = True
         chosen |= (column.path == "rotation") & (step > _RIGHT_ANGLE)
     gaps = np.flatnonzero(chosen & ~sampling.jumps_at(keys))

@@ -67,7 +67,7 @@ def _mark_tracks(mine: Clip, theirs: Clip, m: Correspondence, differs: list[bool
     """Mark the nodes whose tracks are others."""
     pairs = paired_columns(mine.columns, theirs.columns, m.node)
     for column, other in pairs:
-        for node in column.nodes[other_rows(column.values, other.values)].tolist():
+        for node in column.nodes[other_rows(column.stored, other.stored)].tolist():
             differs[node] = True
     tracks, others = unpaired(mine.columns, pairs), by_target(unpaired(theirs.columns, pairs))
     partners = m.node.tolist()

@@ -30,9 +30,6 @@ HELD = "held"
 # Rotations further from unit are worth a word: engines differ in what they make of them.
 NON_UNIT = 1e-4
 
-# So many samples are sorted by joint at once.
-_BLOCK = 1 << 8
-
 # What a column holds that neither moves, rotates nor scales its joint.
 NOTHING: Mapping[str, tuple[float, ...]] = {
     "translations": (0.0, 0.0, 0.0),
@@ -196,16 +193,17 @@ def _property(prim: Any, name: str, tokens: Sequence[str]) -> Property | None:
         return None
     kind = type(default) if single is not None else type(given[0])
     type_name = attribute.GetTypeName()
-    lengths: list[tuple[Any, int]] = [(time, len(value)) for time, value in zip(times, given, strict=True)]
-    lengths += [] if single is None else [("default", len(single))]
-    if all(length != count for _, length in lengths):
+    lengths = [*map(len, given), *(() if single is None else (len(single),))]
+    if count not in lengths:
         return Property(np.zeros(0), np.zeros((0, count, width)), blocked, None, kind, type_name)
-    for time, length in lengths:
-        if length != count:
-            raise FileError(
-                f"<{attribute.GetPath()}> has {length} items at time {time}, but the animation "
-                f"has {count} joints."
-            )
+    if lengths.count(count) < len(lengths):
+        time, length = next(
+            pair for pair in zip((*times, "default"), lengths, strict=False) if pair[1] != count
+        )
+        raise FileError(
+            f"<{attribute.GetPath()}> has {length} items at time {time}, but the animation "
+            f"has {count} joints."
+        )
     samples = _joined(given) if given else np.zeros((0, count, width))
     _check_values(attribute, times, samples, tokens)
     if single is not None:
@@ -299,9 +297,9 @@ def _columns(
     keys: list[Hashable] = [(name, column) for column in rows]
     if held is not None and not len(times):
         interpolation, times, values, keys = "STEP", start, held, [HELD] * len(rows)
-    by_joint = np.empty((len(rows), len(values), values.shape[2]))
-    for first in range(0, len(values), _BLOCK):  # some samples of all joints stay in the cache
-        by_joint[:, first : first + _BLOCK] = values[first : first + _BLOCK].transpose(1, 0, 2)[rows]
+    by_joint = values.transpose(1, 0, 2)
+    if rows != list(range(len(by_joint))):
+        by_joint = by_joint[rows]
     nodes = np.array([node for _, node in joints], dtype=np.int64)
     places = range(place, place + len(rows))
     own_times = [times] * len(rows)
