@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.frames.half_scales import is_half
@@ -22,7 +25,7 @@ def check_numbers(before: Rig, after: Rig) -> None:
     if after is before:
         return
     least = _LARGEST_HALF if after.rules.raw_quaternions else _LARGEST
-    doubtful = [clip for clip in after.clips if any(_unfit(c.values, least).any() for c in clip.columns)]
+    doubtful = [clip for clip in after.clips if any(_exceed(c.stored, least) for c in clip.columns)]
     known_tracks = {id(track) for clip in before.clips if doubtful for track in clip.tracks}
     for clip in doubtful:
         for track in clip.tracks:
@@ -50,6 +53,13 @@ def check_numbers(before: Rig, after: Rig) -> None:
             f"'{after.names[node] or after.labels[node]}' gets no finite position: a scale at or "
             "above it is zero, or numbers there are too large. Leave it out with --exclude"
         )
+
+
+def _exceed(numbers: NDArray[np.floating[Any]], largest: float) -> bool:
+    """Whether any number is none, or larger than ``largest``."""
+    # NaN is both the least and the largest, and no more than anything.
+    low, high = float(numbers.min(initial=0.0)), float(numbers.max(initial=0.0))
+    return not (-largest <= low and high <= largest)
 
 
 def _unfit(numbers: Floats, largest: float = _LARGEST) -> Booleans:

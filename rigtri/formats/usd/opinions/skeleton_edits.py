@@ -116,14 +116,11 @@ def set_array(path: Any, name: str, item: Property, *, only: bool = False) -> Se
 
     A stronger sample hides all weaker ones, so none may be left out. only: erase other samples of the layer.
     """
-    samples = {float(time): _value(item, rows) for time, rows in zip(item.times, item.samples, strict=True)}
+    each = np.ascontiguousarray(item.samples)  # at once: a clip has ten thousands
+    samples = {time: item.kind.FromNumpy(rows) for time, rows in zip(item.times.tolist(), each, strict=True)}
     samples.update(dict.fromkeys(item.blocked))
-    default = None if item.default is None else _value(item, item.default)
+    default = None if item.default is None else item.kind.FromNumpy(np.ascontiguousarray(item.default))
     return set_value(path, name, item.type_name, default, samples=dict(sorted(samples.items())), alone=only)
-
-
-def _value(item: Property, rows: np.ndarray) -> Any:
-    return item.kind.FromNumpy(np.ascontiguousarray(rows))
 
 
 def check_no_spline(track: Track, title: str) -> None:

@@ -57,7 +57,7 @@ def _collect(source: Source, old: Clip, new: Clip, into: dict[str, dict[str, Col
             "animation of its own (skel:animationSource)."
         )
     for was, now in zip(old.tracks, new.tracks, strict=True):
-        if now is was or was.key in (None, HELD) or np.array_equal(was.values, now.values):
+        if now is was or was.key in (None, HELD) or np.array_equal(was.stored, now.stored):
             continue
         if not np.array_equal(was.times, now.times):
             raise FileError(f"Clip '{old.name}': key times of USD animations cannot be changed.")
@@ -163,15 +163,19 @@ def _put(into: np.ndarray, column: int, stored: np.ndarray, values: Floats) -> N
 
     stored: (k, c), what the file has. Rotations that were meant to be unit become unit.
     """
-    changed = (values != stored.astype(np.float64)).any(axis=1)
+    before = stored.astype(np.float64)
+    changed = (values != before).any(axis=1)
     rotations = values.shape[-1] == 4
     if rotations:
         size = norm(values)[:, np.newaxis]
         meant = np.abs(size - 1.0) < UNIT
         values = np.where(meant, values / np.where(meant, size, 1.0), values)
-    into[changed, column] = values[changed].astype(into.dtype)
+    if changed.all():  # as most do
+        into[:, column] = values
+    else:
+        into[changed, column] = values[changed]
     if rotations:
-        _keep_ways_round(into[:, column], stored.astype(np.float64), changed)
+        _keep_ways_round(into[:, column], before, changed)
 
 
 def _keep_ways_round(rows: np.ndarray, before: Floats, changed: np.ndarray) -> None:
