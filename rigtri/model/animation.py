@@ -324,6 +324,20 @@ class Clip:
         return self.key[1:] if isinstance(self.key, tuple) else None
 
     @property
+    def as_pose(self) -> Clip:
+        """What it places: the default values of a USD animation place nothing where some array has none.
+
+        At the Default time joints rest then. With samples such values show beside those of other arrays, in
+        the clip of the samples. Of morph weights alone, and of what is idle, all is as it is.
+        Source: UsdSkelAnimQuery::ComputeJointLocalTransforms, which fails without one of the arrays.
+        """
+        paths = {column.path for column in self.columns} - {"weights"}
+        stands = isinstance(self.key, tuple) and self.key[0] == "default"
+        if self.idle or not stands or not paths or paths == {*PATHS}:
+            return self
+        return replace(self, tracks=tuple(track for track in self.tracks if track.path == "weights"))
+
+    @property
     def without_idle(self) -> Clip:
         """What is seen of it: a clip that is idle without its idle tracks."""
         if not self.idle:

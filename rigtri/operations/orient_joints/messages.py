@@ -245,7 +245,7 @@ def _check_sheared(rig: Rig, moves: Booleans) -> None:
     sheared[sheared] = flat | (skew(matrices) > SKEW)
     for clip in rig.clips:
         driven: dict[int, set[str]] = {}
-        for track in clip.tracks:
+        for track in clip.as_pose.tracks:
             if sheared[track.node] and track.path != "weights":
                 driven.setdefault(track.node, set()).add(track.path)
         for node, paths in driven.items():

@@ -279,8 +279,7 @@ def _moments(clip: Clip) -> tuple[Floats, Floats]:
         return np.zeros(0), sampling.between_keys(keys)
     chosen = np.zeros(len(keys) - 1, dtype=bool)
     for column in moving:
-        steps = (_steps(column.path, values) for _, some in column.parts() for values in some)
-        step = reduce(np.maximum, steps)
+        step = reduce(np.maximum, (_steps(column.path, v) for _, some in column.parts() for v in some))
         chosen[np.argpartition(step, -_GAPS)[-_GAPS:]] = True
         chosen |= (column.path == "rotation") & (step > _RIGHT_ANGLE)
     gaps = np.flatnonzero(chosen & ~sampling.jumps_at(keys))
@@ -355,8 +354,8 @@ def side_by_side(before: Rig, after: Rig, m: Correspondence, *, added: bool = Fa
             one, other = before.clips[k], after.clips[partner]
             if one.idle != other.idle:
                 one, other = one.without_idle, other.without_idle
-            mine.append(replace(one, name=one.name or f"#{k}"))
-            theirs.append(other)
+            mine.append(replace(one.as_pose, name=one.name or f"#{k}"))
+            theirs.append(other.as_pose)
     known = set(m.clip.tolist())
     for k, clip in enumerate(after.clips if added else ()):
         if k in known or timeline(clip) is None or not clip.without_idle.tracks:

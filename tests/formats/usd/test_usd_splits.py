@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from program import cli
 from pxr import Sdf, Usd
 from scaled_limbs import STRETCH, TOKENS, Limb, usd, usda
 from second_opinions import usd_errors
-from usd_files import deviation, save
+from usd_files import deviation, save, skinned
 
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.formats import ReadOptions, read
@@ -382,11 +383,28 @@ def test_a_joint_sheared_at_rest_is_reoriented_where_its_clip_states_all(policy:
     assert again.read_bytes() == out.read_bytes()
 
 
+@pytest.mark.parametrize("still", ["translations", "rotations", "scales"])
+@pytest.mark.parametrize("policy", ["snap", "split"])
+def test_a_default_beside_samples_of_other_arrays_is_no_pose_of_a_joint_sheared_at_rest(
+    still: str, policy: Any, tmp_path: Path
+) -> None:
+    """At the Default time UsdSkel shows rest, and with the samples the clip has all three."""
+    source, out = save(tmp_path, sheared(still)), tmp_path / "out.usda"
+    at_default = skinned(Usd.Stage.Open(str(source)), Usd.TimeCode.Default())
+    step = partial(orient_joints, options=OrientJointsOptions(on_nonuniform_scale=policy))
+    edit(source, out, lambda rig, report: step(rig, report=report), options=ReadOptions(allow_rename=True))
+    assert verify(read(source), read(out)).deviation < 1e-7
+    assert deviation(source, out) < 1e-6
+    for path, points in skinned(Usd.Stage.Open(str(out)), Usd.TimeCode.Default()).items():
+        assert np.abs(points - at_default[path]).max() < 1e-6
+
+
 def test_a_joint_sheared_at_rest_is_named_where_a_clip_leaves_some_of_it_to_rest(tmp_path: Path) -> None:
-    source = save(tmp_path, sheared("scales"))
-    with pytest.raises(GeometryError, match=r"'elbow' is sheared or flat.*no rotation.*--exclude 'elbow'"):
-        split(source, tmp_path / "out.usda")
-    assert not (tmp_path / "out.usda").exists()
+    rig = read(save(tmp_path, sheared())).rig
+    (clip,) = rig.clips
+    tracks = tuple(track for track in clip.tracks if track.path != "rotation")
+    with pytest.raises(GeometryError, match=r"'elbow' is sheared or flat.*no rotation.*exclude='elbow'"):
+        orient_joints(replace(rig, clips=(replace(clip, tracks=tracks),)))
 
 
 def test_a_joint_flat_at_rest_is_named_where_a_clip_leaves_some_of_it_to_rest(tmp_path: Path) -> None:
