@@ -53,8 +53,15 @@ def _is_nearer(tree: Tree, chain: Sequence[int], other: Sequence[int]) -> bool:
 
 
 def _is_of_another(tree: Tree, chain: Sequence[int]) -> bool:
-    """Whether a joint hangs at a bone of another limb: its own, or the names of both, may be wrong."""
+    """Whether a joint hangs at a bone of another limb, or holds one: its name, or both, may be wrong.
+
+    ``Shoulder`` means the first bone of a leg, too, but not where ``UpperArm`` hangs at it.
+    """
     names = tree.rig.names
+    kinds = {limb_words(names[k]).kind for k in chain}
+    held = (limb_words(names[k]).kind for over in chain for k in tree.below[over] if k not in chain)
+    if any(kind and kind not in kinds for kind in held):
+        return True
     above = [over for k in chain if (over := tree.above[k]) >= 0 and over not in chain]
     if any(_is_bone_elsewhere(tree, over, chain[0]) for over in above):
         return True

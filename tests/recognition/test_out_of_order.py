@@ -201,6 +201,17 @@ def test_names_that_are_swapped_put_no_joint_elsewhere() -> None:
     assert not [each for each in sure(joints, named=True) if "thigh" in each[0]]
 
 
+def test_a_shoulder_that_holds_an_arm_begins_no_leg_where_names_are_one_joint_off() -> None:
+    """Before, shoulder, thigh and shin were a leg at 0.93."""
+    names = {"thigh": "LowerLeg", "shin": "Foot", "foot": "Toes", "toe": "Little1"}
+    arms = {"clavicle": "Shoulder", "upper_arm": "UpperArm", "forearm": "LowerArm", "hand": "Hand"}
+    joints = renamed(MAN, names | arms)
+    found = [leg for leg in limbs(joints, named=True) if leg.kind == "leg"]
+    assert [joints[leg.bend[0]][0] for leg in found] == ["LowerLeg.L", "LowerLeg.R"]
+    assert not any(leg.is_sure for leg in found)
+    assert len(sure(joints, named=True)) == 2
+
+
 def test_what_is_left_of_a_body_whose_leg_bones_stand_alone_is_not_sure() -> None:
     """The shoulder blades and thighs of a centaur's front legs are no legs of a person."""
     places = ((0.0, 1.05, -0.6), (0.0, 1.07, -0.2), (0.0, 1.07, 0.15), (0.0, 1.07, 0.55))
