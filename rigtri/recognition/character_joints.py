@@ -58,10 +58,15 @@ class _Branch:
     @cached_property
     def head(self) -> int:
         """The first joint that is called a head, beside legs on both sides; −1 without these."""
-        names = {node: self.whole.rig.names[node] for node in self.nodes}
-        heads = [node for node, name in names.items() if "head" in parse_name(name).words]
-        sides = {parse_name(name).side for name in names.values() if limb_words(name).kind == "leg"}
-        return heads[0] if heads and sides >= {"left", "right"} else -1
+        names = self.whole.rig.names
+        heads = [node for node in self.nodes if "head" in parse_name(names[node]).words]
+        return heads[0] if heads and self.legs >= {"left", "right"} else -1
+
+    @cached_property
+    def legs(self) -> frozenset[str]:
+        """The sides of all joints whose names are of a leg."""
+        names = (self.whole.rig.names[node] for node in self.nodes)
+        return frozenset(parse_name(name).side for name in names if limb_words(name).kind == "leg")
 
     @cached_property
     def place_of_legs(self) -> str:
@@ -78,8 +83,9 @@ def groups_of(tree: Tree) -> list[list[int]]:
     groups = DisjointSets()
     owner = {node: top for top, branch in branches.items() for node in branch.nodes}
     shared = [sorted({owner[k] for k in skin.joints.tolist() if k in owner}) for skin in tree.rig.skins]
-    shared = shared or [tops]
-    for together in shared:
+    for together in shared or [tops]:
+        if len(together) > 1:  # bodies by their names before what is beside them
+            together = sorted(together, key=lambda top: branches[top].head < 0)
         for top in together[1:]:
             a, b = groups.leader(together[0]), groups.leader(top)
             if a != b and not _are_two(branches[a], branches[top]):
@@ -108,12 +114,18 @@ def _tops(tree: Tree) -> list[int]:
 def _holds_bodies(tree: Tree, node: int) -> bool:
     """Whether two branches or more below one joint are bodies by their names, which stand apart.
 
-    Each has a head, and legs on both sides. Skeletons of controls stand where the body does.
+    Each has a head, and legs on both sides. Skeletons of controls stand where the body does. Further joints
+    may be between, and props beside them, but no legs: these are of a body that carries another.
     """
-    large = [top for top in tree.below[node] if tree.size[top] >= _PART]
-    named = [_Branch(tree, top).head for top in large] if len(large) > 1 else []
-    heads, least = [head for head in named if head >= 0], _APART * tree.span
-    return any(tree.at[a].distance(tree.at[b]) > least for a, b in combinations(heads, 2))
+    large = [_Branch(tree, top) for top in tree.below[node] if tree.size[top] >= _PART]
+    bodies = [branch for branch in large if branch.head >= 0]
+    least = _APART * tree.span
+    if any(tree.at[a.head].distance(tree.at[b.head]) > least for a, b in combinations(bodies, 2)):
+        return True
+    if len(bodies) != 1:
+        return False
+    others = (_Branch(tree, top) for top in tree.below[node] if top != bodies[0].top)
+    return not any(other.legs for other in others) and _holds_bodies(tree, bodies[0].top)
 
 
 def _have_skins(tree: Tree, tops: Sequence[int]) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calls import lines
-from recognition_bodies.skeletons import HORSE, MAN, Joint, rig_with
+from recognition_bodies.skeletons import HORSE, MAN, Joint, line, rig_with
 from rigs import rig_of
 
 from rigtri.maths.matrices import inverse
@@ -41,6 +41,27 @@ def test_bodies_below_one_root_joint_are_told_by_their_names(
         sum(k.is_sure for k in each.limbs) for each in alone
     ]
     assert [each.facing[2] for each in found] == pytest.approx([1.0, turn])
+
+
+@pytest.mark.parametrize("second", [MAN, HORSE], ids=["man", "horse"])
+def test_bodies_below_joints_below_the_root_are_told_beside_a_prop(second: list[Joint]) -> None:
+    """Before, all of it was one creature, whose limbs were sure."""
+    root = line("root all", "", (0.0, 0.0, 0.0), (0.0, 0.2, 0.0))
+    prop = line("prop1 prop2 prop3", "root", (0.0, 0.1, 0.3), (0.2, 0.1, 0.3), (0.4, 0.1, 0.3))
+    bodies = [*_placed(MAN, "a_", 0.0, 1.0), *_placed(second, "b_", 2.5, 1.0)]
+    bodies = [(name, "all" if over == "root" else over, place) for name, over, place in bodies]
+    found = recognise(rig_with([*root, *prop, *bodies])).characters
+    assert sorted(each.form for each in found) == sorted(["biped", "biped" if second is MAN else "quadruped"])
+    assert [sum(chain.is_sure for chain in each.limbs) for each in found] == [4, 4]
+
+
+def test_a_rider_below_a_joint_of_the_animal_does_not_part_it() -> None:
+    rider = [(f"rider_{name}", f"rider_{over}" if over else "spine", place) for name, over, place in MAN]
+    rider = [(name, over, (x, y + 0.5, z)) for name, over, (x, y, z) in rider]
+    animal = {name for name, _, _ in HORSE}
+    rig = rig_with([*HORSE, *rider])
+    found = recognise(rig).characters
+    assert any(animal <= {rig.names[part.joint] for part in each.parts} for each in found)
 
 
 def test_skeletons_of_controls_below_one_root_joint_are_no_bodies() -> None:
