@@ -10,7 +10,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.doubled_chains import moves_nothing
 from rigtri.recognition.found_limb import Found
-from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.joint_tree import SAME_POSITION, Tree
 from rigtri.recognition.limb_ends import HAND, branches
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import CLAVICLES, SAME_PLACE, SET_OFF
@@ -53,6 +53,21 @@ def beside_end(draft: Draft, each: Found) -> str:
             found = [k for k in found if k != on and not _is_beside(draft, k)]
             if 0 < len(found) < HAND - 1:
                 return f"'{tree.rig.title(found[0])}' beside it may be its end, or its middle, as well"
+    return ""
+
+
+def one_of_two_in_place(draft: Draft, each: Found) -> str:
+    """A joint of a limb with another in its place, where neither moves points and no name tells them apart.
+
+    One is an empty group, above the bone as importers have it, or below it as riggers do.
+    """
+    tree, names = draft.tree, draft.tree.rig.names
+    for node in each.joints:
+        beside = [k for k in (tree.above[node], *tree.below[node]) if k >= 0]
+        beside = [k for k in beside if tree.at[k].distance(tree.at[node]) <= SAME_POSITION * tree.span]
+        for other in (k for k in beside if moves_nothing(draft, (node, k))):
+            if not (limb_words(names[node]).levels or limb_words(names[other]).levels):
+                return f"'{tree.rig.title(other)}' in the place of '{tree.rig.title(node)}' may be its joint"
     return ""
 
 
@@ -243,4 +258,4 @@ def _bend(tree: Tree, over: int, node: int, on: int) -> float:
 # The doubts of any limb, of those whose three joints a naming scheme knows, and of those that shape tells.
 OF_ANY = (called_muscle, within_bone)
 OF_NAMES = (beside_end, later_end, end_called_lower)
-OF_SHAPES = (beside_another, beside_end, other_middle, later_end, earlier_start)
+OF_SHAPES = (beside_another, one_of_two_in_place, beside_end, other_middle, later_end, earlier_start)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from recognition_bodies.skeletons import LEG, MAN, TRUNK, Joint, both, line, renamed, rig_with
 
+from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
 
 _CLAVICLE = ("clavicle.L", "chest", (0.04, 1.45, 0.0))
@@ -161,3 +165,27 @@ def test_a_wrist_in_the_place_of_a_hand_is_no_second_finger() -> None:
     layout = recognise(rig_with(joints))
     sure = [[joints[k][0] for k in one.bend] for one in layout.chains if one.kind == "arm" and one.is_sure]
     assert sorted(sure) == [[f"{name}.{side}" for name in ("upper_arm", "forearm", "hand")] for side in "LR"]
+
+
+_END = (0.7, 1.45, 0.03)
+
+
+def _with_groups(weighted: frozenset[str]) -> tuple[list[Joint], Rig]:
+    """A man with a joint in the place of each upper arm, below it, and the joints that move points."""
+    arm = line("upper_arm.L group.L forearm.L hand.L", "clavicle.L", _START, _START, (0.44, 1.45, 0.0), _END)
+    joints = [*TRUNK, *both([_CLAVICLE, *arm, *LEG])]
+    rig = rig_with(joints, named=False)
+    moving = np.array([name.partition(".")[0] in weighted for name, _, _ in joints])
+    return joints, replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moving),))
+
+
+@pytest.mark.parametrize("moves", ["upper_arm", "group", ""])
+def test_of_two_joints_in_one_place_that_move_no_points_neither_surely_begins_an_arm(moves: str) -> None:
+    """Before, the lower one did at 0.94, also where it is an empty group below the bone."""
+    others = {name.partition(".")[0] for name, _, _ in MAN} - {"upper_arm"}
+    joints, rig = _with_groups(frozenset({*others, moves}))
+    arms = [chain for chain in recognise(rig).chains if chain.kind == "arm"]
+    assert len(arms) == 2
+    assert [arm.is_sure for arm in arms] == [bool(moves)] * 2
+    if moves:
+        assert {joints[arm.bend[0]][0].partition(".")[0] for arm in arms} == {moves}
