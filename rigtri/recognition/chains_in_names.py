@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 
 from rigtri.recognition.joint_tree import HOLDERS, Tree
+from rigtri.recognition.layout import BENDS, LimbKind
 from rigtri.recognition.limb_words import LEVELS, Level, LimbWords, limb_words, other_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import BESIDE, roles_in_name
@@ -23,21 +24,24 @@ _BESIDE: tuple[Level, Level] = ("before", "after")
 _Key = tuple[str, str, tuple[str, ...]]
 
 
-def order_of_chains(tree: Tree) -> dict[int, int]:
+def order_of_chains(tree: Tree, bones: Mapping[str, int]) -> dict[int, int]:
     """For each joint of a limb that the file does not have as a chain, the one before it; −1 for none.
 
-    Where names call one joint each its upper bone, its lower one and its end. tree: as the file has it. What
-    has another parent alone, as the foot of a flat IK rig, stays there; where a limb is parented the wrong
-    way round, it begins where its topmost joint hangs.
+    Where names call one joint each its upper bone, its lower one and its end. tree: as the file has it.
+    bones: nodes by their names in the VRM 1.0 humanoid, as a naming scheme has them. What has another parent
+    alone, as the foot of a flat IK rig, stays there; where a limb is parented the wrong way round, it begins
+    where its topmost joint hangs.
     """
     found: dict[int, int] = {}
-    chains = list(_chains(tree))
+    chains = list(_chains(tree, _kinds(bones)))
     for chain, bend in chains:
         if chain[0] != bend[0] and any(_is_nearer(tree, chain, other) for other, _ in chains):
             del chain[0]  # a blade of the front leg, which no name says
     for chain, bend in chains:
         start, middle, _ = bend
         if tree.is_below(middle, start) or not _is_balanced(tree, bend) or _is_of_another(tree, chain):
+            continue
+        if _has_upper_bone(tree, bend):
             continue
         top = next((k for k in tree.way(-1, chain[0]) if k in chain), chain[0])
         if top != chain[0]:
@@ -69,13 +73,28 @@ def _is_of_another(tree: Tree, chain: Sequence[int]) -> bool:
     return any(levels and "before" not in levels for levels in (limb_words(name).levels for name in bones))
 
 
+def _has_upper_bone(tree: Tree, bend: Sequence[int]) -> bool:
+    """Whether the file has a limb below a joint of one side, and what is called its upper bone beside that.
+
+    So hangs a muscle, ``bicep_L``, at the shoulder. A clavicle is no upper bone.
+    """
+    start, middle, end = bend
+    over, names = tree.above[middle], tree.rig.names
+    if tree.below[start] or not tree.is_below(end, middle) or tree.above[start] != over or over < 0:
+        return False
+    leads = limb_words(names[over]).levels.keys() == {"before"} or _is_held_by(names[over])
+    return parse_name(names[over]).side == parse_name(names[middle]).side and not leads
+
+
 def _is_bone_elsewhere(tree: Tree, over: int, start: int) -> bool:
     """Whether what a joint hangs at leads to it alone, as a bone does, and not to the start of its limb.
 
-    Of limbs whose names are told in part, ``hip_L`` and ``elbow_L`` are no bones of one.
+    Of limbs whose names are told in part, ``hip_L`` and ``elbow_L`` are no bones of one. Helpers that nothing
+    hangs at stand beside the joint.
     """
     name = tree.rig.names[over]
-    lone = len(tree.below[over]) == 1 and tree.above[over] >= 0 and bool(tree.below[start])
+    lone = sum(bool(tree.below[k]) for k in tree.below[over]) <= 1 and tree.above[over] >= 0
+    lone = lone and bool(tree.below[start])
     return lone and over != start and not tree.is_below(start, over) and not _is_held_by(name)
 
 
@@ -89,8 +108,20 @@ def _is_balanced(tree: Tree, bend: Sequence[int]) -> bool:
     return min(upper, lower) > _BALANCE * max(upper, lower)
 
 
-def _chains(tree: Tree) -> Iterator[tuple[list[int], tuple[int, ...]]]:
-    """The joints of each limb by names, from the trunk on, and the three that bend."""
+def _kinds(bones: Mapping[str, int]) -> dict[int, LimbKind]:
+    """Of what limb the bones of a human are, by node: single words of some languages do not say it."""
+    kinds = {bone: kind for kind, parts in BENDS.items() for bone in parts}
+    sided = (f"{side}{bone}" for side in ("left", "right") for bone in kinds)
+    return {
+        bones[bone]: kinds[bone.removeprefix("left").removeprefix("right")] for bone in sided if bone in bones
+    }
+
+
+def _chains(tree: Tree, kind_of: Mapping[int, LimbKind]) -> Iterator[tuple[list[int], tuple[int, ...]]]:
+    """The joints of each limb by names, from the trunk on, and the three that bend.
+
+    kind_of: the limb that a joint is of, where its words do not say that.
+    """
     limbs: dict[_Key, dict[str, list[int]]] = {}
     words: dict[int, LimbWords] = {}
     for node in tree.nodes:
@@ -98,7 +129,8 @@ def _chains(tree: Tree) -> Iterator[tuple[list[int], tuple[int, ...]]]:
         said, side = limb_words(name), parse_name(name).side
         if side and said.levels and not BESIDE.intersection(roles_in_name(name)):
             words[node] = said
-            limbs.setdefault((side, said.place, other_words(name)), {}).setdefault(said.kind, []).append(node)
+            kind = said.kind or kind_of.get(node, "")
+            limbs.setdefault((side, said.place, other_words(name)), {}).setdefault(kind, []).append(node)
     for key, kinds in limbs.items():
         placed = limbs.get((key[0], "", key[2]), {}) if key[1] else {}
         shared = [*kinds.get("", ()), *placed.get("", ())]

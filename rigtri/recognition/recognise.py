@@ -115,7 +115,7 @@ def _draft(rig: Rig, group: JointGroup, poses: Poses, own: Sequence[Scheme]) -> 
         body = own_tree.nodes
     reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
     bones = certain or (reading.bones if reading is not None else {})
-    after = {} if certain else order_of_chains(own_tree)
+    after = {} if certain else order_of_chains(own_tree, bones)
     if after := {**after, **followers(own_tree, bones)}:
         poses.after.update(after)
         poses.measured.clear()

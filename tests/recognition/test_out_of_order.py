@@ -336,3 +336,44 @@ def test_names_that_are_told_in_part_make_no_limb_of_the_hip_and_the_elbow(other
     )
     assert not any({"hip.L", "elbow.L"} <= set(limb) for limb in found)
     assert any(limb[1:] == ("elbow.L", "wrist.L") and limb[0].startswith("bone_") for limb in found)
+
+
+_GERMAN = {
+    "hips": "Huefte",
+    "spine": "Wirbelsaeule1",
+    "chest": "Wirbelsaeule2",
+    "neck": "Hals",
+    "head": "Kopf",
+    "clavicle": "Schluesselbein",
+    "upper_arm": "Schulter",
+    "forearm": "Ellenbogen",
+    "hand": "Handgelenk",
+    "thigh": "Oberschenkel",
+    "shin": "Knie",
+    "foot": "Knoechel",
+    "toe": "Zehen",
+}
+
+
+@pytest.mark.parametrize("twists", [1, 2])
+def test_an_elbow_beside_a_helper_is_no_knee_of_a_leg_whose_words_are_half_known(twists: int) -> None:
+    """Before, elbow and wrist followed the thigh, and the body stood on its head at 0.97."""
+    helpers = [(f"Hilfe{k}.L", "upper_arm.L", (0.2 + 0.1 * k, 1.45, -0.05)) for k in range(twists)]
+    joints = renamed([*MAN, *both(helpers)], _GERMAN, ("_L", "_R"))
+    assert {
+        ("Schulter_L", "Ellenbogen_L", "Handgelenk_L"),
+        ("Oberschenkel_R", "Knie_R", "Knoechel_R"),
+    } <= sure(joints, named=True)
+    (found,) = recognise(rig_with(joints)).characters
+    assert found.up == (0.0, 1.0, 0.0)
+    assert found.facing == (0.0, 0.0, 1.0)
+
+
+def test_a_muscle_beside_the_elbow_is_no_upper_bone() -> None:
+    """Before, the elbow followed ``bicep.L``, which hangs at the shoulder as it does, at 0.99."""
+    called = {"upper_arm": "shoulder", "forearm": "elbow", "hand": "wrist", "shin": "knee", "foot": "ankle"}
+    joints = renamed([*MAN, *FINGERS, *both([("bicep.L", "upper_arm.L", (0.27, 1.47, 0.03))])], called)
+    assert not [each for each in sure(joints, named=True) if "bicep.L" in each]
+    assert ("shoulder.L", "elbow.L", "wrist.L") in {
+        tuple(joints[k][0] for k in one.bend) for one in limbs(joints, named=True)
+    }
