@@ -419,6 +419,10 @@ class Rig(NodeNames):
         """This rig with other parents, (n,), each before its children; metadata mean the same nodes."""
         return replace(self, parents=parents)._with_references_of(self, range(len(self)))
 
+    def with_labels(self, labels: Sequence[str]) -> Rig:
+        """This rig with other labels, of n nodes; metadata mean the same nodes."""
+        return replace(self, labels=tuple(labels))._with_references_of(self, range(len(self)))
+
     def reordered(self, order: Sequence[int]) -> Rig:
         """This rig with its nodes in another order: the k-th is what was ``order[k]``.
 

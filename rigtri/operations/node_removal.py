@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rigtri.errors import UsageError
 from rigtri.maths.arrays import Booleans
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
@@ -18,9 +19,16 @@ def without_nodes(rig: Rig, gone: Collection[int], folds: Sequence[JointMerge]) 
     """The rig without nodes, none of which is the parent of one that stays.
 
     folds: for each skin that loses joints, who inherits the weight of these. Nodes of the file stay in the
-    rig without a name, as ``pending.removed``, until it is written.
+    rig without a name, as ``pending.removed``, until it is written. UsageError where the weights of such a
+    skin wait to be shared with twist joints, which that counts by its rows.
     """
     gone = frozenset(gone)
+    sharing = {each.skin for each in rig.pending.weight_redistributions}
+    if any(fold.skin in sharing for fold in folds):
+        raise UsageError(
+            "Weights were shared with twist joints, and joints taken out of their skin, in the same edit: "
+            "write the file between the two"
+        )
     merges = {merge.skin: merge for merge in rig.pending.joint_merges}
     merges |= {fold.skin: merges[fold.skin].then(fold) if fold.skin in merges else fold for fold in folds}
     less = replace(

@@ -193,6 +193,8 @@ def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Ri
         # An element of a matrix moves by up to four times as much as those of a quaternion.
         if np.abs(moved - matrix[node]).max() > 4.0 * _SAME_POSITION * max(1.0, float(np.abs(moved).max())):
             matrix[node] = moved
+            # What a clip plays that has other channels of the node.
+            rig = replace(rig, translation=translation, rotation=rotation)
         return replace(rig, matrix=matrix)
     if all(np.array_equal(a, b) for a, b in zip(was, now, strict=True)):
         return rig

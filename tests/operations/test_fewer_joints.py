@@ -467,3 +467,36 @@ def test_what_compressed_meshes_hold_is_not_claimed(command: str, said: str, tmp
     assert said in ran.stdout + ran.stderr
     plain = cli(command, SAMPLES / "biped.glb", "-o", tmp_path / "plain.glb", code=0)
     assert said not in plain.stdout + plain.stderr
+
+
+def _nameless(path: Path) -> Path:
+    """The sample, whose nodes are known by their numbers alone: they begin with a joint that can go."""
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    for node in gltf["nodes"]:
+        node.pop("name", None)
+    path.write_bytes(glb_bytes(gltf, binary))
+    return path
+
+
+@pytest.mark.ci
+def test_what_is_stored_by_numbers_names_the_same_nodes_once_joints_before_them_are_gone(
+    tmp_path: Path,
+) -> None:
+    """Before, controls of joints without names were dead, and children of constraints took their neighbours'
+    motion: numbers in the metadata stayed as they were."""
+    source, built, out = (tmp_path / f"{name}.glb" for name in ("source", "built", "out"))
+    rig = rigtri.read(_nameless(source))
+    names = dict(zip(rigtri.read(SAMPLES / "biped.glb").names, rig.labels, strict=True))
+    gone = names["fingers_L"]
+    rig = rigtri.add_controls(rig, chain=(names["spine"], names["head"]))
+    rig = rigtri.constrain(rig, type="parent", child=names["staff"], driver=names["hand_R"])
+    rigtri.write(rigtri.add_polevector(rig, limbs="auto"), built)
+    cli("merge-joints", built, "-o", out, "--joints", gone, "--tolerance", "0.1", code=0)
+    before, after = read(built).rig, read(out).rig
+    stays = [node for node in range(len(before)) if before.labels[node] != gone]
+    assert len(after) == len(stays) < len(before)
+    for now, node in enumerate(stays):
+        meant = sorted(after.named_by(after.metadata.get(now, {})))
+        assert [stays[k] for k in meant] == sorted(before.named_by(before.metadata.get(node, {})))
+    assert not any(after.lost_by(record) for node in after.metadata if (record := after.record(node)))
+    cli("bake", out, "-o", tmp_path / "baked.glb", "--to", "joints", "--strict", code=0)

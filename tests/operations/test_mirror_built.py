@@ -31,9 +31,11 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import moving_points
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
 from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
+from rigtri.operations.add_socket import AddSocketOptions, add_socket
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.bake.bake import bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
@@ -649,3 +651,28 @@ def test_a_straight_limb_bends_as_its_twin_without_a_warning(samples: Path) -> N
     left, right = (rig.world[rig.find(f"forearm_{side}_pole"), 3, :3] for side in "LR")
     assert_allclose(right, left * [-1.0, 1.0, 1.0], atol=1e-6)
     assert "straight" not in {notice.code for notice in report.warnings}
+
+
+@pytest.mark.ci
+def test_shared_weights_are_mirrored_beside_a_constraint_of_another_kind(
+    samples: Path, tmp_path: Path
+) -> None:
+    """Before, the constraint that gets another name on the way was told lost, and nothing was written."""
+
+    def build(rig: Rig, report: Report) -> Rig:
+        rules: tuple[dict[str, Any], ...] = ({"type": "parent"}, {"type": "aim", "aim_axis": (1.0, 0.0, 0.0)})
+        for side, rule in zip("LR", rules, strict=True):
+            prop = AddSocketOptions(name=f"prop_{side}", on=f"hand_{side}")
+            rig = add_socket(rig, options=prop, report=report)
+            follow = ConstrainOptions(child=f"prop_{side}", driver=(("head", 1.0),), **rule)
+            rig = constrain(rig, options=follow, report=report)
+        shared = AddTwistOptions(joint=("forearm_L",), to=("hand_L",), split_weights=True)
+        return bake(add_twist(rig, options=shared, report=report), to="joints", report=report)
+
+    source, out = tmp_path / "built.glb", tmp_path / "out.glb"
+    edit(samples / "biped.glb", source, build)
+    edit(source, out, lambda rig, report: mirror(rig, options=MirrorOptions(), report=report))
+    rig = read(out).rig
+    kinds = {rig.names[rule.child]: rule.kind for rule in constraints_of(rig).values()}
+    assert kinds == {"prop_L": "parent", "prop_R": "parent"}
+    assert moving_points(rig.skins, len(rig))[rig.find("forearm_R_twist_1")]

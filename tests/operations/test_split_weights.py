@@ -17,7 +17,7 @@ from second_opinions import khronos_errors, validator
 
 import rigtri
 from rigtri import verify
-from rigtri.errors import FileError, GeometryError
+from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.formats import Document, read
 from rigtri.limits import TOLERANCE
 from rigtri.model.animation import Clip, Track
@@ -377,3 +377,29 @@ def test_a_second_split_after_pose_changes_no_byte_and_strip_takes_it_out(
     assert again.read_bytes() == posed.read_bytes()
     stripped = cli("strip", posed, "-o", tmp_path / f"bare{suffix}", "--json", code=0).json["verification"]
     assert stripped["deviation"] < 1e-6 < 1e-3 < stripped["motion"]["deviation"]
+
+
+SHARED = AddTwistOptions(limbs="auto", split_weights=True)
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_one_edit_shares_weights_and_gives_the_joints_another_rest_pose(
+    suffix: str, samples: Path, tmp_path: Path
+) -> None:
+    """Before, it was refused with 6: what the new pose moves was held against the old one."""
+
+    def step(rig: Rig, report: Report) -> Rig:
+        shared = add_twist(rig, options=SHARED, report=report)
+        return rigtri.set_rest(shared, pose="tpose", report=report)
+
+    outcome = edit(samples / f"biped{suffix}", tmp_path / f"out{suffix}", step)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-6 < 0.1 < outcome.verification.motion.deviation
+
+
+def test_joints_leave_no_skin_whose_weights_wait_to_be_shared(samples: Path) -> None:
+    """Before, a rivet there ended with a traceback: rows of the skin were counted with and without them."""
+    shared = add_twist(read(samples / "biped.glb").rig, options=SHARED)
+    with pytest.raises(UsageError, match="write the file between the two"):
+        rigtri.merge_joints(shared, joints=["fingers_*"])

@@ -260,11 +260,22 @@ class NodeWriter:
                 giver.pop("extensions")
 
     def _write_notes(self) -> None:
+        stored = self._numbered().metadata
         for node, was in enumerate(self._was.tolist()):
-            now = self._rig.metadata.get(node)
+            now = stored.get(node)
             then = self._source.metadata.get(was) if was >= 0 else None
             if now != then:
                 self._write_note(node, dict(now) if now is not None else None)
+
+    def _numbered(self) -> Rig:
+        """The rig whose labels are the numbers that nodes have once those that go are gone."""
+        gone = self._rig.pending.removed
+        if not gone:
+            return self._rig
+        # What goes comes last, with a number that no node of the file has then.
+        order = sorted(range(len(self._rig)), key=lambda node: (node in gone, self.index[node]))
+        labels = {node: f"#{number}" for number, node in enumerate(order)}
+        return self._rig.with_labels([labels[node] for node in range(len(self._rig))])
 
     def _write_note(self, node: int, note: dict[str, Any] | None) -> None:
         holder = self._node(node)

@@ -65,11 +65,19 @@ class ExpectedResult:
         Where what the source shows is to move, both have one clip for all that plays
         at once: it shows one pose, whichever of a stage's clips holds which keys.
         """
-        if self.rig.pending.weight_redistributions or self.rig.pending.strips:
-            from rigtri.verification.compare.without_twist import without_twist
+        if not (self.rig.pending.weight_redistributions or self.rig.pending.strips):
+            return self._moved(written)
+        from rigtri.verification.compare.without_twist import without_twist
 
+        if self.rig.pending.weight_redistributions:
+            source, written = self._moved(written)
+        else:
             source = _with_clips(self.source, self.rig) if self.reposed else self.source
-            return without_twist(source), without_twist(_with_lost_clips(written, self.rig))
+            written = _with_lost_clips(written, self.rig)
+        return without_twist(source), without_twist(written)
+
+    def _moved(self, written: Source) -> Views:
+        """The same, where no joint goes, and twist joints turn as they do."""
         before, rig = self.source.rig, self.rig
         old = {key: node for node, key in enumerate(before.keys)}
         redrawn = frozenset(old[rig.keys[node]] for node in rig.pending.shapes if rig.keys[node] in old)
@@ -154,13 +162,17 @@ def declared_differences(
     before, after = source_and_result(expected, written)
     free = {node for node, key in enumerate(before.rig.keys) if key in expected.moves}
     by_key, axes = not expected.rig.pending.strips, not expected.keeps_clips
-    apart = partial(motion_between, before, after, by_key=by_key, axes=axes, free=free)
-    motion = apart()
+    apart = partial(motion_between, by_key=by_key, axes=axes, free=free)
+    motion = apart(before, after)
     result = replace(result, motion=motion)
     if not (expected.reposed and expected.keeps_clips):
         return result
-    if expected.morph_changes or expected.rig.pending.weight_redistributions:
-        motion = apart(other_points=False)
+    if expected.rig.pending.weight_redistributions:
+        from rigtri.verification.compare.without_twist import without_twist
+
+        motion = apart(without_twist(before), without_twist(after), other_points=False)
+    elif expected.morph_changes:
+        motion = apart(before, after, other_points=False)
     # What a USD animation holds without time is no motion, but what is seen at rest.
     moved = [
         f"clip '{name}' moves otherwise by up to {far:.2g}"

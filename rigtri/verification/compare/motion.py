@@ -52,6 +52,11 @@ def motion_between(
     found = match(mine, theirs, by_key=by_key)
     meshes = measurable(before, before.outlines)
     sizes = sizes_of(mine, meshes)
+    pairs, _ = mesh_pairs(mine, found, measurable(before, before.meshes), measurable(after, after.meshes))
+    if not other_points:  # nor do these make the boxes larger of what joints move
+        meshes = [
+            some_points(a, ~rows) for a, b in pairs if not (rows := _changed(mine, theirs, found, a, b)).all()
+        ]
     moving = changed_nodes(mine, theirs, found)
     watched = moving.copy()
     watched[list(free)] = False
@@ -61,9 +66,7 @@ def motion_between(
         *instances(mine, theirs, found, moving, sizes),
         origins(mine, found, watched),
     ]
-    if other_points:
-        pairs, _ = mesh_pairs(mine, found, measurable(before, before.meshes), measurable(after, after.meshes))
-        probes += _changed_points(mine, theirs, found, pairs)
+    probes += _changed_points(mine, theirs, found, pairs) if other_points else ()
     result = measure(*side_by_side(mine, theirs, found), probes, sizes)
     return Motion(result.largest, result.worst, result.clips, result.owners)
 

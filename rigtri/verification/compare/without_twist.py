@@ -75,13 +75,12 @@ def _twist_joints(rig: Rig) -> set[int]:
 
 
 def _worse(bounds: Comparison, vertices: Comparison) -> Comparison:
-    """The worse of a comparison by bounds and one of some vertices of the same files."""
-    both = replace(
-        bounds,
-        lost=tuple(dict.fromkeys((*bounds.lost, *vertices.lost))),
-        different=tuple(dict.fromkeys((*bounds.different, *vertices.different))),
-        poses=max(bounds.poses, vertices.poses),
-    )
+    """The worse of a comparison by bounds and one of some vertices of the same files.
+
+    What else is different says the first one, which knows what is rigtri's and may be drawn anew.
+    """
+    lost = tuple(dict.fromkeys((*bounds.lost, *vertices.lost)))
+    both = replace(bounds, lost=lost, poses=max(bounds.poses, vertices.poses))
     if not vertices.deviation > bounds.deviation:
         return both
     return replace(
