@@ -6,7 +6,7 @@ one of them counts from are evaluated, by their keys alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field, replace
 from functools import partial
@@ -36,7 +36,8 @@ from rigtri.model.metadata import PoseReaderRecord, PoseWeightRecord, Record, Ri
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_paths, joint_tracks
 
-# Of a long clip so many keys are looked at, evenly over it: of a minute and more at 60 a second all.
+# Of a long clip so many keys are looked at, evenly over it: of a minute and more at 60 a second all; of those
+# that an edit has changed as many.
 _MOST_TIMES = 4096
 # So many times of short clips are evaluated at once.
 _MOST_AT_ONCE = 2048
@@ -114,19 +115,60 @@ def keys_of(timeline: Timeline, one: Follower) -> Floats:
 class Look:
     """Where to look at followers: in a timeline, at ``times``, or at all their keys, if not too many.
 
-    keys: the times of each, (f,), as `keys_of`. There must be some.
+    keys: the times of each, (f,), as `keys_of`. There must be some. also: says at which of too many to look.
     """
 
     timeline: Timeline
     known: Sequence[Follower]
     keys: Sequence[Floats]
     times: Floats | None = None
+    also: Callable[[], Floats] | None = None
 
     def at(self) -> Floats:
         """The times to look at, (f,)."""
         if self.times is not None:
             return self.times
-        return thinned(sorted_unique(np.concatenate(self.keys)), _MOST_TIMES)
+        every = sorted_unique(np.concatenate(self.keys))
+        if self.also is None or len(every) <= _MOST_TIMES:
+            return thinned(every, _MOST_TIMES)
+        certain = thinned(np.intersect1d(every, self.also()), _MOST_TIMES)
+        return sorted_unique(np.concatenate([thinned(every, _MOST_TIMES), certain]))
+
+
+# The tracks of a node before and after an edit, where they differ.
+Changes = Mapping[int, Sequence[tuple[Track | None, Track | None]]]
+
+
+def changed_tracks(earlier: Timeline | None, timeline: Timeline, of: Mapping[int, int]) -> Changes | None:
+    """The nodes that have not the keys that they had in a clip; None where it is new."""
+    if earlier is None:
+        return None
+    back = {was: node for node, was in of.items()}
+    was = {(back.get(t.node, -1), t.path): t for t in earlier.clip.tracks}
+    now = {(t.node, t.path): t for t in timeline.clip.tracks}
+    changes: dict[int, list[tuple[Track | None, Track | None]]] = {}
+    for both in was.keys() | now.keys():
+        one, other = was.get(both), now.get(both)
+        if one is None or other is None or _identity(one) != _identity(other):
+            changes.setdefault(both[0], []).append((one, other))
+    return changes
+
+
+def _identity(track: Track) -> tuple[str, int, int]:
+    return track.interpolation, id(track.times), id(track.values)
+
+
+def changed_times(changes: Changes) -> Floats:
+    """The times of keys that are others than before, or new, or gone, (f,)."""
+    found = [np.zeros(0)]
+    for one, other in (pair for pairs in changes.values() for pair in pairs):
+        if one is None or other is None or one.values.shape[1:] != other.values.shape[1:]:  # or no spline now
+            found += [track.times for track in (one, other) if track is not None]
+            continue
+        _, mine, theirs = np.intersect1d(one.times, other.times, return_indices=True)
+        differ = (one.values[mine] != other.values[theirs]).reshape(len(mine), -1).any(axis=1)
+        found += [one.times[mine[differ]], np.setxor1d(one.times, other.times)]
+    return np.unique(np.concatenate(found))
 
 
 def off_in_clips(rig: Rig, looks: Sequence[Look]) -> Iterator[tuple[Floats, Floats]]:

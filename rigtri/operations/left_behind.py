@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +27,8 @@ _ON_PLACE = 1e-5
 _AGAIN = 2.0
 # What thinned keys leave is beside a key, too: so many keys to either side.
 _BESIDE = 2
+# The warning that names them.
+BEHIND = "followers-behind"
 _KINDS = ("constraint", "poseReader", "rivet", "twist")
 _inside: ContextVar[bool] = ContextVar("inside another operation", default=False)
 
@@ -60,7 +62,8 @@ def naming_left_behind(run: Callable[..., Rig]) -> Callable[..., Rig]:
 class _Behind:
     """A follower that an edit has left behind. keeper, node: as it has. clip: None at rest.
 
-    allowed: how far it may be off, of which what was off before makes much.
+    allowed: how far it may be off, of which what was off before makes much. time: of the worst key of the
+    clip. keyed: it has keys of its own there.
     """
 
     keeper: int
@@ -68,13 +71,22 @@ class _Behind:
     clip: str | None
     far: float
     allowed: float
+    time: float = 0.0
+    keyed: bool = False
 
 
 def _left(before: Rig, rig: Rig) -> Iterator[_Behind]:
     """The followers that are further off their places than before, at rest and in each clip."""
     # With the solvers of all that follows, which most files have not.
     from rigtri.evaluation.timelines import timelines
-    from rigtri.operations.follower_places import Look, followers, keys_of, off_at_rest
+    from rigtri.operations.follower_places import (
+        Look,
+        changed_times,
+        changed_tracks,
+        followers,
+        keys_of,
+        off_at_rest,
+    )
 
     if not (known := {(each.keeper, each.node): each for each in followers(before)}):
         return
@@ -95,11 +107,12 @@ def _left(before: Rig, rig: Rig) -> Iterator[_Behind]:
     for timeline in timelines(rig) if pairs else ():
         mine = {clips[k] for k in timeline.members if k in clips}
         old_one = next((each for each in earlier if not mine.isdisjoint(each.members)), None)
-        moved = _otherwise_moved(old_one, timeline, of)
-        some = [pair for pair in pairs if pair.other or moved is None or not moved.isdisjoint(pair.now.needs)]
+        moved = changed_tracks(old_one, timeline, of)
+        some = [p for p in pairs if p.other or moved is None or not p.now.needs.isdisjoint(moved)]
         keyed = [(pair, keys) for pair in some if len(keys := keys_of(timeline, pair.now))]
         if keyed:
-            look = Look(timeline, [pair.now for pair, _ in keyed], [keys for _, keys in keyed])
+            changed_keys = partial(changed_times, moved or {})
+            look = Look(timeline, [p.now for p, _ in keyed], [keys for _, keys in keyed], also=changed_keys)
             shown.append(_Shown(look, [pair.was for pair, _ in keyed], old_one))
     yield from _left_in_clips(before, rig, shown)
 
@@ -149,7 +162,9 @@ def _left_in_clips(before: Rig, rig: Rig, shown: Sequence[_Shown]) -> Iterator[_
         at = int(np.argmax(over))
         if over[at] > 0:
             left = look.known[k]
-            yield _Behind(left.keeper, left.node, look.timeline.name, float(over[at]), float(bound[at]))
+            clip, time = look.timeline.name, float(found[number][0][at])
+            has_keys = not left.own or not look.timeline.clip.nodes.isdisjoint(left.own)
+            yield _Behind(left.keeper, left.node, clip, float(over[at]), float(bound[at]), time, has_keys)
 
 
 def _allowed(was: Floats) -> Floats:
@@ -175,20 +190,24 @@ def _named(rig: Rig, found: Iterable[_Behind]) -> dict[tuple[str, str], list[_Be
 
 
 def _warn(found: Mapping[tuple[str, str], Sequence[_Behind]], report: Report) -> None:
+    names = dict.fromkeys(name for _, name in found)
+    keyed = {name for (_, name), where in found.items() if any(one.keyed for one in where)}
     moving = {name for (_, name), where in found.items() if any(one.clip is not None for one in where)}
-    names = list(dict.fromkeys(name for _, name in found))
     _warn_of(
-        [n for n in names if n in moving], report, "The keys of {} still follow the old motion: update them"
+        [n for n in names if n in keyed], report, "The keys of {} still follow the old motion: update them"
     )
-    rest = [n for n in names if n not in moving]
-    stays = ("stays behind what it follows", "put it there")
-    stay = stays if len(rest) == 1 else ("stay behind what they follow", "put them there")
-    _warn_of(rest, report, f"At rest, {{}} {': '.join(stay)}")
+    for when, some in {"In clips": moving - keyed, "At rest": names.keys() - moving}.items():
+        stay = (
+            "stays behind what it follows: put it"
+            if len(some) == 1
+            else "stay behind what they follow: put them"
+        )
+        _warn_of([n for n in names if n in some], report, f"{when}, {{}} {stay} there")
 
 
 def _warn_of(names: Sequence[str], report: Report, text: str) -> None:
     if names:
-        report.warn("followers-behind", f"{text.format(list_names(names))} with rigtri bake", names=names)
+        report.warn(BEHIND, f"{text.format(list_names(names))} with rigtri bake", names=names)
 
 
 class LeftBehind:
@@ -241,7 +260,9 @@ class LeftBehind:
         for timeline in timelines(rig):
             keyed = {both: keys for both, each in known.items() if len(keys := keys_of(timeline, each))}
             if keyed:
-                looks.append(Look(timeline, [known[both] for both in keyed], [*keyed.values()]))
+                worst = [b.time for both in keyed for b in self._found[both] if b.clip == timeline.name]
+                shown, also = [known[both] for both in keyed], partial(np.unique, worst)
+                looks.append(Look(timeline, shown, [*keyed.values()], also=also))
                 titles.append([*keyed])
         for some, look, (_, rows) in zip(titles, looks, off_in_clips(rig, looks), strict=True):
             for both, row in zip(some, rows, strict=True):
@@ -303,19 +324,6 @@ def _same_clips(before: Rig, rig: Rig) -> dict[int, int]:
         if was is not None:
             found[number] = was
     return found
-
-
-def _otherwise_moved(earlier: Timeline | None, timeline: Timeline, of: Mapping[int, int]) -> set[int] | None:
-    """The nodes that have not the keys that they had in a clip; None where it is new."""
-    if earlier is None:
-        return None
-    back = {was: node for node, was in of.items()}
-    was, now = (
-        {(t.node, t.path): (t.interpolation, id(t.times), id(t.values)) for t in each.clip.tracks}
-        for each in (earlier, timeline)
-    )
-    was = {(back.get(node, -1), path): keys for (node, path), keys in was.items()}
-    return {both[0] for both in was.keys() | now.keys() if was.get(both) != now.get(both)}
 
 
 @dataclass(frozen=True, eq=False)

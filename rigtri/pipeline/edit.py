@@ -29,7 +29,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.metadata import EXPORT_WARNINGS
 from rigtri.model.rig import Rig
-from rigtri.operations.left_behind import warning_once
+from rigtri.operations.left_behind import BEHIND, warning_once
 from rigtri.operations.operation import from_keywords, with_keywords
 from rigtri.pipeline.rig_checks import check_numbers, check_order
 from rigtri.progress import begin_stage
@@ -280,8 +280,16 @@ def _compared(
 ) -> tuple[ExpectedResult, Source, Comparison]:
     """Compare the part with what was expected of the edit: that, the part as it was read, and the verdict."""
     reposed = (report.reposed or report.rekeyed) and rig is not document.rig
-    moves = frozenset(report.moves)
-    expected = ExpectedResult(document, rig, report.morph_changes, reposed, not report.reposed, moves)
+    behind = {name for notice in report.warnings if notice.code == BEHIND for name in notice.names}
+    expected = ExpectedResult(
+        document,
+        rig,
+        report.morph_changes,
+        reposed=reposed,
+        keeps_clips=not report.reposed,
+        moves=frozenset(report.moves),
+        behind=frozenset(behind),
+    )
     small = part.stat().st_size < _LARGE
     if small and rig is document.rig and filecmp.cmp(path, part, shallow=False):
         return expected, document, self_check(document, document)

@@ -109,7 +109,12 @@ def verify(before: Source, after: Source, *, sized_by: Sequence[Mesh] | None = N
 
 
 def self_check(
-    before: Source, after: Source, *, detail: Detail = "stated boxes", own_nodes: bool = False
+    before: Source,
+    after: Source,
+    *,
+    detail: Detail = "stated boxes",
+    own_nodes: bool = False,
+    behind: Set[str] = frozenset(),
 ) -> Comparison:
     """Compare a file with what an edit made of it; nodes are known by their keys.
 
@@ -117,7 +122,7 @@ def self_check(
     each joint moves. Nodes whose rest, tracks, ancestors and inverse binds are
     the same to the bit are not evaluated. Meshes that cannot be read are bounded
     by the box of their skin's joints. own_nodes: compare also the frames of what rigtri itself has added,
-    which else may move.
+    which else may move. behind: what the edit says that it leaves behind, see `left_their_rest`.
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=True)
     found = match(mine, theirs, by_key=True)
@@ -147,7 +152,7 @@ def self_check(
     ]
     different, changed = compare_scene_facts((mine, theirs), before.scene_facts(), after.scene_facts(), found)
     different += compare_attached(mine, theirs, found)
-    different += left_their_rest(mine, theirs, found)
+    different += left_their_rest(mine, theirs, found, behind)
     found = found.with_more(changed=changed)
     result = compared(mine, theirs, found, probes, sizes, different)
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)

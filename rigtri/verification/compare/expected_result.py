@@ -49,7 +49,8 @@ class ExpectedResult:
     rig: also declares redistributed skin weights (``pending.weight_redistributions``) and removed nodes
     (``pending.removed``). morph_changes: morph targets that get other weights, by the keys of nodes.
     reposed: what the source shows moves as ``rig`` does. keeps_clips: but not in clips, only at rest, besides
-    what shows nothing and is in ``moves``, by the keys of nodes.
+    what shows nothing and is in ``moves``, by the keys of nodes. behind: followers, by their titles, that
+    the report says are behind what they follow until the next bake.
     """
 
     source: Source
@@ -58,6 +59,7 @@ class ExpectedResult:
     reposed: bool = False
     keeps_clips: bool = False
     moves: frozenset[Hashable] = frozenset()
+    behind: frozenset[str] = frozenset()
 
     def views(self, written: Source) -> Views:
         """The source as it is expected to look, and the written file, but for changes of morph weights.
@@ -135,7 +137,7 @@ def compare_written(expected: ExpectedResult, views: Views, tolerance: float) ->
     if expected.rig.pending.weight_redistributions:
         from rigtri.verification.compare.without_twist import compare_without_twist
 
-        return compare_without_twist(*views)
+        return compare_without_twist(*views, behind=expected.behind)
     if expected.rig.pending.bind_sizes or expected.rig.pending.weight_limits:
         # Points are bound in another size, or by others: look at the vertices themselves.
         return verify(*views)
@@ -145,11 +147,12 @@ def compare_written(expected: ExpectedResult, views: Views, tolerance: float) ->
         from rigtri.verification.compare.morph_changes import without_changes
 
         views = without_changes(*views, expected.morph_changes)
-    result = self_check(*views, own_nodes=expected.reposed)
+    own, behind = expected.reposed, expected.behind
+    result = self_check(*views, own_nodes=own, behind=behind)
     if result.boxed and not result.passes(tolerance):  # the stated boxes may be too coarse
-        result = self_check(*views, detail="boxes", own_nodes=expected.reposed)
+        result = self_check(*views, detail="boxes", own_nodes=own, behind=behind)
     if not result.passes(tolerance) and result.passes(np.inf):  # and so may boxes of morphs be
-        exact = self_check(*views, detail="points", own_nodes=expected.reposed)
+        exact = self_check(*views, detail="points", own_nodes=own, behind=behind)
         result = exact if exact.passes(tolerance) else result
     return result
 

@@ -6,7 +6,7 @@ is to be where its drivers are, and may leave its rest for that.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 
 import numpy as np
 
@@ -20,21 +20,28 @@ from rigtri.verification.compare.correspondence import Correspondence
 _AT_REST, _ELSEWHERE = 4e-6, 1e-4
 
 
-def left_their_rest(before: Rig, after: Rig, m: Correspondence) -> list[str]:
-    """The children that a constraint would take from where they rest, and did not before, in words."""
+def left_their_rest(before: Rig, after: Rig, m: Correspondence, behind: Set[str] = frozenset()) -> list[str]:
+    """The children that a constraint would take from where they rest, and did not before, in words.
+
+    behind: those, by their titles, of which the user is told, as their driver was moved on purpose.
+    """
     with np.errstate(all="ignore"):
-        return list(_left(before, after, m))
+        left = [(now, after.title(now.child)) for now in _left(before, after, m)]
+    return [
+        f"the {now.kind} constraint of {child} no longer holds it where it rests"
+        for now, child in left
+        if child not in behind
+    ]
 
 
-def _left(before: Rig, after: Rig, m: Correspondence) -> Iterator[str]:
+def _left(before: Rig, after: Rig, m: Correspondence) -> Iterator[Constraint]:
     there = constraints_of(after)
     for node, rule in constraints_of(before).items():
         now = there.get(int(m.node[node]))
         if now is None or _is_other(rule, now, m) or not (now.offsets - identity(len(now.offsets))).any():
             continue
         if _off(before, rule) <= _AT_REST and _off(after, now) > _ELSEWHERE:
-            child = after.title(now.child)
-            yield f"the {now.kind} constraint of {child} no longer holds it where it rests"
+            yield now
 
 
 def _is_other(rule: Constraint, now: Constraint, m: Correspondence) -> bool:

@@ -6,7 +6,7 @@ the twist joints stand still, at rest and in every clip, nothing may.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import replace
 
 from rigtri.evaluation.twist_joints import untwisted
@@ -38,13 +38,13 @@ def without_twist(document: Source) -> DocumentView:
     return DocumentView(document, replace(rig, clips=tuple(clips)))
 
 
-def compare_without_twist(before: Source, after: Source) -> Comparison:
+def compare_without_twist(before: Source, after: Source, *, behind: Set[str] = frozenset()) -> Comparison:
     """Compare two views `without_twist`, the second with skin weights redistributed.
 
     What all joints move is bounded as in `compare.self_check`; the vertices whose influences changed are
     compared one by one.
     """
-    result = self_check(before, after)
+    result = self_check(before, after, behind=behind)
     pairs = _pairs(before, after)
     changed = [
         (some_points(a, rows), some_points(b, rows)) for a, b in pairs if (rows := changed_points(a, b)).any()
