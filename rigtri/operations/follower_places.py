@@ -155,7 +155,7 @@ def changed_tracks(earlier: Timeline | None, timeline: Timeline, of: Mapping[int
 
 
 def _identity(track: Track) -> tuple[str, int, int]:
-    return track.interpolation, id(track.times), id(track.values)
+    return track.interpolation, id(track.times), id(track.stored)
 
 
 def changed_times(changes: Changes) -> Floats:
