@@ -118,6 +118,8 @@ def _holds_bodies(tree: Tree, node: int) -> bool:
     may be between, and props beside them, but no legs: these are of a body that carries another.
     """
     large = [_Branch(tree, top) for top in tree.below[node] if tree.size[top] >= _PART]
+    if not large or _count_heads(tree, node) < 2:
+        return False
     bodies = [branch for branch in large if branch.head >= 0]
     least = _APART * tree.span
     if any(tree.at[a.head].distance(tree.at[b.head]) > least for a, b in combinations(bodies, 2)):
@@ -126,6 +128,12 @@ def _holds_bodies(tree: Tree, node: int) -> bool:
         return False
     others = (_Branch(tree, top) for top in tree.below[node] if top != bodies[0].top)
     return not any(other.legs for other in others) and _holds_bodies(tree, bodies[0].top)
+
+
+def _count_heads(tree: Tree, node: int) -> int:
+    """How many joints of a branch are called a head, without those below one, as its end is."""
+    heads = [k for k in tree.branch(node) if "head" in parse_name(tree.rig.names[k]).words]
+    return len([head for head in heads if not any(k != head and tree.is_below(head, k) for k in heads)])
 
 
 def _have_skins(tree: Tree, tops: Sequence[int]) -> bool:
