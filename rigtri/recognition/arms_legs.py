@@ -25,6 +25,7 @@ from rigtri.recognition.standing import (
     CLEAR,
     FIRST_APART,
     GUESS,
+    ends_beside,
     is_clear,
     lone_left,
     row_of_legs,
@@ -253,13 +254,18 @@ def _faces(
     if not by_names:
         lone = lone_left(draft, limbs).cross(body.up) if sure < _DOUBT else Vector()
         draft.stand(body.up, -ahead if lone.dot(ahead) < -_ASIDE * lone.length else ahead)
-    elif sure > _DOUBT and draft.facing.dot(ahead) < -0.5:
+    elif sure > _DOUBT and draft.facing.dot(ahead) < -0.5 and not _has_other_legs(draft, body, limbs):
         if (sure > _DENIES and not UNSURE.issuperset(why)) or draft.is_mirrored:
             words, draft.facing = "is on the right of where it faces", -draft.facing
         else:
             words = "may be on the right of where it faces"
         draft.remarks.append(f"what its names call left {words} ({', '.join(why)}); the names are taken")
     return sure, why
+
+
+def _has_other_legs(draft: Draft, body: Body, limbs: Sequence[Found]) -> bool:
+    """Whether knees and feet of a body are not those that a naming scheme knows."""
+    return ends_beside(draft.tree, body, [each.joints for each in limbs if each.kind == "leg"])
 
 
 def _side(draft: Draft, each: Found) -> Side:

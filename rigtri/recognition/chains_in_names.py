@@ -20,6 +20,10 @@ _BALANCE = 0.2
 _BONES: tuple[Level, Level] = ("lower", "end")
 _THREE: tuple[Level, Level, Level] = ("upper", *_BONES)
 _BESIDE: tuple[Level, Level] = ("before", "after")
+# Of what limb the bones of a human are: single words of some languages do not say it.
+_KINDS: Mapping[str, LimbKind] = {
+    f"{side}{bone}": kind for side in ("left", "right") for kind, parts in BENDS.items() for bone in parts
+}
 # What names of one limb have in common: side, place, and the words that say nothing of a limb.
 _Key = tuple[str, str, tuple[str, ...]]
 
@@ -33,7 +37,7 @@ def order_of_chains(tree: Tree, bones: Mapping[str, int]) -> dict[int, int]:
     where its topmost joint hangs.
     """
     found: dict[int, int] = {}
-    chains = list(_chains(tree, _kinds(bones)))
+    chains = list(_chains(tree, {bones[bone]: kind for bone, kind in _KINDS.items() if bone in bones}))
     for chain, bend in chains:
         if chain[0] != bend[0] and any(_is_nearer(tree, chain, other) for other, _ in chains):
             del chain[0]  # a blade of the front leg, which no name says
@@ -106,15 +110,6 @@ def _is_held_by(name: str) -> bool:
 def _is_balanced(tree: Tree, bend: Sequence[int]) -> bool:
     upper, lower = (tree.at[b].distance(tree.at[a]) for a, b in pairwise(bend))
     return min(upper, lower) > _BALANCE * max(upper, lower)
-
-
-def _kinds(bones: Mapping[str, int]) -> dict[int, LimbKind]:
-    """Of what limb the bones of a human are, by node: single words of some languages do not say it."""
-    kinds = {bone: kind for kind, parts in BENDS.items() for bone in parts}
-    sided = (f"{side}{bone}" for side in ("left", "right") for bone in kinds)
-    return {
-        bones[bone]: kinds[bone.removeprefix("left").removeprefix("right")] for bone in sided if bone in bones
-    }
 
 
 def _chains(tree: Tree, kind_of: Mapping[int, LimbKind]) -> Iterator[tuple[list[int], tuple[int, ...]]]:

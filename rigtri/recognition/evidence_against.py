@@ -16,6 +16,7 @@ from rigtri.recognition.arms_on_the_ground import (
 )
 from rigtri.recognition.character_draft import Draft, once
 from rigtri.recognition.cloth import beside_known_legs, hangs_as_cable, hangs_as_cloth, skirt
+from rigtri.recognition.denied_directions import denied_directions
 from rigtri.recognition.doubled_chains import moves_nothing
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.guessed_hierarchy import (
@@ -82,10 +83,10 @@ def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
         return list(found)
     against = [_contradiction(draft, each, found) for each in found]
     doubts = {id(each): why for each, why in zip(found, against, strict=True)}
-    weighed = []
+    denied, weighed = denied_directions(draft, found), []
     for each, first in zip(found, against, strict=True):
         why = first or of_twin(each, found, doubts) or _by_the_legs(draft, each, found, doubts)
-        why = why or _by_what_is_worn(draft, each, found, doubts)
+        why = why or _by_what_is_worn(draft, each, found, doubts) or denied
         weighed.append(unsure(draft, each, why) if why and each.is_sure else each)
     return weighed
 

@@ -13,6 +13,7 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.facing import up_of_stretched
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.hands_feet import finger_in_name
+from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limbs_alone import is_half_whole
 from rigtri.recognition.many_legs import is_row, up_of_row
@@ -77,13 +78,28 @@ def stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found])
         and (
             is_clear(body)
             or abs(across.unit.dot(up)) > _LATERAL
-            or (_has_legs_of(body, legs, arms) and known and lies(draft.tree, known, up))
+            or (_has_legs_of(draft.tree, body, legs, arms) and known and lies(draft.tree, known, up))
         )
     ):
         up = body.up
+    if body is not None and ends_beside(draft.tree, body, legs):
+        up = _up_of_known(draft, legs) or up
     if body is not None and any(turned := _up_by_head(body, up, across.unit)):
         up = turned
     draft.stand(up, across.cross(up))
+
+
+def _up_of_known(draft: Draft, legs: Sequence[tuple[int, ...]]) -> Vector | None:
+    """The axis of the file along which a trunk rises in line with the legs that names know, if one does."""
+    low, high = _ends_of_trunk(draft)
+    if low < 0 or high < 0:
+        return None
+    at, hang = draft.tree.at, Vector()
+    for joints in legs:
+        hang = hang + (at[joints[-1]] - at[joints[0]])
+    trunk = (at[high] - at[low]).unit
+    axis = on_axis((trunk - hang.unit).unit, _ALONG)
+    return axis if min(axis.dot(trunk), -axis.dot(hang.unit)) > _RISES else None
 
 
 def _up_by_head(body: Body, up: Vector, across: Vector) -> Vector:
@@ -207,9 +223,25 @@ def _ends_of_trunk(draft: Draft) -> tuple[int, int]:
     return low, next((k for k, each in roles.items() if "skull" in each), -1) if high < 0 else high
 
 
-def _has_legs_of(body: Body, legs: Sequence[tuple[int, ...]], arms: Sequence[tuple[int, ...]]) -> bool:
-    """Whether a body's legs share joints with the legs that names tell of, if any, and none with arms."""
+def _has_legs_of(
+    tree: Tree, body: Body, legs: Sequence[tuple[int, ...]], arms: Sequence[tuple[int, ...]]
+) -> bool:
+    """Whether a body's legs share joints with the legs that names tell of, if any, and none with arms.
+
+    And end along these.
+    """
     if not legs or body.legs is None:
         return not legs
     mine = {*body.legs.joints(0), *body.legs.joints(1)}
-    return not mine.isdisjoint(chain(*legs)) and mine.isdisjoint(chain(*arms))
+    if mine.isdisjoint(chain(*legs)) or not mine.isdisjoint(chain(*arms)):
+        return False
+    return not ends_beside(tree, body, legs)
+
+
+def ends_beside(tree: Tree, body: Body, legs: Sequence[tuple[int, ...]]) -> bool:
+    """Whether a body's legs leave those that names tell of before their feet, as strings of a puppet do."""
+    for mine in () if body.legs is None else (body.legs.joints(0), body.legs.joints(1)):
+        for named in legs:
+            if mine[0] == named[0] and mine[-1] != (end := named[-1]):
+                return not (tree.is_below(mine[-1], end) or tree.is_below(end, mine[-1]))
+    return False

@@ -33,7 +33,7 @@ _ASIDE, _LEANING = 0.5, 0.8
 _APART = 0.02
 # Legs that go down an axis of the file by this (a cosine, 15°) stand on it, however the trunk leans; and so
 # upright is the trunk of a body that sits.
-_ALONG_AXIS = 0.966
+ALONG_AXIS = 0.966
 # Legs that are stretched ahead are square to the trunk up to this (a sine), and bend by less than 25°.
 # Arms smaller than this part of legs are those of a dinosaur.
 _LEVEL, _STRETCHED, _SMALL = 0.35, 0.906, 0.3
@@ -98,10 +98,10 @@ def ups_of_pairs(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, flo
     loose = loose and not crouches
     if loose and (four or tail):
         return [(on_axis(rise, _LEANS), OTHER_UP)]
-    turned = [on_axis(rise := -down, _ALONG_AXIS)]
+    turned = [on_axis(rise := -down, ALONG_AXIS)]
     if turned[0] is rise or not turned[0].dot(on) > 0:
         turned = [spine.unit, limbs.unit]
-        if -down.dot(on) < _ALONG_AXIS:
+        if -down.dot(on) < ALONG_AXIS:
             # Legs that go otherwise than the trunk are posed, and files stand along an axis.
             turned = [axis for k in turned if (axis := on_axis(k, _LEANING)) is not k] or turned
     others = [(up, OTHER_UP) for up in turned if any(up)]
@@ -114,7 +114,7 @@ def ups_of_pairs(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, flo
         return [(seat, OTHER_UP)]
     # Legs of a body that sits go as far ahead as down, by 45°, and its trunk up, or it leans over arms that
     # hang straight; of one that crawls the arms hang down, too, and the feet trail behind.
-    rises = on.dot(seat) > (_LEANS if out.dot(-seat) > _ALONG_AXIS else _ALONG_AXIS)
+    rises = on.dot(seat) > (_LEANS if out.dot(-seat) > ALONG_AXIS else ALONG_AXIS)
     sits = rises and down.dot(-seat) > _ASIDE
     if sits := sits and (out.dot(-standing) < _ASIDE or _feet_stand(tree, legs, seat)):
         others = [(seat, OTHER_UP)]
@@ -156,7 +156,7 @@ def _sits_upright(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
     rise, hangs = on.dot(Vector(*tree.rig.rules.up)), out.dot(on) < -_ASIDE
     if rise < -_STANDS or (rise < _STANDS and not hangs):
         return False
-    if axis_of(on).dot(on) < _ALONG_AXIS or abs(down.dot(on)) > _LEVEL or out.dot(down) > _ASIDE:
+    if axis_of(on).dot(on) < ALONG_AXIS or abs(down.dot(on)) > _LEVEL or out.dot(down) > _ASIDE:
         return False
     if len(legs.at) < 3 or arms.size < _SMALL * legs.size or has_tail(tree, legs, arms, on):
         return False

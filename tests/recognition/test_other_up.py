@@ -484,3 +484,50 @@ def test_cables_at_the_hips_of_a_body_without_arms_do_not_lay_it_down(count: int
         (found,) = recognise(lying(joints)).characters
         assert found.up == pytest.approx((0, 0, 1), abs=1e-3)
         assert found.facing == pytest.approx((0, -1, 0), abs=1e-3)
+
+
+STRINGS = both(
+    [
+        *line("string1.L string2.L string3.L", "hand.L", (0.7, 1.9, 0), (0.7, 2.4, 0), (0.7, 2.9, 0)),
+        *line(
+            "string4.L string5.L string6.L", "shin.L", (0.1, 1.0, 0.01), (0.1, 1.5, 0.01), (0.1, 2.0, 0.01)
+        ),
+    ]
+)
+
+
+def test_a_puppet_stands_on_the_legs_that_names_know_and_not_on_its_strings() -> None:
+    """Before, strings above its knees were what it stood on: it stood on its head, sure at 0.97."""
+    joints = [*MAN, *STRINGS]
+    for rig, up, facing in ((rig_with(joints), (0, 1, 0), (0, 0, 1)), (lying(joints), (0, 0, 1), (0, -1, 0))):
+        (puppet,) = recognise(rig).characters
+        assert (puppet.up, puppet.facing) == (up, facing)
+        assert all(chain.is_sure for chain in puppet.limbs)
+
+
+# A gorilla leans over its knuckles: arms and legs hang straight down from a trunk that is half upright.
+GORILLA = [
+    *line("hips spine neck head", "", (0, 0.6, 0), (0, 0.75, 0.2), (0, 1.0, 0.55), (0, 1.08, 0.62)),
+    *both(
+        line("upper_arm.L forearm.L hand.L", "spine", (0.2, 0.95, 0.5), (0.22, 0.5, 0.49), (0.2, 0.08, 0.5))
+    ),
+    *both(
+        line(
+            "thigh.L shin.L foot.L toe.L",
+            "hips",
+            *((0.1, y, z) for y, z in ((0.57, 0), (0.32, 0.03), (0.06, 0), (0.02, 0.15))),
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_all_limbs_along_another_axis_than_a_leaning_trunk_has_below_it_make_nothing_sure(
+    named: bool,
+) -> None:
+    """Before, the gorilla of a file with another up lay, and looked at the ground, at 0.99."""
+    (ape,) = recognise(lying(GORILLA, named=named)).characters
+    assert ape.up == (0, 0, 1) or not any(chain.is_sure for chain in ape.limbs)
+    (ape,) = recognise(rig_with(GORILLA, named=named)).characters
+    assert ape.up == (0, 1, 0)
+    assert not named or all(chain.is_sure for chain in ape.limbs)
