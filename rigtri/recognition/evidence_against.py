@@ -43,6 +43,7 @@ from rigtri.recognition.inanimate import (
 from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.name_readings import follows_in_line
 from rigtri.recognition.names_of_several import named_twice, one_of_several
 from rigtri.recognition.naming_schemes import limb_kind_in_name, roles_in_name
 from rigtri.recognition.no_body import beside_things, by_words, is_named, no_body, no_trunk
@@ -71,6 +72,8 @@ _UNSURE = 0.6
 _BALANCE = 0.4
 # Joints that stand nearer to those of a limb than this part of its length are beside it.
 _BESIDE = 0.1
+# A bone that goes straight on by more than this part of itself beyond a joint may have that within it.
+_WITHIN = 0.15
 # Bones of counted joints are clearly those of a limb if they are so much alike.
 _CLEARLY = 0.45
 # What has so many limbs has all: both pairs of a body on two or four legs.
@@ -208,7 +211,7 @@ def _goes_on(draft: Draft, over: int, node: int) -> bool:
 
 
 def _unnamed_between(draft: Draft, each: Found) -> str:
-    """A joint without a name between those that have one, where shape does not tell what it is."""
+    """A joint without a name between, or after, those that have one, where shape does not tell what it is."""
     if AGREED in each.evidence:
         return ""
     start, middle, end = each.joints
@@ -219,6 +222,11 @@ def _unnamed_between(draft: Draft, each: Found) -> str:
                 if not parse_name(names[node]).plain and not roles_in_name(names[node]):
                     ends = f"{_title(draft, high)} and {_title(draft, low)}"
                     return f"a joint without a name is between {ends}"
+    after = draft.tree.below[end] if not parse_name(names[end]).plain else []
+    if len(after) == 1 and follows_in_line(draft.tree, middle, end, after[0]) > _WITHIN:
+        return (
+            f"{_title(draft, end)} has no name and may be within the bone that {_title(draft, after[0])} ends"
+        )
     return ""
 
 

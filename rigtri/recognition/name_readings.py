@@ -31,6 +31,8 @@ _LIMB, _BONE, _MARK = 3.0, 0.25, 0.6
 _EVEN, _BALANCED = 0.7, 0.5
 # They are in line up to 25° (a cosine), and two joints of an elbow so near to each other, as a part of both.
 _IN_LINE, _ONE_JOINT = 0.9, 0.1
+# A bone that goes on this far beyond a joint, as a part of the way to it, has that joint within it.
+_GOES_ON = 0.45
 # What each name that is known counts for, and that a scheme belongs to nobody.
 _NAME, _COMMON = 0.03, 0.3
 
@@ -265,10 +267,30 @@ def _triple(
 
 
 def _only_below(tree: Tree, node: int) -> list[int]:
-    """The one joint below another but for those beside bones; a neck or a head ends no limb."""
-    others = BESIDE | _MIDDLE
-    found = [child for child in tree.below[node] if others.isdisjoint(roles_in_name(tree.rig.names[child]))]
+    """The one joint below another but for those beside bones; a neck or a head ends no limb.
+
+    A nameless joint from which the bone goes straight on, nearly as far again, is one within it.
+    """
+    found = _not_beside(tree, node)
+    while len(found) == 1 and not limb_words(tree.rig.names[found[0]]).levels:
+        after = _not_beside(tree, found[0])
+        if len(after) != 1 or follows_in_line(tree, node, found[0], after[0]) < _GOES_ON:
+            break
+        found = after
     return found if len(found) == 1 else []
+
+
+def _not_beside(tree: Tree, node: int) -> list[int]:
+    others = BESIDE | _MIDDLE
+    return [child for child in tree.below[node] if others.isdisjoint(roles_in_name(tree.rig.names[child]))]
+
+
+def follows_in_line(tree: Tree, start: int, node: int, after: int) -> float:
+    """How long the way from a joint to the next is, as a part of that to it; 0 where it bends there."""
+    one, other = tree.at[node] - tree.at[start], tree.at[after] - tree.at[node]
+    if not any(one) or not any(other) or one.unit.dot(other.unit) < _IN_LINE:
+        return 0.0
+    return other.length / one.length
 
 
 def _counted(

@@ -8,7 +8,19 @@ from dataclasses import replace
 import pytest
 from recognition_bodies.cases import Case
 from recognition_bodies.population import population
-from recognition_bodies.skeletons import FINGERS, HORSE, LEG, MAN, TRUNK, Joint, both, line, renamed, rig_with
+from recognition_bodies.skeletons import (
+    ARM,
+    FINGERS,
+    HORSE,
+    LEG,
+    MAN,
+    TRUNK,
+    Joint,
+    both,
+    line,
+    renamed,
+    rig_with,
+)
 from recognition_bodies.truth import nameless
 
 from rigtri.model.rig import Rig
@@ -220,3 +232,27 @@ def test_a_wing_whose_joints_have_words_of_an_arm_is_a_wing(words: str) -> None:
     wings = {chain.name: chain for chain in dragon.chains if chain.kind in ("arm", "wing")}
     assert wings.keys() == {"left wing", "right wing"}
     assert " ".join(joints[k][0] for k in wings["left wing"].bend) == names
+
+
+_MIXAMO = {"hips": "Hips", "spine": "Spine", "clavicle": "Shoulder", "upper_arm": "Arm", "forearm": "ForeArm"}
+_MIXAMO |= {"thigh": "UpLeg", "shin": "Leg", "foot": "Foot", "toe": "ToeBase"}
+
+
+@pytest.mark.parametrize("part", [0.5, 0.7, 0.85])
+def test_a_nameless_joint_within_a_forearm_is_no_hand(part: float) -> None:
+    """Before, of a body with one arm, whose hand has no name either, it was the hand, at 0.97."""
+
+    def new(name: str) -> str:
+        word, _, side = name.partition(".")
+        sided = {"L": "Left", "R": "Right"}.get(side, "") + _MIXAMO.get(word, "")
+        return f"mixamorig:{sided}" if word in _MIXAMO else {"hand": "Bone.026"}.get(word, name)
+
+    joints: list[Joint] = []
+    for name, over, place in [*TRUNK, *both(LEG), *ARM, *FINGERS[: len(FINGERS) // 2]]:
+        if name == "hand.L":
+            joints.append(("Bone.061", new(over), (0.44 + 0.26 * part, 1.45, 0.0)))
+        joints.append((new(name), "Bone.061" if name == "hand.L" else new(over), place))
+    (found,) = recognise(rig_with(joints)).characters
+    ends = [joints[chain.bend[2]][0] for chain in found.chains if chain.bend and chain.is_sure]
+    assert "mixamorig:LeftFoot" in ends
+    assert "Bone.061" not in ends
