@@ -26,6 +26,8 @@ _BALANCED = 0.6
 _FURTHER = radians_below(5)
 # Axes of one joint that stand nearer to each other than this part of what is one place are not told apart.
 _EXACT = 0.1
+# So many joints lead to what a hand holds, and two bones before it are so long a part of that.
+_HELD, _BONE = 3, 0.15
 # What goes as far as this part of a bone, and does not end it, may be the bone's end.
 _AS_FAR = 0.85
 # Further from the plane of a body than this part of a limb is beside it.
@@ -134,6 +136,16 @@ def earlier_start(draft: Draft, each: Found) -> str:
     if before.length <= least * upper.length or before.unit.dot(upper.unit) < GOES_ON:
         return ""
     return f"'{tree.rig.title(one)}' may be where it begins, for its bone goes on into the upper one"
+
+
+def begins_in_hand(draft: Draft, each: Found) -> str:
+    """An arm without names after two long bones that may be the arm: what a hand holds goes on beyond it."""
+    mine, tree = each.pair, draft.tree
+    if each.kind != "arm" or mine is None or mine.named > 0.0 or mine.at[0] < _HELD:
+        return ""
+    path = next((path for path in mine.pair.paths if each.joints[0] in path), mine.pair.paths[0])
+    before = [node for node in path[1 : mine.at[0]] if tree.bone[node] > _BONE * mine.size]
+    return f"'{tree.rig.title(before[-1])}' may be its hand, with something in it" if len(before) > 1 else ""
 
 
 def beside_another(draft: Draft, each: Found) -> str:
@@ -258,4 +270,12 @@ def _bend(tree: Tree, over: int, node: int, on: int) -> float:
 # The doubts of any limb, of those whose three joints a naming scheme knows, and of those that shape tells.
 OF_ANY = (called_muscle, within_bone)
 OF_NAMES = (beside_end, later_end, end_called_lower)
-OF_SHAPES = (beside_another, one_of_two_in_place, beside_end, other_middle, later_end, earlier_start)
+OF_SHAPES = (
+    beside_another,
+    one_of_two_in_place,
+    beside_end,
+    other_middle,
+    later_end,
+    earlier_start,
+    begins_in_hand,
+)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from recognition_bodies.skeletons import FINGERS, MAN, both, line, rig_with
+from recognition_bodies.skeletons import FINGERS, MAN, both, line, rig_with, without
 
 from rigtri.recognition.recognise import recognise
 
@@ -28,3 +28,19 @@ def test_what_hangs_at_an_arm_is_no_arm_though_it_is_longer_than_the_way_to_the_
     assert sorted([joints[k][0] for k in chain.bend] for chain in sure) == [
         [f"{name}.{side}" for name in ("upper_arm", "forearm", "hand")] for side in "LR"
     ]
+
+
+@pytest.mark.parametrize("clavicle", [True, False])
+def test_two_spears_that_stand_on_hands_without_names_are_no_arms(clavicle: bool) -> None:
+    """Before, each was an arm, at 0.88: it is longer than the arm that holds it."""
+    spear = line("s1.L s2.L s3.L", "hand.L", (0.7, 1.45, 0), (0.7, 2.15, 0), (0.7, 2.85, 0))
+    joints = [*MAN, *both(spear)]
+    if not clavicle:
+        joints = [
+            (name, over.replace("clavicle.L", "chest").replace("clavicle.R", "chest"), at)
+            for name, over, at in joints
+        ]
+        joints = without(joints, "clavicle")
+    (man,) = recognise(rig_with(joints, named=False)).characters
+    arms = [chain for chain in man.chains if chain.kind == "arm" and chain.is_sure]
+    assert not [chain for chain in arms if joints[chain.bend[2]][0].startswith("s")]
