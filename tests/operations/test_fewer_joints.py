@@ -25,6 +25,7 @@ from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
+from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin, WeightLimit
 from rigtri.model.skin_weights import limited, within
 from rigtri.operations.prune_joints import why_named
@@ -500,3 +501,30 @@ def test_what_is_stored_by_numbers_names_the_same_nodes_once_joints_before_them_
         assert [stays[k] for k in meant] == sorted(before.named_by(before.metadata.get(node, {})))
     assert not any(after.lost_by(record) for node in after.metadata if (record := after.record(node)))
     cli("bake", out, "-o", tmp_path / "baked.glb", "--to", "joints", "--strict", code=0)
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("first", ["merge", "split"])
+def test_a_limit_counts_what_the_same_edit_has_left_of_the_weights(
+    first: str, suffix: str, tmp_path: Path
+) -> None:
+    """Before, a USD file got the weights that it had before the merge, with the numbers after it: that was
+    refused, and a generous tolerance let a torn mesh through."""
+
+    def changed(rig: Rig, report: Report) -> Rig:
+        if first == "merge":
+            return rigtri.merge_joints(rig, joints=["fingers_*"], report=report)
+        return rigtri.add_twist(rig, limbs="auto", split_weights=True, report=report)
+
+    def limited_too(rig: Rig, report: Report) -> Rig:
+        return rigtri.limit_weights(rig, max_influences=1, report=report)
+
+    source = SAMPLES / f"biped{suffix}"
+    once, half, twice = (tmp_path / f"{name}{suffix}" for name in ("once", "half", "twice"))
+    rigtri.edit(source, once, lambda rig, report: limited_too(changed(rig, report), report), tolerance=0.1)
+    rigtri.edit(source, half, changed, tolerance=0.1)
+    rigtri.edit(half, twice, limited_too, tolerance=0.1)
+    result = rigtri.verify(once, twice)
+    assert result.deviation < 1e-6
+    assert not result.different

@@ -446,3 +446,19 @@ def _weighted_tail_usd(path: Path) -> None:
             hips, tail = names.index("hips"), names.index("tail_2")
             indices.Set(Vt.IntArray([tail if k == hips else k for k in indices.Get()]))
     stage.Save()
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_one_edit_strips_and_gives_the_joints_another_rest_pose(suffix: str, tmp_path: Path) -> None:
+    """Before, it was refused with 6: the new pose was held against the old one."""
+
+    def step(rig: Rig, report: Report) -> Rig:
+        return rigtri.set_rest(strip(rig, report=report), pose="tpose", report=report)
+
+    source, out = tmp_path / f"in{suffix}", tmp_path / f"out{suffix}"
+    rigtri.write(rigtri.add_polevector(rigtri.read(SAMPLES / f"biped{suffix}"), limbs="auto"), source)
+    result = edit(source, out, step).verification
+    assert result is not None
+    assert result.deviation < 1e-6 < 0.1 < result.motion.deviation
+    assert not read(out).rig.metadata

@@ -13,7 +13,6 @@ from rigtri.formats.usd.passes.find_changes import find_changes
 from rigtri.formats.usd.passes.keep_followers import keep_followers
 from rigtri.formats.usd.passes.keep_splines import keep_splines
 from rigtri.formats.usd.passes.key_xforms import key_xforms
-from rigtri.formats.usd.passes.limit_weights import limit_weights
 from rigtri.formats.usd.passes.remove_joints import remove_joints
 from rigtri.formats.usd.passes.rename_joints import rename_joints
 from rigtri.formats.usd.passes.reorient_xforms import reorient_xforms
@@ -60,7 +59,6 @@ PASSES: tuple[Pass, ...] = (
     *VALUES,
     write_binding,
     write_skin_weights,
-    limit_weights,
     keep_followers,
     route_variants,
     confine_keys,
