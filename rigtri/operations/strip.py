@@ -43,9 +43,11 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     Raises GeometryError where a node of someone else is a child of one of ours, where the file names one of
     ours in what is not from rigtri, and where controls have motion that the joints do not have.
     """
-    kept = _kept(rig, report) | _of_others(rig)
+    followers = _of_others(rig)
+    kept = _kept(rig, report) | followers
     gone = _gone(rig, kept | _used_limbs(rig, kept, report))
     _refuse_named(rig, gone)
+    _refuse_followed(rig, followers, gone)
     if not options.discard_motion:
         refuse_unbaked(rig, gone)
     readers = [node for node in gone if rig.type_of(node) == "poseReader"]
@@ -218,17 +220,49 @@ def _kept(rig: Rig, report: Report) -> frozenset[int]:
 
 
 def _of_others(rig: Rig) -> frozenset[int]:
-    """The constraints of other characters that follow this one, with their weights and what holds them.
-
-    A constraint is of the character that has its child, or the joint from which this hangs.
-    """
-    rules = []
-    for node, rule in rig.records(ConstraintRecord).items():
-        child = rig.known(rule.child)
-        above = rig.path_to_root(child) if child is not None else ()
-        if next((each for each in above if rig.is_joint[each] or each in rig.others), -1) in rig.others:
-            rules.append(node)
+    """The constraints of other characters that follow this one, with their weights and what holds them."""
+    rules = [node for node, rule in rig.records(ConstraintRecord).items() if _is_of_others(rig, rule)]
     return frozenset(k for node in rules for k in (*rig.path_to_root(node), *rig.below(node))) & rig.own
+
+
+def _is_of_others(rig: Rig, rule: ConstraintRecord) -> bool:
+    """Whether a constraint is of another character than the one that is edited alone.
+
+    It is of the one that has the control which it moves, or whose joint carries its child, else of the one
+    that the lowest node above the child holds. Where that holds several it is of all that it follows, and
+    goes with the last.
+    """
+    child = rig.known(rule.child)
+    above = rig.path_to_root(child) if child is not None else ()
+    if not rig.others or not above:
+        return False
+    if child in rig.own:
+        return child in rig.others
+
+    def joint(node: int) -> int | None:
+        return next((k for k in rig.path_to_root(node) if rig.is_joint[k] or k in rig.others), None)
+
+    if (carrier := joint(above[0])) is not None:
+        return carrier in rig.others
+    for node in above:
+        inside = [k for k in rig.below(node) if k in rig.others or rig.is_joint[k]]
+        theirs = [k for k in inside if k in rig.others]
+        if inside:
+            if len(theirs) in (0, len(inside)):
+                return bool(theirs)
+            break
+    followed = [joint(k) for k in map(rig.known, rule.drivers) if k is not None]
+    return any(k in rig.others for k in followed if k is not None)
+
+
+def _refuse_followed(rig: Rig, followers: frozenset[int], gone: frozenset[int]) -> None:
+    """GeometryError where a constraint of another character, which stays, follows a node that goes."""
+    for node in sorted(followers & rig.records(ConstraintRecord).keys()):
+        if lost := sorted(rig.named_by(rig.metadata[node]) & gone):
+            raise GeometryError(
+                f"'{rig.title(node)}', which is of another character and stays, follows "
+                f"'{rig.title(lost[0])}', which is to go. Constrain its child to a joint instead first"
+            )
 
 
 def _gone(rig: Rig, kept: frozenset[int]) -> frozenset[int]:

@@ -38,7 +38,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.characters import characters
 from rigtri.model.constraints import constraints_of
-from rigtri.model.metadata import ControlRecord
+from rigtri.model.metadata import ConstraintRecord, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.recognition.one_character import _of_others, named, within
@@ -571,3 +571,25 @@ def ik_ends(rig: Rig) -> list[int]:
         next(node for node in ends if not rig.named_by(rig.metadata[node]).isdisjoint(nodes))
         for nodes in characters(rig)
     ]
+
+
+def test_a_prop_that_two_characters_hold_stays_with_its_own_until_that_is_stripped(
+    samples: Path, tmp_path: Path
+) -> None:
+    """Before, its constraint went with either of them, without a word."""
+    rig = read(pair(samples, tmp_path, "gltf")).rig
+    hands = [next(k for k in sorted(body) if rig.names[k] == "hand_L") for body in characters(rig)]
+    below = {who: set(rig.below(rig.find(who, "character"))) for who in "AB"}
+    staff = next(k for k in range(len(rig)) if rig.names[k] == "staff" and k in below["A"])
+    parents = rig.parents.copy()
+    parents[staff] = rig.find("A", "character")  # in no hand of its own
+    rig = rig.with_parents(parents)
+    held = constrain(rig, type="parent", child=rig.address(staff), driver=[rig.address(k) for k in hands])
+    assert [len(strip(held, character=who).records(ConstraintRecord)) for who in "AB"] == [0, 1]
+    led = add_controls(rig, whole_character=True, character="B")
+    control = next(
+        led.names[k] for k, one in led.records(ControlRecord).items() if one.joint.endswith("hand_L")
+    )
+    led = constrain(led, type="parent", child=led.address(staff), driver=control)
+    with pytest.raises(GeometryError, match=f"follows '{control}', which is to go"):
+        strip(led, character="B")
