@@ -12,8 +12,9 @@ import inspect
 import re
 import types
 import typing
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from dataclasses import MISSING, fields, is_dataclass, replace
 from numbers import Integral
 from typing import Annotated, Any, Literal, Protocol, TypeVar
@@ -64,6 +65,8 @@ class Operation(Protocol[O_contra]):
     ) -> Rig: ...
 
 
+_unnamed: ContextVar[Report | None] = ContextVar("the report of operations without one", default=None)
+
 # Of the rig, the nodes of the character that is edited alone, its name and the options.
 Refusal = Callable[[Rig, frozenset[int], str, Any], None]
 
@@ -92,7 +95,7 @@ def operation(
             check_arguments(function, (rig, *others), {"options": options, "report": report, **named})
             if options is not None and keywords:
                 raise TypeError(f"{function.__name__}: give options or {', '.join(keywords)}, not both")
-            report = report if report is not None else Report()
+            report = report if report is not None else _unnamed.get() or Report()
             if kind is None:
                 return _run(function, rig, others, report, keywords)
             spelling = python_spelling(kind) if options is None else AS_FLAGS
@@ -112,6 +115,17 @@ def operation(
     return decorated
 
 
+@contextmanager
+def reporting_to(report: Report | None) -> Iterator[None]:
+    """Let operations that are given no report add to this one."""
+    token = _unnamed.set(report)
+    try:
+        yield
+    finally:
+        _unnamed.reset(token)
+
+
+@reporting_to(None)  # those within another one are told what to report
 def _run(
     function: Callable[..., Rig],
     rig: Rig,

@@ -30,7 +30,7 @@ from rigtri.model.edit_options import RunOptions
 from rigtri.model.metadata import EXPORT_WARNINGS
 from rigtri.model.rig import Rig
 from rigtri.operations.left_behind import BEHIND, warning_once
-from rigtri.operations.operation import from_keywords, with_keywords
+from rigtri.operations.operation import from_keywords, reporting_to, with_keywords
 from rigtri.pipeline.rig_checks import check_numbers, check_order
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
@@ -123,11 +123,17 @@ def edit(
 ) -> Outcome:
     """Apply ``step`` to the rig in ``source``; ``target`` appears complete or not at all.
 
-    ``-`` is standard input or output. step: a function of the rig and the report, which returns a rig.
-    options: how the source is read. Raises as `edit_file`.
+    ``-`` is standard input or output. step: a function of the rig and the report, which returns a rig; what
+    operations in it do is reported there, whether they are given the report or none. options: how the source
+    is read. Raises as `edit_file`.
     """
     request = requested("edit", source, target, options=options, **given)
-    return edit_file(request, step, Report() if report is None else report)
+
+    def reporting(rig: Rig, report: Report) -> Rig:
+        with reporting_to(report):
+            return step(rig, report)
+
+    return edit_file(request, reporting, Report() if report is None else report)
 
 
 def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:

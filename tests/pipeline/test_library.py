@@ -212,6 +212,15 @@ def test_operations_one_after_the_other_are_one_edit(tmp_path: Path) -> None:
     assert report.added == outcome.report.added
 
 
+def test_the_report_of_an_edit_has_what_operations_do_that_are_given_none(tmp_path: Path) -> None:
+    """Before, a new rest pose was refused with 6 where the script did not hand the report on."""
+    given, none = (tmp_path / f"{name}.glb" for name in ("given", "none"))
+    one = edit(BIPED, given, lambda rig, report: rigtri.set_rest(rig, pose="tpose", report=report))
+    other = edit(BIPED, none, lambda rig, _: rigtri.set_rest(rig, pose="tpose"))
+    assert none.read_bytes() == given.read_bytes()
+    assert vars(other.report) == vars(one.report)
+
+
 @pytest.mark.ci
 def test_what_operations_report_comes_with_what_is_written(tmp_path: Path) -> None:
     own = Report()
