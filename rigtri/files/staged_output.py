@@ -5,9 +5,8 @@ from __future__ import annotations
 import filecmp
 import glob
 import os
-import re
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain
@@ -28,9 +27,8 @@ from rigtri.files.atomic_write import (
     temp_path,
 )
 from rigtri.files.background_copy import BackgroundCopies, copy_file
+from rigtri.files.buffer_files import added_buffers, remove_unnamed
 from rigtri.files.text_files import check_name
-
-_OURS = re.compile(rb'"uri"\s*:\s*"([^"/\\]*\.rigtri-[0-9a-f]{8}\.bin)"')
 
 
 @dataclass(frozen=True)
@@ -167,7 +165,7 @@ class StagedOutput:
         backups = [backup for _, backup in self.placed if backup is not None]
         with as_file_error(self.final):
             # Of what is there now: another run may have put it there since this one began.
-            orphans = _our_buffers(self.final, self.final)
+            orphans = added_buffers(self.final, self.final, every=not self._shared)
             if backups or orphans or self._followers:
                 _link(self.final if self.final.exists() else self.part, self._backup)
         for place in filter(Path.exists, self._followers):
@@ -185,8 +183,7 @@ class StagedOutput:
         with suppress(OSError):
             for backup in backups:
                 backup.unlink()
-            others = [self.final] if self._shared else self.final.parent.glob("*.gltf")
-            _remove_unnamed(orphans, others)
+            remove_unnamed(orphans)
             self._backup.unlink(missing_ok=True)
 
     def undo(self) -> None:
@@ -266,8 +263,7 @@ def recover(final: Path, side_files: Sequence[Path] = (), *, alone: bool = False
             _put_back(backup, _of_name(backup))
         for part in _left(side_files, f"part-{process}"):
             part.unlink()
-        others = (path for path in final.parent.glob("*.gltf") if path != own)
-        _remove_unnamed(_our_buffers(own, final), others)
+        remove_unnamed(added_buffers(own, final, every=not alone), but=own)
         for part in final.parent.rglob(f".*.part-{process}*"):
             if part != own:
                 part.unlink(missing_ok=True)
@@ -276,7 +272,7 @@ def recover(final: Path, side_files: Sequence[Path] = (), *, alone: bool = False
         named = final.parent.glob(f".{glob.escape(final.stem)}.*.part-{process}")
         for part in chain(named, _left(side_files, f"part-{process}")):
             os.replace(part, _of_name(part))
-        _remove_unnamed(_our_buffers(old, final), final.parent.glob("*.gltf"))
+        remove_unnamed(added_buffers(old, final, every=not alone))
         for backup in chain(final.parent.rglob(f".*.kept-{process}"), _left(side_files, f"kept-{process}")):
             if backup != old:
                 backup.unlink(missing_ok=True)
@@ -293,26 +289,6 @@ def _left(side_files: Sequence[Path], end: str) -> Iterator[Path]:
 def _of_name(left: Path) -> Path:
     """What a backup, or the part of what follows an output, is to be called."""
     return left.with_name(left.name[1:].rpartition(".")[0])
-
-
-def _our_buffers(path: Path, final: Path) -> set[Path]:
-    """The files of added keys, ``<stem>.rigtri-<hash>.bin``, that a .gltf refers to, as ``path`` has it."""
-    if final.suffix.lower() != ".gltf" or not path.is_file():
-        return set()
-    return {final.parent / name for name in _buffer_names(path) if name.startswith(f"{final.stem}.rigtri-")}
-
-
-def _buffer_names(path: Path) -> set[str]:
-    return {name.decode("utf-8", "replace") for name in _OURS.findall(path.read_bytes())}
-
-
-def _remove_unnamed(buffers: set[Path], files: Iterable[Path]) -> None:
-    """Remove the buffers that none of these .gltf refers to, as far as these can be read."""
-    with suppress(OSError):
-        named = set().union(*(_buffer_names(path) for path in files)) if buffers else set()
-        for buffer in buffers:
-            if buffer.name not in named:
-                buffer.unlink(missing_ok=True)
 
 
 def _same(content: bytes | Path, place: Path) -> bool:

@@ -195,14 +195,14 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
             return outcome
 
 
-def check_target(request: EditRequest) -> None:
-    """Refuse, before anything is read, a target that `edit_file` would refuse.
+def check_target(request: EditRequest) -> Path:
+    """Where the output goes; refuse, before anything is read, a target that `edit_file` would refuse.
 
-    The source is no stream, which can be read only once. Raises FileError, and UsageError for a target that
-    exists, without ``overwrite``, or is of another format.
+    Of a stream it is a name. The source is no stream, which can be read only once. Raises FileError, and
+    UsageError for a target that exists, without ``overwrite``, or is of another format.
     """
     with opened(request.source) as path:
-        _checked_target(path, request)
+        return _checked_target(path, request)
 
 
 def _checked_target(path: Path, request: EditRequest) -> Path:

@@ -24,6 +24,12 @@ steps:
   - {do: orient-joints, preset: maya}
   - {do: add-twist, limb: [upper_arm_L, forearm_L, hand_L]}
 """
+# The last step has nothing to add to the buffer.
+POLE = """
+steps:
+  - {do: add-twist, limb: [upper_arm_L, forearm_L, hand_L], count: COUNT}
+  - {do: add-polevector, limb: [upper_arm_L, forearm_L, hand_L]}
+"""
 
 
 def orient(suffix: str) -> list[str]:
@@ -34,6 +40,7 @@ def orient(suffix: str) -> list[str]:
 MORE = [*TWIST, "--count", "3"]
 GLTF = ["in/biped.gltf", "-o", "out/biped.gltf", "--overwrite"]
 CONTROLS = ["add-controls", "in/biped.gltf", "-o", "in/controls.gltf", "--joints", "hand_L"]
+NAMED = ["build", "in/biped.gltf", "-o", "out/hero.gltf", "--overwrite", "--spec"]
 AUTO = ["auto", *GLTF, "--picture", "out/biped.svg"]
 # By the row of docs/reliability.md: the command, and what has run there before with other results.
 CASES = {
@@ -42,6 +49,7 @@ CASES = {
     "edit .usda": (orient(".usda"), []),
     "edit .usdz": (orient(".usdz"), []),
     "build .gltf": (["build", *GLTF, "--spec", "in/rig.yaml"], MORE),
+    "build .gltf to another name": ([*NAMED, "in/pole1.yaml"], [*NAMED, "in/pole2.yaml"]),
     "auto .gltf": (["auto", *GLTF], MORE),
     "auto .gltf with spec and picture": ([*AUTO, "--preset", "maya"], AUTO),
     "bake .gltf": (["bake", "in/controls.gltf", "-o", "out/biped.gltf", "--overwrite"], CONTROLS),
@@ -61,7 +69,7 @@ SLOW = (
     "edit .usdz",
     "export-blender",
 )
-LATE = ("build .gltf", "batch")
+LATE = ("build .gltf", "build .gltf to another name", "batch")
 # What describes an output: nowhere is it beside another's.
 BESIDE = ("out/biped.rig.yaml", "out/biped.svg")
 
@@ -76,6 +84,8 @@ def place() -> Iterator[Path]:
         for name in ("biped.glb", "biped.gltf", "biped.bin", "biped.usda", "biped.usdz"):
             shutil.copy(SAMPLES / name, top / "in")
         (top / "in" / "rig.yaml").write_text(STEPS)
+        for count in "12":
+            (top / "in" / f"pole{count}.yaml").write_text(POLE.replace("COUNT", count))
         yield top
 
 

@@ -107,10 +107,13 @@ def build_file(
         temp_dirs.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
     ):
         work.source = work.at
+        name = ""
         if folder:  # else the only step asks it, before anything is read
-            check_target(replace(request, source=work.at, options=spec.reading))
+            final = check_target(replace(request, source=work.at, options=spec.reading))
+            # Each step names its buffer after its output, and the last may have nothing to add to it.
+            name = f"{final.stem}{work.at.suffix}"
         for one in spec.steps[:-1]:
-            place = Path(folder, str(one.index), work.at.name)
+            place = Path(folder, str(one.index), name)
             place.parent.mkdir()
             if work.do(one, place):
                 before, work.at = work.at, place
