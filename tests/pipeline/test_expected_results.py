@@ -20,8 +20,8 @@ from rigtri.verification.compare.expected_result import _keyed
 def compared(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     """A comparison that gives what it was asked for: reposed and kept rest pose, or ``same``."""
     monkeypatch.setattr(edit, "self_check", lambda document, again: "same")
-    monkeypatch.setattr(edit, "ExpectedResult", lambda *given: given)
-    monkeypatch.setattr(edit, "check_result", lambda expected, after, tolerance: (expected[3], expected[4]))
+    monkeypatch.setattr(edit, "ExpectedResult", lambda *given, **how: (how["reposed"], how["keeps_clips"]))
+    monkeypatch.setattr(edit, "check_result", lambda expected, after, tolerance: expected)
 
     def run(report: Report, *, edited: bool = True, same: bool = False) -> Any:
         rig = chain((0, 0, 0), (1, 0, 0))
