@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -13,7 +12,7 @@ import click
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.report import Report
 
-from .given_options import destination, read_options, refuse_given
+from .given_options import destination, given, read_options, refuse_given
 from .help_format import Option
 from .output_file import write_output
 from .printing import print_joints, print_json, print_verification, print_warnings
@@ -230,5 +229,14 @@ def check_side_files(values: dict[str, Any]) -> None:
         path = staged_output.destination(path)
         if path.exists() and not values["overwrite"]:
             raise UsageError(f"{path} exists; it is replaced only with --overwrite")
-        if path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
-            raise FileError(f"{flag} {path}: no file can be written there")
+        if why := staged_output.why_unwritable(path):
+            raise FileError(f"{_written_as(flag, path)} cannot be written: {why}")
+
+
+def _written_as(flag: str, path: Path) -> str:
+    """What a file beside OUT is called: by its option where the user gave that, else by what it is."""
+    ctx = click.get_current_context()
+    named = given(ctx)
+    if any(str(option.name) in named for option in ctx.command.params if flag in option.opts):
+        return f"{flag} {path}"
+    return f"{path}, which goes beside OUT unless {flag} names another place,"

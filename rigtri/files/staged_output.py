@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import filecmp
 import glob
 import os
@@ -328,6 +329,20 @@ def destination(path: Path) -> Path:
                 "(-o - and --json write to standard output)"
             )
         return place
+
+
+def why_unwritable(path: Path) -> str:
+    """Why no file can be written there, as the system says it; "" where nothing is known against it."""
+    folder = path.parent
+    if path.is_dir():
+        return os.strerror(errno.EISDIR)
+    if not folder.is_dir():
+        return os.strerror(errno.ENOTDIR if folder.exists() else errno.ENOENT)
+    if os.access(folder, os.W_OK):
+        return ""
+    # Root, too, may not write to a disk that is mounted so.
+    closed = hasattr(os, "statvfs") and os.statvfs(folder).f_flag & os.ST_RDONLY
+    return os.strerror(errno.EROFS if closed else errno.EACCES)
 
 
 def write_text(path: Path, text: str) -> None:

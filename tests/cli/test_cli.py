@@ -424,7 +424,7 @@ IGNORED = {
     "upside down": (["--limb", "hand_L", "forearm_L", "upper_arm_L"], "upside down"),
     "aims for frames": (["--frames", "frames.json", "--aim", "z"], "--frames"),
     "a report over the result": (["--report", "out.glb"], "something else"),
-    "a report in no folder": (["--report", "none/report.json"], "written there"),
+    "a report in no folder": (["--report", "none/report.json"], "written: No such file"),
 }
 
 

@@ -72,12 +72,14 @@ SHUT = {"out": 0o555}
 DENIED = "Permission denied"
 READ = f"cannot be read: {DENIED}"
 WRITTEN = "cannot be written"
+BESIDE = "which goes beside OUT unless --spec-out names another place, cannot be written: Permission denied"
 CASES = {
     "orient, folder of OUT": _orient("biped.glb -o out/o.glb", SHUT, f"out/o.glb: {WRITTEN}"),
     "orient, gltf": _orient("biped.gltf -o out/o.gltf", SHUT, "out/o.gltf: cannot be written"),
     "orient, usda": _orient("biped.usda -o out/o.usda", SHUT, "out/o.usda cannot be written"),
     "auto": Case("auto biped.glb -o out/o.glb --no-spec", SHUT, f"out/o.glb: {WRITTEN}"),
-    "auto, spec": Case("auto biped.glb -o o.glb --spec-out out/s.yaml", SHUT, "--spec-out out/s.yaml"),
+    "auto, spec": Case("auto biped.glb -o o.glb --spec-out out/s.yaml", SHUT, f"out/s.yaml {WRITTEN}: P"),
+    "auto, spec beside OUT": Case("auto biped.glb -o out/o.glb", SHUT, f"rigtri: out/o.rig.yaml, {BESIDE}"),
     "build": Case("build biped.glb --spec rig.yaml -o out/o.glb", SHUT, f"out/o.glb: {WRITTEN}"),
     "convert": Case("convert biped.glb -o out/o.usda", SHUT, "out/o.usda cannot be written"),
     "view": Case("view biped.glb -o out/o.html", SHUT, "out/o.html cannot be written"),

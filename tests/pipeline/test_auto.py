@@ -171,6 +171,18 @@ def test_a_full_disk_is_told_of_the_output_and_the_temporary_folder(
     assert f"{where}: cannot be written: No space left on device" in result.stderr
 
 
+def test_a_spec_that_cannot_be_written_is_refused_with_the_reason(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, with an option that nobody had given, and without the reason."""
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    spec, denied = tmp_path / "out.rig.yaml", f"cannot be written: {os.strerror(errno.EACCES)}\n"
+    words = ("auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb")
+    assert run(*words, "--spec-out", spec, code=3).stderr == f"rigtri: --spec-out {spec} {denied}"
+    beside = "which goes beside OUT unless --spec-out names another place,"
+    assert run(*words, code=3).stderr == f"rigtri: {spec}, {beside} {denied}"
+
+
 @pytest.mark.ci
 def test_a_dry_run_lists_and_draws_and_writes_nothing_else(tmp_path: Path) -> None:
     picture = tmp_path / "hero.svg"
