@@ -3,15 +3,19 @@
 All of a process lie in one of its own, which it keeps locked while it lives. A process that is killed cannot
 remove it; the next one that needs such a folder does, for those that nobody holds any more. Where folders
 cannot be locked (Windows) what a kill leaves stays.
+
+`tempfile` is imported where it is needed: it brings archives along, and most runs make no temporary folder.
 """
 
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 import threading
 from contextlib import suppress
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import tempfile
 
 try:
     import fcntl
@@ -31,6 +35,8 @@ class _ProcessFolders:
 
 def folder() -> tempfile.TemporaryDirectory[str]:
     """A new folder, which is removed at the end of its context."""
+    import tempfile
+
     return tempfile.TemporaryDirectory(dir=root())
 
 
@@ -38,18 +44,24 @@ def root() -> str:
     """The folder that holds all others of this process."""
     with _guard:
         if not os.path.isdir(_ProcessFolders.root):  # the first, or what somebody has tidied away
-            remove_stale()
+            import tempfile
+
+            remove_stale(tempfile.gettempdir())
             _ProcessFolders.root = _made()
         return _ProcessFolders.root
 
 
 def adopt(place: str) -> None:
     """Let a folder of somebody who lives longer hold all temporary files of this process."""
+    import tempfile
+
     _ProcessFolders.root = tempfile.tempdir = place
 
 
 def _made() -> str:
     """A new folder, locked, that goes at the end of this process."""
+    import shutil
+    import tempfile
     from multiprocessing.util import Finalize
 
     while True:
@@ -79,11 +91,18 @@ def _hold(place: str) -> int:
     return held
 
 
-def remove_stale() -> None:
-    """Remove the folders of processes that are no more."""
-    with suppress(OSError), os.scandir(tempfile.gettempdir()) as found:
+def remove_stale(place: str = "") -> None:
+    """Remove the folders of processes that are no more.
+
+    place: where they lie; "" for where the environment says that temporary files go.
+    """
+    named = filter(None, map(os.environ.get, ("TMPDIR", "TEMP", "TMP")))
+    place = place or next(filter(os.path.isdir, named), "/tmp")
+    with suppress(OSError), os.scandir(place) as found:
         for name in [entry.path for entry in found if entry.name.startswith(PREFIX)]:
             with suppress(OSError):  # somebody's who lives
                 held = _hold(name)
+                import shutil
+
                 shutil.rmtree(name, ignore_errors=True)
                 os.close(held)

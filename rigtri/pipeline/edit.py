@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import DeviationError, FileError, UsageError
+from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.folder_locks import folder_lock
@@ -357,6 +358,8 @@ def target_of(request: EditRequest) -> Path:
     with as_file_error(Path(request.target)):
         final = destination(Path(request.target))
         if request.is_kept and not request.shared:
+            if not request.passing:  # whose own folder it lies in
+                temp_dirs.remove_stale()
             with folder_lock(final.parent):  # what bears the number of this process may be a thread's
                 recover(final, request.side_files)
     return final
@@ -388,8 +391,6 @@ def working_folder(final: Path, request: EditRequest) -> Iterator[Path]:
         with folder_lock(final.parent):
             yield final.parent
         return
-    from rigtri.files import temp_dirs
-
     with temp_dirs.folder() as folder:
         yield Path(folder)
 

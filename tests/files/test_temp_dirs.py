@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from places import SAMPLES
+from program import cli
 
 from rigtri.files import temp_dirs
 
@@ -46,6 +49,26 @@ def test_the_next_process_removes_what_a_killed_one_has_left_and_nothing_of_othe
     other.communicate()
     alive.communicate()
     assert [path.name for path in tmp_path.iterdir()] == ["rigtri-mine"]
+
+
+@POSIX
+def test_an_edit_that_needs_no_temporary_folder_removes_those_of_killed_processes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, what a process had left that was killed at the end stayed until another made such a folder."""
+    place = tmp_path / "tmp"
+    (place / "rigtri-tmp-left").mkdir(parents=True)
+    (place / "rigtri-mine").mkdir()
+    alive, own = hold(place)
+    (place / "rigtri-tmp-left").mkdir(exist_ok=True)  # which that one has removed
+    monkeypatch.setenv("TMPDIR", str(place))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    out = tmp_path / "out.usda"
+    shutil.copy(SAMPLES / "biped.usda", out)
+    cli("orient-joints", out, "-o", out, "--preset", "maya", "--joints", "no such*", "--overwrite", code=4)
+    found = sorted(path.name for path in place.iterdir())
+    alive.communicate()
+    assert found == sorted(["rigtri-mine", own.name])
 
 
 def test_a_file_system_without_locks_is_used_all_the_same(
