@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import compose, multiply
-from rigtri.maths.quaternions import norm, normalise, slerp_rows, unit
+from rigtri.maths.quaternions import dot, gf_slerp, norm, normalise, slerp_rows, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Column, Interpolation, Path, Track, columns
 from rigtri.model.dataclass import dataclass
@@ -27,6 +27,8 @@ from rigtri.model.rig import Rig
 _NONE = np.zeros(0, dtype=np.int64)
 # The last bit of a time in float32 is no more of it.
 _LAST_BIT = 2.0**-23
+# A quaternion that is unit as float32 is off by no more. Those near for OpenUSD have a larger cosine.
+_ROUNDED, _NEAR = 2e-7, 0.99998
 
 
 def worlds(rig: Hierarchy, local: Floats) -> Floats:
@@ -133,8 +135,14 @@ class Motion:
             for pack in packs
             if pack.path == path
         ]
-        turned = iter(_turned([pack.segments(some)[:3] for pack, some, _ in parts if pack.turns]))
-        values = [next(turned) if pack.turns else pack.sample(some) for pack, some, _ in parts]
+        turning = [(pack, some) for pack, some, _ in parts if pack.turns]
+        arcs = {
+            raw: iter(
+                _turned([pack.segments(some)[:3] for pack, some in turning if pack.raw == raw], raw=raw)
+            )
+            for raw in {pack.raw for pack, _ in turning}
+        }
+        values = [next(arcs[pack.raw]) if pack.turns else pack.sample(some) for pack, some, _ in parts]
         if len(times) == len(parts) == 1 and isinstance(parts[0][0].columns, slice):
             return values[0]
         found = _held(still[self.driven], spans[-1].stop)
@@ -234,7 +242,7 @@ def _together(columns: Sequence[Column]) -> list[list[Column]]:
     for column in columns:
         # What has one key is the same at all times, whatever its time is.
         times = column.times.tobytes() if len(column.times) > 1 else b""
-        alike = (column.path, column.interpolation, times, column.stored.shape[1:])
+        alike = (column.path, column.interpolation, times, column.stored.shape[1:], column.raw)
         groups.setdefault(alike, []).append(column)
     return list(groups.values())
 
@@ -244,7 +252,7 @@ class _Pack:
     """Tracks that share path, interpolation and times, of one or more columns.
 
     places: where the tracks of each column stand among all. columns: where each track's node stands among
-    the driven nodes.
+    the driven nodes. raw: as in `Track`.
     """
 
     path: Path
@@ -253,6 +261,7 @@ class _Pack:
     alike: Sequence[Column]
     places: Sequence[Integers]
     columns: Integers | slice
+    raw: bool
 
     @staticmethod
     def of(alike: Sequence[Column], driven: Integers) -> _Pack:
@@ -264,7 +273,7 @@ class _Pack:
         places = np.split(place, np.cumsum([len(column) for column in alike])[:-1])
         whole = np.array_equal(nodes[order], driven)
         columns = slice(None) if whole else np.searchsorted(driven, nodes[order])
-        return _Pack(first.path, first.interpolation, first.times, alike, places, columns)
+        return _Pack(first.path, first.interpolation, first.times, alike, places, columns, first.raw)
 
     def keyed(self, keys: Integers | slice) -> Floats:
         """The values of some keys, (k, tracks, [3,] c); in memory the keys of one number lie side by side."""
@@ -288,7 +297,7 @@ class _Pack:
             return _held(values[:, 1] if cubic else values, len(times))
         values, left, inside, span = self.segments(times)
         if self.turns:
-            return _turned([(values, left, inside)])[0]
+            return _turned([(values, left, inside)], raw=self.raw)[0]
         share = inside[:, np.newaxis, np.newaxis]
         if cubic:
             return _hermite(values, left, share, span[:, np.newaxis, np.newaxis], self.path)
@@ -321,11 +330,12 @@ def _taken(values: Floats, rows: Integers) -> Floats:
     return taken.transpose()
 
 
-def _turned(segments: Sequence[tuple[Floats, Integers, Floats]]) -> list[Floats]:
+def _turned(segments: Sequence[tuple[Floats, Integers, Floats]], *, raw: bool) -> list[Floats]:
     """Turns, (f, t, 4), of each of some tracks: at a share, (f,), of the way from keys ``left``, (f,), of
     values, (k, t, 4), to the next ones.
 
     slerp takes unit values; their stored length is interpolated beside it, as in a renderer's mixer.
+    raw: as in `Track`.
     """
     if not segments:
         return []
@@ -335,6 +345,8 @@ def _turned(segments: Sequence[tuple[Floats, Integers, Floats]]) -> list[Floats]
         turns = values / size
         blended = slerp_rows(turns[:-1], turns[1:], left, inside)
         blended = blended * ((1.0 - share) * size[left] + share * size[left + 1])
+    if raw:
+        _put_off_arcs(blended, values, size[..., 0], left, inside)
     if len(segments) == 1:
         return [blended]
     ends = np.cumsum([len(some) * each.shape[1] for each, some, _ in segments])[:-1]
@@ -343,6 +355,25 @@ def _turned(segments: Sequence[tuple[Floats, Integers, Floats]]) -> list[Floats]
         part.reshape(4, each.shape[1], len(some)).transpose()
         for part, (each, some, _) in zip(parts, segments, strict=True)
     ]
+
+
+def _put_off_arcs(into: Floats, values: Floats, size: Floats, left: Integers, inside: Floats) -> None:
+    """Put what OpenUSD plays where that is no arc: between keys that are not unit, or near each other.
+
+    into: (f, t, 4). size: the lengths of the values, (k, t). Others are in `_turned`.
+    """
+    long = np.abs(size - 1.0) > _ROUNDED
+    cosine = np.abs(dot(values[:-1], values[1:]))
+    off = long[:-1] | long[1:] | ((cosine > _NEAR) & (cosine < 1.0 - _ROUNDED))
+    if not off.any():
+        return
+    between = np.flatnonzero((inside > 0.0) & (inside < 1.0))
+    # Tracks before times, as they lie in memory.
+    track, row = np.nonzero(np.take(off.T, left[between], axis=1))
+    row = between[row]
+    keys, key = values.transpose(), left[row]
+    played = gf_slerp(keys[:, track, key].T, keys[:, track, key + 1].T, inside[row])
+    into.transpose()[:, track, row] = played.T
 
 
 def _in_a_row(segments: Sequence[tuple[Floats, Integers, Floats]]) -> tuple[Floats, Integers, Floats]:

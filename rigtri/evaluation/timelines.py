@@ -245,7 +245,7 @@ def put_tracks(rig: Rig, timeline: Timeline, tracks: Iterable[Track]) -> Rig:
         elif _same_curve(made[home][at], track):
             continue
         else:
-            made[home][at] = replace(track, key=made[home][at].key)
+            made[home][at] = replace(track, key=made[home][at].key, raw=made[home][at].raw)
         changed.add(home)
     if not changed:
         return rig

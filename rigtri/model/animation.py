@@ -39,7 +39,8 @@ class Track:
     times: shape (k,), increasing. values: (k, c), for CUBICSPLINE (k, 3, c):
     in-tangent, value, out-tangent. Tracks of a clip that share their times
     share the array, which is what makes sampling them together cheap. unlisted: columns of weights
-    that the file has no word for, which are what they are at rest.
+    that the file has no word for, which are what they are at rest. raw: rotations play as OpenUSD
+    interpolates arrays of joints, of numbers as they are stored (`gf_slerp`).
     """
 
     node: int
@@ -49,6 +50,7 @@ class Track:
     values: Floats
     key: Hashable = None
     unlisted: frozenset[int] = frozenset()
+    raw: bool = False
 
     def __init__(
         self,
@@ -59,6 +61,7 @@ class Track:
         values: Floats,
         key: Hashable = None,
         unlisted: frozenset[int] = frozenset(),
+        raw: bool = False,
     ) -> None:
         # That of a frozen dataclass sets field by field, which takes thrice as long, and clips have hundreds.
         vars(self).update(
@@ -69,6 +72,7 @@ class Track:
             values=values,
             key=key,
             unlisted=unlisted,
+            raw=raw,
         )
 
     @property
@@ -78,7 +82,8 @@ class Track:
 
     def having(self, values: Floats) -> Track:
         """The track with other values; `replace` takes twice as long, and clips have hundreds."""
-        return Track(self.node, self.path, self.interpolation, self.times, values, self.key, self.unlisted)
+        known = self.node, self.path, self.interpolation, self.times
+        return Track(*known, values, self.key, self.unlisted, self.raw)
 
 
 class _StoredTrack(Track):
@@ -93,7 +98,8 @@ class _StoredTrack(Track):
         return found
 
     def having(self, values: Floats) -> Track:
-        return Track(self.node, self.path, self.interpolation, self.times, values, self.key, self.unlisted)
+        known = self.node, self.path, self.interpolation, self.times
+        return Track(*known, values, self.key, self.unlisted, self.raw)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +109,7 @@ class Column:
     stored: the values as the file has them, which may be in single or half precision: clips of minutes take
     half of the memory. times: (k,). nodes: (t,). keys, own_times: `Track.key` and `Track.times` of each; the
     latter may be other arrays with the same numbers. places: where each stands among the tracks of the clip.
-    tracks: those that were read, by their row.
+    tracks: those that were read, by their row. raw: as in `Track`.
     """
 
     path: Path
@@ -116,6 +122,7 @@ class Column:
     places: Sequence[int]
     unlisted: frozenset[int] = frozenset()
     tracks: dict[int, Track] = field(default_factory=dict)
+    raw: bool = False
 
     def __len__(self) -> int:
         return len(self.nodes)
@@ -168,6 +175,7 @@ class Column:
                 self.stored[row],
                 self.keys[row],
                 self.unlisted,
+                self.raw,
             )
         return self.tracks[row]
 
@@ -233,7 +241,8 @@ def columns(tracks: Sequence[Track]) -> tuple[Column, ...]:
     distinct = {id(track.times): track.times for track in tracks}
     same = {known: times.tobytes() for known, times in distinct.items()}
     for place, track in enumerate(tracks):
-        alike = track.path, track.interpolation, same[id(track.times)], track.values.shape, track.unlisted
+        shape = track.values.shape
+        alike = track.path, track.interpolation, same[id(track.times)], shape, track.unlisted, track.raw
         groups.setdefault(alike, []).append(place)
     return tuple(_column([tracks[place] for place in places], places) for places in groups.values())
 
@@ -254,6 +263,7 @@ def _column(tracks: Sequence[Track], places: Sequence[int]) -> Column:
         places,
         first.unlisted,
         dict(enumerate(tracks)),
+        first.raw,
     )
 
 

@@ -15,7 +15,7 @@ from rigtri.errors import UsageError
 from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.pose_cache import blocks
-from rigtri.evaluation.sampling import Motion, worlds
+from rigtri.evaluation.sampling import Motion, sorted_unique, worlds
 from rigtri.evaluation.timelines import (
     Timeline,
     as_float32,
@@ -26,7 +26,7 @@ from rigtri.evaluation.timelines import (
     times_and_jumps,
 )
 from rigtri.maths.matrices import compose, inverse, multiply, orthonormal_axes
-from rigtri.maths.quaternions import angle_between, from_axes, make_continuous, slerp
+from rigtri.maths.quaternions import NEARLY_UNIT, angle_between, from_axes, make_continuous, off_unit, slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Interpolation, Track
@@ -102,8 +102,12 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
         )
     for timeline in counted(timelines(rig) if followers else (), "clips"):
         # Keys that follow already stay to the bit: the rounding of what they were made of is in them.
-        if not _follow(rig, timeline, followers):
-            rig = put_tracks(rig, timeline, _tracks(rig, timeline, followers, root))
+        if not _farthest(rig, timeline, followers, enough=2.0 * _WITHIN) <= 2.0 * _WITHIN:
+            only = _only_times(timeline.clip)
+            made = _tracks(rig, timeline, followers, root, only)
+            if only is not None:
+                _warn_at_keys(rig, timeline, followers, made, report)
+            rig = put_tracks(rig, timeline, made)
             report.rekeyed = True
             known = {record["joint"] for record in report.joints}
             for node, _, leader in followers:
@@ -177,22 +181,56 @@ def _part(rig: Rig, clip: Clip, nodes: Sequence[int]) -> tuple[Rig, dict[int, in
     return replace(rig, clips=(clip,)).subset(sorted(rig.with_ancestors(nodes)))
 
 
-def _follow(rig: Rig, timeline: Timeline, followers: Sequence[_Follower]) -> bool:
-    """Whether joints are where their leaders are, at all keys of these and between them."""
+def _farthest(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], enough: float = np.inf) -> float:
+    """How far joints are from their leaders, of the size, at all keys of these and between them.
+
+    enough: where it is farther somewhere, nobody looks on.
+    """
     nodes, _, leaders = np.array(followers).T.tolist()
     small, place = _part(rig, timeline.clip, [*nodes, *leaders])
     nodes, leaders = ([place[node] for node in some] for some in (nodes, leaders))
     motion = Motion(small, *small.clips)
     times = keys_and_between(times_and_jumps(timeline, None, rig.rules.per_second))
-    size = skeleton_size(rig)
+    size, found = skeleton_size(rig), 0.0
     for rows in blocks(len(times)):
         world = worlds(small, motion.locals_at(times[rows]))
         one, other = world[:, nodes], world[:, leaders]
         turned = angle_between(*(from_axes(orthonormal_axes(each)) for each in (one, other)))
         off = length(one[..., 3, :3] - other[..., 3, :3]) + _ARM * size * turned
-        if not off.max() <= 2.0 * _WITHIN * size:
-            return False
-    return True
+        found = float(np.maximum(found, off.max() / size))
+        if not found <= enough:
+            break
+    return found
+
+
+def _only_times(clip: Clip) -> Floats | None:
+    """The only times, (k,), at which a clip may have rotation keys, None where it may have some at any time.
+
+    Where joints share their times, all get a key where one does, and OpenUSD plays quaternions that are not
+    unit otherwise on both sides of one more key, whatever that is.
+    """
+    turns = [column for column in clip.columns if column.raw and len(column.times) > 1]
+    if all(off_unit(column.key_values) <= NEARLY_UNIT for column in turns):
+        return None
+    return sorted_unique(np.concatenate([column.times for column in turns]))
+
+
+def _warn_at_keys(
+    rig: Rig, timeline: Timeline, followers: Sequence[_Follower], made: Sequence[Track], report: Report
+) -> None:
+    """A warning where joints follow at keys alone, and how far off they are between these."""
+    nodes = {one.node for one in followers}
+    others = tuple(t for t in timeline.clip.tracks if t.node not in nodes)
+    played = replace(timeline, clip=replace(timeline.clip, tracks=(*others, *made)))
+    off = _farthest(rig, played, followers)
+    if off > 2.0 * _WITHIN:
+        names = and_more([rig.title(one.node) for one in followers], 3)
+        report.warn(
+            "ik-bones-at-keys",
+            f"In clip '{timeline.name}' {names} follow at the keys of rotations, and between them are up to "
+            f"{off:.2g} of the size off: rotations there are not unit, and with more keys OpenUSD would play "
+            "the other joints otherwise. Normalise them in the program that wrote the file",
+        )
 
 
 def _spread(track: Track) -> Track:
@@ -211,10 +249,13 @@ def _layers(followers: Sequence[_Follower]) -> list[list[int]]:
     return list(layers.values())
 
 
-def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: int) -> list[Track]:
+def _tracks(
+    rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: int, only: Floats | None
+) -> list[Track]:
     """Translation and rotation of joints over a timeline, with as many keys as they need; none for none.
 
-    What is above a follower and is none itself stands as the root does.
+    only: the times that these may have, None for any. What is above a follower and is none itself stands as
+    the root does.
     """
     line = {node for one in followers for node in rig.path_to_root(one.leader)}
     tracks = tuple(
@@ -253,7 +294,9 @@ def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: 
         return np.asarray((length(values[..., :3] - place) + _ARM * size * turned).max(axis=1))
 
     times, holds = times_and_jumps(moving, None, rig.rules.per_second), steps_only(moving)
-    if not holds:
+    if only is not None:
+        times = only
+    elif not holds:
         of = f"What follows in clip '{timeline.name}'"
         times = adaptive_key_times(seats, error, times, within=_WITHIN * size, of=of)
     values = as_float32(seats(times))

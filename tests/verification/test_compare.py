@@ -24,9 +24,10 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import DocumentView, Source, self_check, verify
-from rigtri.verification.compare.deviation import denormalisation, joined
+from rigtri.verification.compare.deviation import joined
 from rigtri.verification.compare.morph_changes import without_changes
 from rigtri.verification.compare.probes import LinearMeshPoints, MeshPoints, SampledPoses, mesh_points
+from rigtri.verification.compare.unit_rotations import denormalisation
 from rigtri.verification.compare.verdict import Comparison
 
 BOTH = pytest.mark.parametrize("compare", [self_check, verify])

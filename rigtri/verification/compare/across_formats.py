@@ -19,9 +19,10 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.progress import counted
 from rigtri.verification.compare.correspondence import Correspondence
-from rigtri.verification.compare.deviation import Deviation, denormalisation
+from rigtri.verification.compare.deviation import Deviation
 from rigtri.verification.compare.probe_selection import box_corners, frames, origins
 from rigtri.verification.compare.probes import FramePoints, Probe, SampledPoses, mesh_points
+from rigtri.verification.compare.unit_rotations import denormalisation
 from rigtri.verification.compare.verdict import Comparison, Motion
 
 # Matrices and points of so many numbers are evaluated at once.

@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import field, replace
 from functools import reduce
-from itertools import chain
 
 import numpy as np
 
 from rigtri.evaluation import sampling
 from rigtri.maths.arrays import Booleans, Integers
-from rigtri.maths.quaternions import dot, off_unit
+from rigtri.maths.quaternions import dot
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Tracks
@@ -25,10 +24,14 @@ from rigtri.model.rig import Rig
 from rigtri.progress import counted
 from rigtri.verification.compare.correspondence import Correspondence, timeline
 from rigtri.verification.compare.probes import FramePoints, MeshPoints, Probe, SampledPoses, in_few
+from rigtri.verification.compare.unit_rotations import (
+    UNIT_AS_SHOWN,
+    denormalisation,
+    lost_unit_rotations,
+    short_elsewhere,
+)
 from rigtri.verification.compare.verdict import UNIT, Comparison, Worst
 
-# Where quaternions are shown as they are: a rotation doubles their error, and a chain of joints adds it up.
-UNIT_AS_SHOWN = 2e-7
 # Numbers in one block of matrices: with its temporaries it stays in the cache.
 _BLOCK = 1 << 16
 # A deep rig is evaluated level by level, so that each step should have some matrices to multiply:
@@ -225,7 +228,8 @@ def compared(
     was, now = denormalisation(before), denormalisation(after, nodes)
     found = measure(before, after, probes, sizes)
     raw = found.largest
-    if max(was, now) > (UNIT_AS_SHOWN if before.rules.raw_quaternions else UNIT):
+    as_shown = before.rules.raw_quaternions
+    if max(was, now) > (UNIT_AS_SHOWN if as_shown else UNIT) or short_elsewhere(before, after):
         raw = measure(before, after, probes, sizes, normalised=False).largest
     return Comparison(
         deviation=found.largest,
@@ -236,31 +240,13 @@ def compared(
         worst=found.worst,
         per_mesh=found.owners,
         per_clip=found.clips,
-        lost=(*correspondence.lost, *lost_unit_rotations(was, now)),
+        lost=(*correspondence.lost, *lost_unit_rotations(was, now, as_shown=as_shown)),
         added=correspondence.added,
         changed=correspondence.changed,
         different=tuple(different),
         poses=found.poses,
-        raw_counts=before.rules.raw_quaternions,
+        raw_counts=as_shown,
     )
-
-
-def denormalisation(rig: Rig, nodes: Booleans | None = None) -> float:
-    """The largest | |q|−1 | of a rig's rotations, at rest and at keys; tangents do not count. nodes: (n,)."""
-    some = np.ones(len(rig), dtype=bool) if nodes is None else nodes
-    turns = [c for clip in rig.clips for c in clip.columns if c.path == "rotation"]
-    tracks = ((values, some[c.nodes[rows]]) for c in turns for rows, values in c.parts())
-    keyed = (values if mine.all() else values[mine] for values, mine in tracks)
-    return max(map(off_unit, chain([rig.rotation[~rig.has_matrix & some]], keyed)))
-
-
-def lost_unit_rotations(was: float, now: float) -> tuple[str, ...]:
-    """What to say where rotations are farther from unit than they were.
-
-    Normalising hides it, but a renderer that does not normalise would show it.
-    """
-    off = f"unit rotations: |q| is off 1 by {now:.2g}, was {was:.2g}"
-    return (off,) if now > 2.0 * was + UNIT else ()
 
 
 def _moments(clip: Clip) -> tuple[Floats, Floats]:

@@ -32,10 +32,10 @@ from rigtri.verification.compare.compare import (
     verify,
 )
 from rigtri.verification.compare.correspondence import timeline
-from rigtri.verification.compare.deviation import denormalisation, lost_unit_rotations
 from rigtri.verification.compare.expected_views import ConvertedView, PosedView
 from rigtri.verification.compare.motion import motion_between
 from rigtri.verification.compare.resting_skeletons import with_new_rest
+from rigtri.verification.compare.unit_rotations import denormalisation, lost_unit_rotations
 from rigtri.verification.compare.verdict import Comparison
 
 # The two documents of a comparison.
@@ -203,7 +203,8 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
         if mesh.node not in removed and there[place] < 0:
             lost.append(f"mesh {mesh.name}")
     different = (*result.different, *(f"{name} was removed, too" for name in lost))
-    unit = lost_unit_rotations(denormalisation(source.rig), denormalisation(written.rig))
+    off = denormalisation(source.rig), denormalisation(written.rig)
+    unit = lost_unit_rotations(*off, as_shown=source.rig.rules.raw_quaternions)
     return replace(result, different=different, lost=(*result.lost, *unit))
 
 

@@ -344,7 +344,7 @@ def _resampled(item: Property, times: Floats) -> Floats:
     old = item.samples.astype(np.float64)
     path: Path = "rotation" if old.shape[2] == 4 else "translation"
     for column in range(old.shape[1]):
-        track = Track(-1, path, "LINEAR", item.times, old[:, column])
+        track = Track(-1, path, "LINEAR", item.times, old[:, column], raw=True)
         found[:, column] = _exactly(track, times)
     return found
 

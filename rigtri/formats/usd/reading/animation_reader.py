@@ -303,4 +303,5 @@ def _columns(
     nodes = np.array([node for _, node in joints], dtype=np.int64)
     places = range(place, place + len(rows))
     own_times = [times] * len(rows)
-    return [Column(PROPERTIES[name], interpolation, times, nodes, by_joint, keys, own_times, places)]
+    path, raw = PROPERTIES[name], name == "rotations"
+    return [Column(path, interpolation, times, nodes, by_joint, keys, own_times, places, raw=raw)]
