@@ -256,6 +256,10 @@ def _note(note: Any) -> Make:
     return node(1, extras={"rigtri": note})
 
 
+# Of a joint that is the only one along its bone.
+TWIST = {"v": 1, "type": "twist", "number": 1, "count": 1, "at": 0.5, "weight": 0.5}
+
+
 def _driven_twice() -> Make:
     """A pose reader of joint 1 scales joint 2, which a constraint scales too."""
     common: dict[str, Any] = {"v": 1}
@@ -487,6 +491,7 @@ GLTF: dict[str, list[Make]] = {
         _note({"v": 1, "type": "poleVector", "chain": ["joint 0", "joint 1", "gone"]}),
         _note({"v": 1, "type": "poleVector", "chain": 7}),
         _note({"v": 1, "type": "frame", "joint": "joint 1#2"}),
+        _note({**TWIST, "joint": "joint 2", "to": "joint 0", "driver": "joint 2"}),
     ],
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 import zipfile
 from collections.abc import Callable
@@ -21,6 +22,13 @@ def Mesh "Other" (prepend apiSchemas = ["SkelBindingAPI"])
 }"""
 POLE = 'custom int rigtri:v = 1\ncustom token rigtri:type = "poleVector"\n'
 GROUP = '"{\\"v\\": 1, \\"type\\": \\"group\\"}"'
+# A twist joint of a bone below it, as where its metadata was copied.
+TWIST = json.dumps(
+    json.dumps(
+        {"v": 1, "type": "twist", "joint": "a/b", "to": "a", "driver": "a/b"}
+        | {"number": 1, "count": 1, "at": 0.5, "weight": 0.5}
+    )
+)
 BLEND = """
     uniform token[] skel:blendShapes = ["smile"]
     rel skel:blendShapeTargets = </Root/Smile>
@@ -412,5 +420,6 @@ USD: dict[str, list[Make]] = {
         bones(names='custom token[] rigtri:joints = ["a"]\ncustom string[] rigtri:jointNotes = ["no JSON"]'),
         bones(names='custom token[] rigtri:joints = ["a"]'),
         bones(names=f'custom token[] rigtri:joints = ["x"]\ncustom string[] rigtri:jointNotes = [{GROUP}]'),
+        bones(names=f'custom token[] rigtri:joints = ["a"]\ncustom string[] rigtri:jointNotes = [{TWIST}]'),
     ],
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tracemalloc
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -26,6 +27,8 @@ from pxr import Usd, UsdValidation
 from usd_files import save
 from wrong_values import refusal
 
+from rigtri import read, write
+from rigtri.model.metadata import TwistRecord
 from rigtri.verification.checks import RULES, Finding, check
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf.tolerant_reader import View
@@ -211,6 +214,25 @@ def test_metadata_finds_nodes_without_names_by_their_paths(tmp_path: Path) -> No
     source.write_bytes(glb_bytes(gltf, binary))
     cli("add-controls", source, "-o", controls, "--chain", "#1", "#3", code=0)
     assert "gltf.note.broken" not in {finding.id for finding in check(controls)}
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_a_twist_joint_that_was_parented_elsewhere_is_told_with_what_to_do(
+    suffix: str, tmp_path: Path
+) -> None:
+    """Before, check said nothing, and bake refused the file."""
+    twisted = tmp_path / f"twisted{suffix}"
+    cli("add-twist", SAMPLES / f"biped{suffix}", "-o", twisted, "--limbs", "auto", "--count", 1, code=0)
+    assert not {finding.id for finding in check(twisted) if "note" in finding.id}
+    rig = read(twisted)
+    node, record = next((n, r) for n, r in rig.records(TwistRecord).items() if "upper_arm" in r.joint)
+    forearm = rig.address(rig.find("forearm_L"))
+    told = replace(record, joint=forearm, driver=rig.address(rig.find("hand_L"))).to_dict()
+    copied = tmp_path / f"copied{suffix}"
+    write(replace(rig, metadata={**rig.metadata, node: told}), copied)
+    (finding,) = [finding for finding in check(copied) if finding.id.endswith("note.broken")]
+    assert f"has the metadata of a twist joint of '{forearm}', and is not its child" in finding.message
+    assert f"Parent it to '{forearm}' again, or remove that metadata" in finding.message
 
 
 def test_metadata_finds_joints_by_their_paths_whatever_their_tokens_begin_with(tmp_path: Path) -> None:

@@ -1,10 +1,12 @@
-"""Controls that count from nothing, and joints that two things move, which edits by hand may make."""
+"""What edits by hand may make: controls and twist joints that count from nothing, joints moved by two."""
 
 from __future__ import annotations
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.twist_joints import twist_of
 from rigtri.evaluation.zero_pose import COUNTS_FROM_NOTHING, adrift
 from rigtri.model.constraints import constraints_of
+from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import (
     controlled,
@@ -34,3 +36,16 @@ def check_adrift(rig: Rig, rule: str, findings: Findings) -> None:
     """Note controls without a node above them, which move nothing."""
     for node in adrift(rig):
         findings.add(rule, *title_and_pointer(rig, node), COUNTS_FROM_NOTHING)
+
+
+def check_twist(rig: Rig, rule: str, findings: Findings) -> None:
+    """Note twist joints that cannot be evaluated, as where one was parented elsewhere or metadata was copied.
+
+    Names in their metadata that lead nowhere have findings already.
+    """
+    for node, record in rig.records(TwistRecord).items():
+        if not rig.lost_by(record):
+            try:
+                twist_of(rig, node, record)
+            except GeometryError as error:
+                findings.add(rule, *title_and_pointer(rig, node), str(error))

@@ -17,7 +17,7 @@ from rigtri.text import is_number
 from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
 from rigtri.verification.checks.clip_check import MAYBE_FAR, check_clips
 from rigtri.verification.checks.cycle_check import WAITING, check_cycles
-from rigtri.verification.checks.driven_check import check_adrift, check_driven
+from rigtri.verification.checks.driven_check import check_adrift, check_driven, check_twist
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf import (
     animations,
@@ -84,6 +84,7 @@ def _check_rig(view: View, findings: Findings, *, allow_external: bool) -> Rig |
         check_cycles(rig, "gltf.note.circle", findings)
         check_driven(rig, "gltf.note.driven-twice", findings)
         check_adrift(rig, "gltf.note.broken", findings)
+        check_twist(rig, "gltf.note.broken", findings)
     check_axes(rig, findings)
     check_clips(rig, findings)
     return rig

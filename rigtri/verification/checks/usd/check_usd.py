@@ -23,7 +23,7 @@ from rigtri.verification.checks import metadata_check
 from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
 from rigtri.verification.checks.clip_check import check_clips
 from rigtri.verification.checks.cycle_check import check_cycles
-from rigtri.verification.checks.driven_check import check_adrift, check_driven
+from rigtri.verification.checks.driven_check import check_adrift, check_driven, check_twist
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.usd import animations, bindings, skeletons
 from rigtri.verification.checks.usd.scene import Scene
@@ -83,6 +83,7 @@ def _check_rig(rig: Rig, scene: Scene, findings: Findings) -> None:
         check_cycles(rig, "usd.note.circle", findings)
         check_driven(rig, "usd.note.driven-twice", findings)
         check_adrift(rig, "usd.note.broken", findings)
+        check_twist(rig, "usd.note.broken", findings)
     check_axes(rig, findings)
     check_clips(rig, findings)
 
