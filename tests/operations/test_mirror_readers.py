@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -140,3 +141,29 @@ def test_a_reader_of_the_head_that_drives_one_side_alone_is_named() -> None:
     mirror(rig, report=report)
     (told,) = (notice.text for notice in report.warnings if notice.code == "not-mirrored")
     assert told.startswith("pose reader 'one' is not mirrored: 'head' is on neither side")
+
+
+@pytest.mark.parametrize(
+    ("mesh", "why"),
+    [
+        ("gone", "not exactly one node is called 'gone' now"),
+        ("hips", "No mesh is named '/biped/hips'"),  # what another program has made of a mesh of that name
+    ],
+)
+def test_a_reader_whose_mesh_has_another_name_is_named_and_the_others_are_mirrored(
+    mesh: str, why: str
+) -> None:
+    """Before, the second ended with an error, and the first made a reader that drives nothing."""
+    rig, report = read(SAMPLES / "biped.glb").rig, Report()
+    about: dict[str, Any] = {"target": ("out=1,0,0",)}
+    rig = replace(rig, clips=())
+    for name, driver, joint in (("lost", "hand_L", "toe_L"), ("kept", "forearm_L", "fingers_L")):
+        rig = add_posereader(
+            rig, **about, driver=driver, joint=(("out", joint, "tx=0.02"),), name=f"{name}_L"
+        )
+    node, record = next((n, r) for n, r in rig.records(PoseReaderRecord).items() if r.name == "lost_L")
+    lost = replace(record, outputs=(OutputRecord(target="out", mesh=mesh, morph="smile_L"),))
+    rig = mirror(replace(rig, metadata={**rig.metadata, node: lost.to_dict()}), report=report)
+    (told,) = (notice.text for notice in report.warnings if notice.code == "not-mirrored")
+    assert told.startswith(f"pose reader 'lost_L' is not mirrored: {why}")
+    assert {one.name for one in rig.records(PoseReaderRecord).values()} == {"lost_L", "kept_L", "kept_R"}

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.maths.matrices import handedness, nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, triple
@@ -86,7 +86,8 @@ def mirror_each(
         built_report = Report()
         try:
             rig = build(rig, node, built_report)
-        except (FileError, GeometryError, UsageError) as error:
+        # Its record's names may be wrong, too, in a file that another program has written since.
+        except (AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError) as error:
             warn_not_mirrored(rig, node, report, title, str(error))
         else:
             report.merge(built_report)

@@ -24,6 +24,7 @@ from rigtri.operations.mirror.counterparts import (
     OTHER,
     SAME_NUMBER,
     SUFFIX,
+    NotMirroredError,
     direction,
     farthest_joint,
     mirror_each,
@@ -133,10 +134,17 @@ Triples = tuple[tuple[str, str, str], ...]
 
 
 def _outputs(rig: Rig, node: int, record: PoseReaderRecord, report: Report) -> tuple[Triples, Triples]:
-    """The morph targets and attributes that the twin drives; what has no twin is reported."""
+    """The morph targets and attributes that the twin drives; what has no twin is reported.
+
+    Raises NotMirroredError for a mesh that is not there any more, as where another program has renamed it.
+    """
     morphs, attributes = [], []
     for output in (one for one in record.outputs if not one.joint):
         here = rig.known(output.mesh or output.control)
+        if output.mesh and here is None:
+            raise NotMirroredError(
+                f"not exactly one node is called '{output.mesh}' now; give that name to its mesh alone"
+            )
         there = None if here is None else other(rig, here)
         morph = None if there is None else _morph(rig, there, output, same=there == here)
         if there is None or morph is None:
