@@ -12,9 +12,11 @@ from itertools import combinations
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_words import NO_WORDS, LimbWords
+from rigtri.recognition.limb_words import NO_WORDS, LimbWords, other_words
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses, how_far
 from rigtri.recognition.symmetry import Pair
+from rigtri.text import is_number
 
 # So many fingers make a hand, and so many joints a finger.
 HAND, _FINGER = 4, (2, 3, 4)
@@ -31,6 +33,8 @@ PAW, _REACHING, _AS_NEAR = 3, 0.6, 0.3
 _SHORTEST, _LONGEST = 0.5, 1.7
 # It goes on, as a cosine: a limb at rest is not folded.
 _ONWARD = 0.5
+# Joints nearer to each other than this part of the bone before them may be one middle of a limb.
+_BESIDE = 0.3
 # Hands, feet, and the cannon bone and hoof of a horse (0.7), reach less far beyond the limb, of its length.
 _FURTHER = 0.75
 
@@ -178,11 +182,58 @@ def loose_ends(tree: Tree, pair: Pair, poses: Poses, names: Mapping[int, LimbWor
     if min(ends) < 0 or ends[0] == ends[1] or pair.nodes.intersection(ends):
         return pair
     (a, b) = (path[:2] for path in pair.paths)
+    middles = [_bone_beside(tree, path, poses, names) for path in (a, b)]
+    if min(middles) >= 0:
+        a, b = (a[0], middles[0]), (b[0], middles[1])
     reach = min(
         tree.at[path[1]].distance(tree.at[path[0]]) + tree.at[end].distance(tree.at[path[1]])
         for path, end in zip((a, b), ends, strict=True)
     )
     return replace(pair, paths=((*a, ends[0]), (*b, ends[1])), reach=reach)
+
+
+def _bone_beside(tree: Tree, path: Sequence[int], poses: Poses, names: Mapping[int, LimbWords]) -> int:
+    """The joint beside the second of two that is called as their bone is; −1 for none, or more than one."""
+    start, middle = path
+    if _is_called(tree, start, middle, names):
+        return -1
+    near = [k for k in beside_middle(tree, start, middle, poses) if _is_called(tree, start, k, names)]
+    return near[0] if len(near) == 1 else -1
+
+
+def beside_middle(tree: Tree, start: int, middle: int, poses: Poses) -> list[int]:
+    """The joints that move points beside the second joint of a limb, so near that they may be that."""
+    near = _BESIDE * tree.at[middle].distance(tree.at[start])
+    beside = [k for k in tree.below[start] if k != middle and poses.moves_points(k)]
+    return [k for k in beside if tree.at[k].distance(tree.at[middle]) < near]
+
+
+def middle_beside(tree: Tree, joints: Sequence[int], poses: Poses, names: Mapping[int, LimbWords]) -> int:
+    """A joint that may be the middle of a limb, too, whose end the file parents elsewhere; −1 for none."""
+    start, middle, end = joints
+    if tree.is_below(end, middle) or tree.above[middle] != start:
+        return -1
+    called = _is_called(tree, start, middle, names)
+    near = beside_middle(tree, start, middle, poses)
+    return next((k for k in near if not called or _is_called(tree, start, k, names)), -1)
+
+
+def _is_called(tree: Tree, start: int, node: int, names: Mapping[int, LimbWords]) -> bool:
+    """Whether a joint is called a lower bone, and nothing else that the start of its limb is not.
+
+    What helps a knee has its word and others: ``knee_helper`` reaches as far as the shin beside it.
+    """
+    lower = "lower" in names.get(node, NO_WORDS).levels and not roles_in_name(tree.rig.names[node])
+    first, own = (
+        [word for word in other_words(tree.rig.names[k]) if not is_number(word)] for k in (start, node)
+    )
+    return lower and own == first
+
+
+def ends_in_muscle(tree: Tree, joints: Sequence[int], names: Mapping[int, LimbWords]) -> bool:
+    """Whether a limb ends at a joint that is called as the lower bone before it is, and leads to nothing."""
+    below = tree.below[joints[-1]]
+    return not below and all(names.get(k, NO_WORDS).levels == {"lower": 1.0} for k in joints[1:])
 
 
 def _loose_end(tree: Tree, path: tuple[int, ...], poses: Poses, names: Mapping[int, LimbWords]) -> int:

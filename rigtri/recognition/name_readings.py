@@ -269,7 +269,8 @@ def _triple(
 def _only_below(tree: Tree, node: int) -> list[int]:
     """The one joint below another but for those beside bones; a neck or a head ends no limb.
 
-    A nameless joint from which the bone goes straight on, nearly as far again, is one within it.
+    A nameless joint from which the bone goes straight on, nearly as far again, is one within it. What is
+    called as a lower bone, and leads to nothing, is a muscle beside it: ``Mus_calf``.
     """
     found = _not_beside(tree, node)
     while len(found) == 1 and not limb_words(tree.rig.names[found[0]]).levels:
@@ -277,6 +278,8 @@ def _only_below(tree: Tree, node: int) -> list[int]:
         if len(after) != 1 or follows_in_line(tree, node, found[0], after[0]) < _GOES_ON:
             break
         found = after
+    if found and not tree.below[found[0]] and limb_words(tree.rig.names[found[0]]).levels.keys() == {"lower"}:
+        return []
     return found if len(found) == 1 else []
 
 

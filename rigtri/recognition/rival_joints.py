@@ -11,7 +11,7 @@ from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.doubled_chains import moves_nothing
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.joint_tree import SAME_POSITION, Tree
-from rigtri.recognition.limb_ends import HAND, branches
+from rigtri.recognition.limb_ends import HAND, branches, ends_in_muscle, middle_beside
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import CLAVICLES, SAME_PLACE, SET_OFF
 from rigtri.recognition.limb_words import NO_WORDS, Level, limb_words
@@ -70,6 +70,20 @@ def one_of_two_in_place(draft: Draft, each: Found) -> str:
         for other in (k for k in beside if moves_nothing(draft, (node, k))):
             if not (limb_words(names[node]).levels or limb_words(names[other]).levels):
                 return f"'{tree.rig.title(other)}' in the place of '{tree.rig.title(node)}' may be its joint"
+    return ""
+
+
+def middle_beside_it(draft: Draft, each: Found) -> str:
+    """A limb whose end the file has elsewhere, beside the middle of which another joint may be that.
+
+    Or that ends at a muscle of its lower bone: its foot is elsewhere.
+    """
+    names = draft.words
+    other = middle_beside(draft.tree, each.joints, draft.poses, names)
+    if other >= 0:
+        return f"'{draft.tree.rig.title(other)}' beside its middle may be that as well"
+    if each.kind == "leg" and ends_in_muscle(draft.tree, each.joints, names):
+        return f"'{draft.tree.rig.title(each.joints[2])}', where it ends, is called as a lower bone is"
     return ""
 
 
@@ -273,6 +287,7 @@ OF_NAMES = (beside_end, later_end, end_called_lower)
 OF_SHAPES = (
     beside_another,
     one_of_two_in_place,
+    middle_beside_it,
     beside_end,
     other_middle,
     later_end,

@@ -377,3 +377,27 @@ def test_a_muscle_beside_the_elbow_is_no_upper_bone() -> None:
     assert ("shoulder.L", "elbow.L", "wrist.L") in {
         tuple(joints[k][0] for k in one.bend) for one in limbs(joints, named=True)
     }
+
+
+_FLAT = {"foot": "hips"}
+
+
+@pytest.mark.parametrize("words", [("leg1", "leg2"), ("bn_thigh", "bn_shank"), ("leg_up", "leg_low")])
+@pytest.mark.parametrize("helper", ["knee_helper", "cor_knee", "knee_push", "patella"])
+def test_a_helper_at_the_knee_of_a_flat_leg_is_not_surely_the_knee(
+    helper: str, words: tuple[str, str]
+) -> None:
+    """Before, thigh, helper and foot were the leg at 0.98, and the shin beside the helper was passed over."""
+    joints = parented([*MAN, *both([(f"{helper}.L", "thigh.L", (0.1, 0.5, 0.04))])], _FLAT)
+    called = renamed(joints, dict(zip(("thigh", "shin"), words, strict=True)))
+    found = sure(called, named=True)
+    assert not [each for each in found if f"{helper}.L" in each]
+    leg = (f"{words[0]}.L", f"{words[1]}.L", "foot.L")
+    assert leg in found or helper == "patella"  # which names a bone of its own
+
+
+def test_a_leg_whose_foot_hangs_elsewhere_does_not_end_at_a_muscle_of_its_shin() -> None:
+    """Before, ``Mus_calf`` below the knee was the foot of a leg whose foot hangs at the root, at 0.99."""
+    joints = parented([*MAN, *both([("Mus_calf.L", "shin.L", (0.1, 0.38, -0.05))])], _FLAT)
+    called = renamed(joints, {"shin": "Knee", "thigh": "LegUpper", "foot": "Leg3", "toe": "Toes"})
+    assert not [each for each in sure(called, named=True) if "Mus_calf.L" in each]
