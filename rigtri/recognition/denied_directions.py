@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.character_draft import Draft
+from rigtri.recognition.facing import THUMBS, facing_of
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.up_of_legs import ALONG_AXIS, axis_of, way_of
 
@@ -15,6 +16,8 @@ _LOWER = 0.25
 _IN_LINE, _OFF = 0.8, 0.5
 # Toes point back by this (a cosine), and limbs go across what is up by less than the second.
 _BACK, _ACROSS = 0.5, 0.3
+# Half of how far a chest is turned against its hips: by a quarter, or a third, of a turn (cosines).
+_QUARTER, _THIRD = 0.7, 0.5
 # Bones by which it is plain how a body stands, and where it faces.
 _STANDING = frozenset(["head", "leftUpperLeg", "rightUpperLeg", "leftFoot", "rightFoot"])
 _FEET = frozenset(["leftFoot", "rightFoot", "leftToes", "rightToes"])
@@ -27,7 +30,8 @@ def denied_directions(draft: Draft, found: Sequence[Found]) -> str:
     """
     if len([limb for limb in found if limb.kind == "leg"]) > 2:
         return _by_limbs(draft)
-    return _by_head_and_feet(draft) or _by_toes(draft) or _by_limbs(draft)
+    by_bones = _by_head_and_feet(draft) or _by_toes(draft)
+    return by_bones or _by_limbs(draft) or _by_the_chest(draft, found)
 
 
 def _by_head_and_feet(draft: Draft) -> str:
@@ -76,3 +80,19 @@ def _by_limbs(draft: Draft) -> str:
     axis = axis_of(down)
     across = abs(axis.dot(draft.up)) < _ACROSS and min(axis.dot(down), axis.dot(out)) > ALONG_AXIS
     return "all its limbs go along another axis than the one it is taken to stand on" if across else ""
+
+
+def _by_the_chest(draft: Draft, found: Sequence[Found]) -> str:
+    """That its chest faces back, as its hips see it, where no names tell left from right.
+
+    No body turns so far: more likely either is seen the wrong way round. Up to a third of a turn thumbs show
+    where a chest faces.
+    """
+    twist, body, plane = draft.shape.twist, draft.shape.body, draft.shape.plane
+    if twist is None or body is None or plane is None or twist.hips.dot(twist.between) > _QUARTER:
+        return ""
+    if all(draft.side_in_names(limb.joints) for limb in found):
+        return ""
+    _, _, why = facing_of(draft.tree, body, plane, draft.poses)
+    plain = THUMBS in why and twist.hips.dot(twist.between) > _THIRD
+    return "" if plain else "its chest faces further from where its hips face than a body turns"

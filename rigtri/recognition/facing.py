@@ -54,8 +54,8 @@ BY_LEGS = (_FEET, _KNEES, _THIGHS, _LEANING)
 # A foot so long, as a part of the leg, counts in full; where so many toes or more agree, half as long a one.
 _FOOT, _TOED, _PAW = 0.2, 0.1, 3
 # What denies no names of sides: arms turn about themselves at the shoulder, and take their thumbs with them.
-_THUMBS, _SAID = "the thumbs are there", "the format says so"
-UNSURE = frozenset((_THUMBS, _SAID))
+THUMBS, _SAID = "the thumbs are there", "the format says so"
+UNSURE = frozenset((THUMBS, _SAID))
 _REACH = "the arms are stretched there"
 # A thumb stands aside by this much (a sine) to count; hands that are raised beyond this may turn either way.
 _ASIDE, _RAISED = 0.3, 0.5
@@ -158,7 +158,7 @@ def _votes(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tupl
         yield 2.0 * feet_ahead(tree, body, ahead, poses), _FEET
         yield 2.0 * _thighs(tree, body, ahead), _THIGHS
     if body.arms and body.form == "biped":
-        yield _thumbs(tree, body.arms, body.up, ahead), _THUMBS
+        yield _thumbs(tree, body.arms, body.up, ahead), THUMBS
         yield 2.0 * _reach(tree, body.arms, ahead), _REACH
 
 

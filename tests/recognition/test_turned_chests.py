@@ -62,6 +62,16 @@ def test_without_names_a_turned_chest_is_that_of_the_same_body(degrees: float) -
     assert body.facing == pytest.approx(facing_at(degrees / 2), abs=0.1)
 
 
+@pytest.mark.parametrize("degrees", [125, 130, -140])
+def test_a_chest_that_faces_back_is_not_sure_without_names(degrees: float) -> None:
+    """Before, left and right arms of a body at 140° were exchanged at 0.94."""
+    (body,) = recognise(rig_with(turned(degrees), named=False)).characters
+    assert body.limbs
+    assert not any(limb.is_sure for limb in body.limbs)
+    (named,) = recognise(rig_with(turned(degrees))).characters
+    assert all(limb.is_sure for limb in named.limbs)
+
+
 @pytest.mark.parametrize("named", [True, False])
 @pytest.mark.parametrize("degrees", [60, 90])
 def test_hips_and_chest_flex_where_each_of_them_faces(degrees: float, named: bool) -> None:
