@@ -244,7 +244,9 @@ def test_thinned_values_are_some_of_the_values_and_lines_between_them() -> None:
     assert not is_reduction_of(times, turns, arc, 0.005, 1e-6)
 
 
-def test_a_bake_to_controls_is_refused_where_only_controls_have_the_motion() -> None:
+@pytest.mark.parametrize("between", [0.001, 1.0])
+def test_a_bake_to_controls_is_refused_where_only_controls_have_the_motion(between: float) -> None:
+    """Before, a large --between let it go, though it is about what lies between keys alone."""
     one = AddControlsOptions(joints=("forearm_L",))
     rig = add_controls(read(SAMPLES / "biped.glb").rig, options=one)
     node = rig.find("forearm_L_ctl")
@@ -252,7 +254,7 @@ def test_a_bake_to_controls_is_refused_where_only_controls_have_the_motion() -> 
     track = Track(node, "rotation", "LINEAR", np.array([0.0, 1.0]), turned)
     rig = replace(rig, clips=(*rig.clips, Clip("waves", (track,))))
     with pytest.raises(GeometryError, match="'waves' as its own keys do not"):
-        bake(rig, options=BakeOptions(to="controls"))
+        bake(rig, options=BakeOptions(to="controls", between=between))
     bake(rig, options=BakeOptions(to="controls", clip=("walk",)))
     bake(bake(rig), options=BakeOptions(to="controls"))
     lost = bake(rig, options=BakeOptions(to="controls", discard_motion=True))

@@ -349,7 +349,8 @@ class _Baker:
         warn_overruled(self.rig, timeline, solver, self.report)
         before, self.rig = self.rig, put_tracks(self.rig, timeline, tracks)
         if not self.options.discard_motion:
-            bound = max(self.options.between, UNBAKED)
+            # Whatever may lie between keys, at those motion is lost that is far above what a bake leaves.
+            bound = max(min(self.options.between, BETWEEN), UNBAKED)
             # What only follows, such as a rivet, has keys where no joint or control has any.
             compared = key_times(without_followers(self.rig, timeline, ()).clip)
             refuse_replaced(before, self.rig, timeline, compared, self.size, bound, self.report)
