@@ -97,10 +97,6 @@ class _StoredTrack(Track):
         found: Floats = known["double"]
         return found
 
-    def having(self, values: Floats) -> Track:
-        known = self.node, self.path, self.interpolation, self.times
-        return Track(*known, values, self.key, self.unlisted, self.raw)
-
 
 @dataclass(frozen=True, eq=False)
 class Column:

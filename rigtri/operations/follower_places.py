@@ -20,7 +20,7 @@ from rigtri.evaluation.constraint_solver import Parts, evaluate_constraint
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.pose_readers import PoseReader, weights
 from rigtri.evaluation.sampling import Motion, key_times, sample, sorted_unique, thinned
-from rigtri.evaluation.skinning import SkinnedPoints
+from rigtri.evaluation.skinned_points import SkinnedPoints
 from rigtri.evaluation.timelines import Timeline
 from rigtri.evaluation.twist_joints import twist_of
 from rigtri.evaluation.written_meshes import as_bound_in_file, as_in_file

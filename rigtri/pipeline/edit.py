@@ -124,9 +124,8 @@ def edit(
 ) -> Outcome:
     """Apply ``step`` to the rig in ``source``; ``target`` appears complete or not at all.
 
-    ``-`` is standard input or output. step: a function of the rig and the report, which returns a rig; what
-    operations in it do is reported there, whether they are given the report or none. options: how the source
-    is read. Raises as `edit_file`.
+    ``-`` is standard input or output. step: a function of the rig and the report, which returns a rig; its
+    operations report there, if to nobody else. options: how the source is read. Raises as `edit_file`.
     """
     request = requested("edit", source, target, options=options, **given)
 
@@ -287,16 +286,9 @@ def _compared(
 ) -> tuple[ExpectedResult, Source, Comparison]:
     """Compare the part with what was expected of the edit: that, the part as it was read, and the verdict."""
     reposed = (report.reposed or report.rekeyed) and rig is not document.rig
-    behind = {name for notice in report.warnings if notice.code == BEHIND for name in notice.names}
-    expected = ExpectedResult(
-        document,
-        rig,
-        report.morph_changes,
-        reposed=reposed,
-        keeps_clips=not report.reposed,
-        moves=frozenset(report.moves),
-        behind=frozenset(behind),
-    )
+    behind = frozenset(name for notice in report.warnings if notice.code == BEHIND for name in notice.names)
+    kept = not report.reposed, frozenset(report.moves), behind
+    expected = ExpectedResult(document, rig, report.morph_changes, reposed, *kept)
     small = part.stat().st_size < _LARGE
     if small and rig is document.rig and filecmp.cmp(path, part, shallow=False):
         return expected, document, self_check(document, document)

@@ -238,7 +238,7 @@ def test_in_the_bind_pose_points_are_where_the_mesh_has_them() -> None:
 
 def test_points_take_nothing_from_joints_without_weight_and_the_sum_of_the_others() -> None:
     """Σ w·(p·M) over the named joints, a joint named twice included; NaN stays with whom it moves."""
-    from rigtri.evaluation.skinning import _blended
+    from rigtri.evaluation.skinning import blended
 
     random = np.random.default_rng(2)
     points, matrices = random.normal(size=(5, 3)), random.normal(size=(3, 4, 4, 4))
@@ -246,7 +246,7 @@ def test_points_take_nothing_from_joints_without_weight_and_the_sum_of_the_other
     joints = np.array([[0, 1], [2, 2], [1, 3], [0, 3], [2, 0]])
     weights = np.array([[0.25, 0.75], [0.5, 0.5], [1.0, 0.0], [0.0, 1.0], [0.3, 0.7]])
     matrices[:, 3] = np.nan
-    moved = _blended(points, matrices, joints, weights)
+    moved = blended(points, matrices, joints, weights)
     assert np.isnan(moved[:, 3]).all()
     full = np.concatenate([points, np.ones((5, 1))], axis=1)
     for v in (0, 1, 2, 4):

@@ -10,14 +10,10 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain
 
-from rigtri.evaluation import skinning
+from rigtri.evaluation import skinned_points, skinning
 from rigtri.evaluation.sampling import locals_at, worlds
-from rigtri.evaluation.skinning import (
-    SkinnedPoints,
-    deformed,
-    deformed_parts,
-    normalised_weights,
-)
+from rigtri.evaluation.skinned_points import SkinnedPoints
+from rigtri.evaluation.skinning import deformed, deformed_parts, normalised_weights
 from rigtri.evaluation.timelines import timelines
 from rigtri.maths.quaternions import from_axis_angle, to_axes, unit
 from rigtri.maths.trigonometry import Floats
@@ -166,7 +162,7 @@ def test_dual_quaternions_keep_the_distance_from_a_bone_that_twists() -> None:
 def test_a_few_points_are_found_without_the_others(
     kind: str, parent: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(skinning, "_BLOCK", 8)
+    monkeypatch.setattr(skinned_points, "_BLOCK", 8)
     rig, made = arm(), np.random.default_rng(4)
     mesh = body(morphs=made.normal(size=(2, COUNT, 3)), morph_weights=np.array([0.3, -0.2]))
     mesh = replace(mesh, skin=None) if kind == "node" else mesh

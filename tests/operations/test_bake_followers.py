@@ -17,7 +17,7 @@ from rigs import chain
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling, skinning
-from rigtri.evaluation.skinning import SkinnedPoints
+from rigtri.evaluation.skinned_points import SkinnedPoints
 from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, multiply

@@ -16,7 +16,7 @@ from second_opinions import usd_errors, validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling, skinning
-from rigtri.evaluation.skinning import SkinnedPoints
+from rigtri.evaluation.skinned_points import SkinnedPoints
 from rigtri.evaluation.timelines import keys_and_between, timelines
 from rigtri.formats import ReadOptions, read
 from rigtri.model.animation import Clip, Track

@@ -12,7 +12,7 @@ from places import slow
 
 import rigtri
 from rigtri.evaluation.sampling import locals_at, worlds
-from rigtri.evaluation.skinning import SkinnedPoints
+from rigtri.evaluation.skinned_points import SkinnedPoints
 from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
 from rigtri.frames.rescale import rescale

@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sample
-from rigtri.evaluation.skinning import SkinnedPoints
+from rigtri.evaluation.skinned_points import SkinnedPoints
 from rigtri.evaluation.timelines import (
     Timeline,
     as_float32,

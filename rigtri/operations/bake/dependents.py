@@ -9,7 +9,7 @@ import numpy as np
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.dependency_graph import dependencies, find_cycle
-from rigtri.evaluation.skinning import SkinnedPoints
+from rigtri.evaluation.skinned_points import SkinnedPoints
 from rigtri.evaluation.timelines import Timeline
 from rigtri.model.animation import Path
 from rigtri.model.constraints import constraints_of

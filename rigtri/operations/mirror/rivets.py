@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation.skinning import SkinnedPoints
+from rigtri.evaluation.skinned_points import SkinnedPoints
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, triple
 from rigtri.model.joint_names import side as side_in_name

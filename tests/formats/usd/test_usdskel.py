@@ -16,7 +16,8 @@ from usd_files import MESH, animation, save, scene, skeleton
 import rigtri
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import locals_at, morph_weights, worlds
-from rigtri.evaluation.skinning import SkinnedPoints, deformed
+from rigtri.evaluation.skinned_points import SkinnedPoints
+from rigtri.evaluation.skinning import deformed
 from rigtri.evaluation.timelines import Timeline
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
