@@ -287,8 +287,8 @@ def _compared(
     """Compare the part with what was expected of the edit: that, the part as it was read, and the verdict."""
     reposed = (report.reposed or report.rekeyed) and rig is not document.rig
     behind = frozenset(name for notice in report.warnings if notice.code == BEHIND for name in notice.names)
-    kept = not report.reposed, frozenset(report.moves), behind
-    expected = ExpectedResult(document, rig, report.morph_changes, reposed, *kept)
+    how: dict[str, Any] = {"reposed": reposed, "moves": frozenset(report.moves), "behind": behind}
+    expected = ExpectedResult(document, rig, report.morph_changes, keeps_clips=not report.reposed, **how)
     small = part.stat().st_size < _LARGE
     if small and rig is document.rig and filecmp.cmp(path, part, shallow=False):
         return expected, document, self_check(document, document)
