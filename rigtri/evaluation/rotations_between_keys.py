@@ -10,11 +10,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from rigtri.maths.arrays import Integers
-from rigtri.maths.quaternions import dot, gf_slerp, norm, slerp_rows
+from rigtri.maths.quaternions import gf_slerp, norm, slerp_rows
 from rigtri.maths.trigonometry import Floats
 
-# A quaternion that is unit as float32 is off by no more. Those near for OpenUSD have a larger cosine.
-_ROUNDED, _NEAR = 2e-7, 0.99998
+# A quaternion that is unit as float32 is off by no more.
+_ROUNDED = 2e-7
 
 
 def turned(segments: Sequence[tuple[Floats, Integers, Floats]], *, raw: bool) -> list[Floats]:
@@ -45,13 +45,12 @@ def turned(segments: Sequence[tuple[Floats, Integers, Floats]], *, raw: bool) ->
 
 
 def _put_off_arcs(into: Floats, values: Floats, size: Floats, left: Integers, inside: Floats) -> None:
-    """Put what OpenUSD plays where that is no arc: between keys that are not unit, or near each other.
+    """Put what OpenUSD plays where that is no arc: between keys that are not unit.
 
     into: (f, t, 4). size: the lengths of the values, (k, t). Others are in `turned`.
     """
     long = np.abs(size - 1.0) > _ROUNDED
-    cosine = np.abs(dot(values[:-1], values[1:]))
-    off = long[:-1] | long[1:] | ((cosine > _NEAR) & (cosine < 1.0 - _ROUNDED))
+    off = long[:-1] | long[1:]
     if not off.any():
         return
     between = np.flatnonzero((inside > 0.0) & (inside < 1.0))
