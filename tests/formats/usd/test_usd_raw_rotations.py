@@ -136,9 +136,7 @@ def test_keys_between_others_that_are_not_unit_are_seen_by_verify(tmp_path: Path
     assert result.largest_deviation == pytest.approx(shown, rel=0.2)
 
 
-@pytest.mark.xfail(
-    reason="arcs are taken between unit keys, where OpenUSD plays chords: 1.2e-5 with 32 joints"
-)
+@pytest.mark.xfail(reason="arcs are taken between unit keys, where OpenUSD plays chords")
 def test_near_keys_that_openusd_plays_too_short_are_seen_by_verify(tmp_path: Path) -> None:
     """Before, only rotations that are not unit at their keys were compared as they are stored."""
     path = chain(tmp_path, "few.usda", 60, [1.0, 17.0])
