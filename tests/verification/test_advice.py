@@ -31,7 +31,7 @@ TURN = from_axis_angle(np.array([0.0, 0, 1]), 0.5)
 
 
 def result(largest: float, **more: Any) -> Any:
-    given = {"lost": (), "different": (), "largest_deviation": largest, "diagonal": 4.0, "raw_counts": False}
+    given = {"lost": (), "different": (), "largest_deviation": largest, "diagonal": 4.0}
     return SimpleNamespace(**(given | more))
 
 

@@ -55,8 +55,6 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         )
     if not_unit:
         return why_far(before, result) or not_unit
-    if words := why_short(result):
-        return f"{words}: {allow}"
     near = largest < 10 * tolerance
     noisy = nearly_uniform(before, after, tolerance if near else largest)
     if noisy:
@@ -76,16 +74,6 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
         f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
         f"named with --exclude, or {allow}"
-    )
-
-
-def why_short(result: Comparison) -> str:
-    """Why a USD file looks different though its rotations do not differ but in their length; else ""."""
-    if not (result.raw_counts and result.deviation < _BLAME * result.raw_deviation):
-        return ""
-    return (
-        " The edit adds keys, and between rotation keys that are near each other OpenUSD plays quaternions "
-        "that are up to 2.5e-6 too short, which long chains of joints add up"
     )
 
 

@@ -24,12 +24,7 @@ from rigtri.model.rig import Rig
 from rigtri.progress import counted
 from rigtri.verification.compare.correspondence import Correspondence, timeline
 from rigtri.verification.compare.probes import FramePoints, MeshPoints, Probe, SampledPoses, in_few
-from rigtri.verification.compare.unit_rotations import (
-    UNIT_AS_SHOWN,
-    denormalisation,
-    lost_unit_rotations,
-    short_elsewhere,
-)
+from rigtri.verification.compare.unit_rotations import UNIT_AS_SHOWN, denormalisation, lost_unit_rotations
 from rigtri.verification.compare.verdict import UNIT, Comparison, Worst
 
 # Numbers in one block of matrices: with its temporaries it stays in the cache.
@@ -229,7 +224,7 @@ def compared(
     found = measure(before, after, probes, sizes)
     raw = found.largest
     as_shown = before.rules.raw_quaternions
-    if max(was, now) > (UNIT_AS_SHOWN if as_shown else UNIT) or short_elsewhere(before, after):
+    if max(was, now) > (UNIT_AS_SHOWN if as_shown else UNIT):
         raw = measure(before, after, probes, sizes, normalised=False).largest
     return Comparison(
         deviation=found.largest,
@@ -240,7 +235,7 @@ def compared(
         worst=found.worst,
         per_mesh=found.owners,
         per_clip=found.clips,
-        lost=(*correspondence.lost, *lost_unit_rotations(was, now, as_shown=as_shown)),
+        lost=(*correspondence.lost, *lost_unit_rotations(was, now)),
         added=correspondence.added,
         changed=correspondence.changed,
         different=tuple(different),
