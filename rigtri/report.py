@@ -99,6 +99,10 @@ class Report:
         """Whether there is a warning of this code."""
         return any(notice.code == code for notice in self.warnings)
 
+    def named(self, code: str) -> frozenset[str]:
+        """The names in all warnings of this code."""
+        return frozenset(name for notice in self.warnings if notice.code == code for name in notice.names)
+
     def extend(self, notices: Iterable[Notice]) -> None:
         """Take up notices that are not here yet."""
         if len(self._known) != len(self.warnings):

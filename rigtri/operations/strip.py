@@ -233,26 +233,25 @@ def _is_of_others(rig: Rig, rule: ConstraintRecord) -> bool:
     goes with the last.
     """
     child = rig.known(rule.child)
-    above = rig.path_to_root(child) if child is not None else ()
-    if not rig.others or not above:
+    if child is None or not rig.others:
         return False
     if child in rig.own:
         return child in rig.others
-
-    def joint(node: int) -> int | None:
-        return next((k for k in rig.path_to_root(node) if rig.is_joint[k] or k in rig.others), None)
-
-    if (carrier := joint(above[0])) is not None:
+    if (carrier := _carrier(rig, child)) is not None:
         return carrier in rig.others
-    for node in above:
-        inside = [k for k in rig.below(node) if k in rig.others or rig.is_joint[k]]
-        theirs = [k for k in inside if k in rig.others]
-        if inside:
-            if len(theirs) in (0, len(inside)):
-                return bool(theirs)
-            break
-    followed = [joint(k) for k in map(rig.known, rule.drivers) if k is not None]
-    return any(k in rig.others for k in followed if k is not None)
+    below = (
+        {k for k in rig.below(node) if k in rig.others or rig.is_joint[k]} for node in rig.path_to_root(child)
+    )
+    held = next(filter(None, below), set[int]())
+    if held and (held <= rig.others or held.isdisjoint(rig.others)):
+        return held <= rig.others
+    followed = [_carrier(rig, k) for k in map(rig.known, rule.drivers) if k is not None]
+    return not rig.others.isdisjoint(k for k in followed if k is not None)
+
+
+def _carrier(rig: Rig, node: int) -> int | None:
+    """The joint of any character that a node is, or hangs from; None where it hangs from none."""
+    return next((k for k in rig.path_to_root(node) if rig.is_joint[k] or k in rig.others), None)
 
 
 def _refuse_followed(rig: Rig, followers: frozenset[int], gone: frozenset[int]) -> None:

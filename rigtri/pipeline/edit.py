@@ -128,12 +128,7 @@ def edit(
     operations report there, if to nobody else. options: how the source is read. Raises as `edit_file`.
     """
     request = requested("edit", source, target, options=options, **given)
-
-    def reporting(rig: Rig, report: Report) -> Rig:
-        with reporting_to(report):
-            return step(rig, report)
-
-    return edit_file(request, reporting, Report() if report is None else report)
+    return edit_file(request, step, Report() if report is None else report)
 
 
 def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
@@ -160,7 +155,8 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
         _take_warnings(document, report, request.strict and not lost)
         clock.lap("read")
         begin_stage("edit")
-        rig = _own(warning_once(step)(document.rig, report))
+        with reporting_to(report):
+            rig = _own(warning_once(step)(document.rig, report))
         check_numbers(document.rig, rig)
         check_order(rig)
         for place in written_to:
@@ -285,12 +281,16 @@ def _compared(
     document: Document, path: Path, rig: Rig, part: Path, tolerance: float, report: Report
 ) -> tuple[ExpectedResult, Source, Comparison]:
     """Compare the part with what was expected of the edit: that, the part as it was read, and the verdict."""
-    reposed = (report.reposed or report.rekeyed) and rig is not document.rig
-    behind = frozenset(name for notice in report.warnings if notice.code == BEHIND for name in notice.names)
-    how: dict[str, Any] = {"reposed": reposed, "moves": frozenset(report.moves), "behind": behind}
-    expected = ExpectedResult(document, rig, report.morph_changes, keeps_clips=not report.reposed, **how)
-    small = part.stat().st_size < _LARGE
-    if small and rig is document.rig and filecmp.cmp(path, part, shallow=False):
+    expected = ExpectedResult(
+        document,
+        rig,
+        report.morph_changes,
+        reposed=(report.reposed or report.rekeyed) and rig is not document.rig,
+        keeps_clips=not report.reposed,
+        moves=frozenset(report.moves),
+        behind=report.named(BEHIND),
+    )
+    if part.stat().st_size < _LARGE and rig is document.rig and filecmp.cmp(path, part, shallow=False):
         return expected, document, self_check(document, document)
     written = document.reopen(part)
     return expected, written, check_result(expected, written, tolerance)

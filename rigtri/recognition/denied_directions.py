@@ -1,4 +1,4 @@
-"""Why up or facing of a body may be wrong: head and feet, as names have them, or all its limbs deny it."""
+"""Why up or facing of a body may be wrong: head, feet, all its limbs or its chest deny it."""
 
 from __future__ import annotations
 
