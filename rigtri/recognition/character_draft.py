@@ -12,7 +12,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.layout import Chain, Kind
+from rigtri.recognition.layout import BENDS, UNLIKELY, Chain, Kind, LimbKind
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.name_readings import Reading
@@ -69,6 +69,22 @@ class Draft:
     def known_bones(self) -> dict[str, int]:
         """Nodes by bone as a humanoid map or names have them."""
         return self.certain or (self.reading.bones if self.reading else {})
+
+    @property
+    def wholeness(self) -> float:
+        """How sure the surer of its pairs of limbs is, 0 to 1, of a body with legs and arms, or four legs.
+
+        0 for what has less: a part of a body, and a thing.
+        """
+        pairs: dict[LimbKind, list[float]] = {}
+        for kind in BENDS:
+            sides = (
+                sorted((k.confidence for k in self.chains if (k.kind, k.side) == (kind, side)), reverse=True)
+                for side in ("left", "right")
+            )
+            pairs[kind] = [min(pair) for pair in zip(*sides, strict=False) if min(pair) >= UNLIKELY]
+        every = [*pairs["leg"], *pairs["arm"]]
+        return max(every) if pairs["leg"] and len(every) > 1 else 0.0
 
     def add_chain(
         self,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from functools import cache, cached_property
 from itertools import combinations
 
 from rigtri.maths.disjoint_sets import DisjointSets
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.layout import CONFIDENT, Chain
 from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.symmetry import Plane, pairs_of, plane_of
@@ -76,19 +77,24 @@ class _Branch:
         return places.pop() if len(places) == 1 else ""
 
 
-def groups_of(tree: Tree) -> list[list[int]]:
-    """The joints of each character, largest first; what one skin moves is one, unless names repeat."""
-    tops = _tops(tree)
+def groups_of(tree: Tree, wholeness: Callable[[Sequence[int]], float] = lambda part: 0.0) -> list[list[int]]:
+    """The joints of each character, largest first; what one skin moves is one, unless names repeat.
+
+    Or unless two branches that stand apart are bodies, each by itself. wholeness: how sure joints are one,
+    see `Draft.wholeness`, which takes time to say.
+    """
+    whole = cache(lambda top: wholeness(tree.branch(top)))
+    tops = _tops(tree, whole)
     branches = {top: _Branch(tree, top) for top in tops}
     groups = DisjointSets()
     owner = {node: top for top, branch in branches.items() for node in branch.nodes}
     shared = [sorted({owner[k] for k in skin.joints.tolist() if k in owner}) for skin in tree.rig.skins]
     for together in shared or [tops]:
-        if len(together) > 1:  # bodies by their names before what is beside them
-            together = sorted(together, key=lambda top: branches[top].head < 0)
+        if len(together) > 1:  # bodies by their names, and what may be one, before what is beside them
+            together = sorted(together, key=lambda top: (branches[top].head < 0, tree.size[top] < _BODY))
         for top in together[1:]:
             a, b = groups.leader(together[0]), groups.leader(top)
-            if a != b and not _are_two(branches[a], branches[top]):
+            if a != b and not _are_two(branches[a], branches[top], whole):
                 groups.join(a, b)
     found: dict[int, list[int]] = {}
     for top in tops:
@@ -98,13 +104,31 @@ def groups_of(tree: Tree) -> list[list[int]]:
     return sorted((sorted(nodes) for nodes in found.values()), key=len, reverse=True)
 
 
-def _tops(tree: Tree) -> list[int]:
-    """The nodes that skeletons begin at: roots, or what is below containers that are no joints."""
+def left_over(tree: Tree, limbs: Sequence[Chain]) -> list[list[int]]:
+    """The branches, as large as bodies, that no joint of some limbs is in, with pairs as legs and arms are.
+
+    They hang at two joints: fingers all hang at one.
+    """
+    if len(tree.nodes) < 3 * len(limbs) + _BODY:
+        return []
+    known = frozenset(node for limb in limbs for joint in limb.joints for node in tree.way(-1, joint))
+    tops = [k for k in tree.nodes if k not in known and (tree.above[k] < 0 or tree.above[k] in known)]
+    large = [_Branch(tree, top) for top in tops if tree.size[top] >= _BODY]
+    long = [[pair for pair in pairs_of(branch.tree) if len(pair.paths[0]) > 2] for branch in large]
+    return [one.nodes for one, pairs in zip(large, long, strict=True) if len({k.above for k in pairs}) > 1]
+
+
+def _tops(tree: Tree, whole: Callable[[int], float] = lambda top: 0.0) -> list[int]:
+    """The nodes that skeletons begin at: roots, or what is below containers that are no joints, or of bodies.
+
+    whole: how sure a node and what is below it are a body by themselves, 0 to 1.
+    """
     joint, tops, left = tree.rig.is_joint, [], list(tree.below[-1])
     for node in left:  # it grows as it is walked
         below = tree.below[node]
         is_container = joint.any() and not joint[node] and len(below) > 1
-        if (is_container and (len(below) <= _MANY or _have_skins(tree, below))) or _holds_bodies(tree, node):
+        is_container = is_container and (len(below) <= _MANY or _have_skins(tree, below))
+        if is_container or _holds_bodies(tree, node) or _holds_whole_bodies(tree, node, whole):
             left += below
         else:
             tops.append(node)
@@ -130,6 +154,20 @@ def _holds_bodies(tree: Tree, node: int) -> bool:
     return not any(other.legs for other in others) and _holds_bodies(tree, bodies[0].top)
 
 
+def _holds_whole_bodies(tree: Tree, node: int, whole: Callable[[int], float]) -> bool:
+    """Whether two branches or more below one joint are bodies by themselves, which stand apart.
+
+    As `_holds_bodies`, of what has no names that tell it.
+    """
+    size, large = tree.size, [node]
+    while len(large) == 1:  # props beside a body are smaller
+        large = [top for top in tree.below[large[0]] if size[top] >= _BODY]
+    if not large:
+        return False
+    branches = [_Branch(tree, top) for top in large]
+    return any(_are_whole_bodies(a, b, whole) for a, b in combinations(branches, 2))
+
+
 def _count_heads(tree: Tree, node: int) -> int:
     """How many joints of a branch are called a head, without those below one, as its end is."""
     heads = [k for k in tree.branch(node) if "head" in parse_name(tree.rig.names[k]).words]
@@ -145,7 +183,7 @@ def _have_skins(tree: Tree, tops: Sequence[int]) -> bool:
     return bool(skins) and all(len(each) < 2 for each in moved) and jointed == set().union(*moved)
 
 
-def _are_two(one: _Branch, other: _Branch) -> bool:
+def _are_two(one: _Branch, other: _Branch, whole: Callable[[int], float]) -> bool:
     """Whether two branches that one skin moves are bodies of a crowd: by names, size, or where they stand."""
     if {one.place_of_legs, other.place_of_legs} == {"front", "hind"}:
         return False
@@ -153,7 +191,7 @@ def _are_two(one: _Branch, other: _Branch) -> bool:
         return True
     if len(one.names & other.names) >= _SAME_NAMES or _alike_bodies(one.whole, one.top, other.top):
         return True
-    return _stand_apart(one, other)
+    return _stand_apart(one, other) or _are_whole_bodies(one, other, whole)
 
 
 def _alike_bodies(tree: Tree, a: int, b: int) -> bool:
@@ -169,13 +207,35 @@ def _stand_apart(one: _Branch, other: _Branch) -> bool:
     if min(len(one.nodes), len(other.nodes)) < _PART:
         return False
     small, large = sorted((one, other), key=lambda branch: branch.tree.span)
-    if small.tree.span < _LIKE * large.tree.span:
-        return False
+    return small.tree.span >= _LIKE * large.tree.span and _have_other_planes(small, large)
+
+
+def _have_other_planes(small: _Branch, large: _Branch) -> bool:
     mine, its = small.plane, large.plane
     if mine is None or its is None:
         return False
     turned = abs(mine.normal.dot(its.normal)) < _TURNED
     return turned or abs(its.side_of(mine.point)) > _APART * small.tree.span
+
+
+def _are_whole_bodies(one: _Branch, other: _Branch, whole: Callable[[int], float]) -> bool:
+    """Whether two branches are bodies by themselves, one of them surely, that stand in other places.
+
+    Of whatever sizes.     Skeletons of controls stand where the body does, or around it.
+    """
+    small, large = sorted((one, other), key=lambda branch: branch.tree.span)
+    if min(len(one.nodes), len(other.nodes)) < _BODY or small.plane is None or large.plane is None:
+        return False
+    if not (_have_other_planes(small, large) or _are_beside(small, large)):
+        return False
+    sure = whole(small.top), whole(large.top)
+    return min(sure) > 0.0 and max(sure) >= CONFIDENT
+
+
+def _are_beside(one: _Branch, other: _Branch) -> bool:
+    """Whether the boxes around the joints of two branches have no point in common."""
+    mine, its = (branch.whole.places[branch.nodes] for branch in (one, other))
+    return bool(((mine.max(axis=0) < its.min(axis=0)) | (its.max(axis=0) < mine.min(axis=0))).any())
 
 
 def _plane_of(tree: Tree) -> Plane | None:

@@ -16,8 +16,8 @@ from rigtri.model.rig import Rig
 from rigtri.recognition.arms_legs import find_limbs
 from rigtri.recognition.chains_in_names import order_of_chains
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.character_joints import groups_of
-from rigtri.recognition.doubled_chains import JointGroup, doubled_in, with_controls
+from rigtri.recognition.character_joints import groups_of, left_over
+from rigtri.recognition.doubled_chains import JointGroup, doubled_in, moves_nothing, with_controls
 from rigtri.recognition.empty_groups import empty_groups
 from rigtri.recognition.evidence_against import doubted
 from rigtri.recognition.found_limb import Found
@@ -27,6 +27,7 @@ from rigtri.recognition.joint_roles import parts_of
 from rigtri.recognition.joint_tree import Tree, joints_of, segments_of
 from rigtri.recognition.layout import (
     BENDS,
+    CONFIDENT,
     UNLIKELY,
     Chain,
     Character,
@@ -78,7 +79,7 @@ def recognised_as(rig: Rig, other: Rig) -> Rig:
 def _recognised(rig: Rig, own: Sequence[Scheme]) -> Layout:
     drafts = _drafts(rig, own)
     characters = tuple(_character(draft) for draft in drafts if draft.chains)
-    return Layout(characters, tuple(_remarks(rig, drafts)))
+    return Layout(characters, (*_remarks(rig, drafts), *_passed_over(rig, drafts, own)))
 
 
 def sure_limbs(rig: Rig) -> tuple[Chain, ...]:
@@ -90,8 +91,27 @@ def _drafts(rig: Rig, own: Sequence[Scheme] = ()) -> list[Draft]:
     """What is known of each character before a look at each joint: the chains alone."""
     nodes, poses = joints_of(rig), Poses(rig)
     tree = Tree(rig, nodes, poses.rest)
-    groups = groups_of(tree) if nodes else []
+    alone = Poses(rig)  # a look at a part changes nothing that is known of all
+    groups = groups_of(tree, lambda part: _draft(rig, JointGroup(sorted(part)), alone, own).wholeness)
     return [_draft(rig, body, poses, own) for body in with_controls(tree, groups, poses)]
+
+
+def _passed_over(rig: Rig, drafts: Sequence[Draft], own: Sequence[Scheme]) -> list[str]:
+    """Remarks on what may be another body and is nobody's limbs, where one of both is sure to be a body."""
+    found: list[list[int]] = []
+    for draft in drafts:
+        limbs = [chain for chain in draft.chains if chain.kind in BENDS]
+        parts = left_over(draft.tree, limbs) if limbs else []
+        least = UNLIKELY if parts and any(chain.is_sure for chain in limbs) else CONFIDENT
+        for part in parts:
+            controls = moves_nothing(draft, part)
+            if not controls and _draft(rig, JointGroup(sorted(part)), Poses(rig), own).wholeness >= least:
+                found.append(part)
+    return [
+        f"'{rig.title(top)}' and the {len(below)} joints below it may be another body, of which no limb is "
+        "listed: name its joints yourself (--limb, --ik), or parent it to the scene"
+        for top, *below in found
+    ]
 
 
 def _draft(rig: Rig, group: JointGroup, poses: Poses, own: Sequence[Scheme]) -> Draft:
