@@ -210,6 +210,22 @@ def test_a_control_of_a_joint_that_a_constraint_moves_is_not_tried() -> None:
     assert not any(checked.values())
 
 
+@pytest.mark.parametrize(
+    ("kind", "child", "driver"),
+    [
+        ("aim", "head", "hand_L_ik_ctl"),
+        ("parent", "hand_R_ik_ctl", "hand_L_ik_ctl"),
+        ("orient", "neck", "hand_L"),
+    ],
+)
+def test_what_somebody_has_constrained_to_a_control_may_move_with_it(
+    kind: str, child: str, driver: str
+) -> None:
+    """Before, auto refused such a rig when it was run again."""
+    rig = rigtri.constrain(rigged(), type=kind, child=child, driver=[driver])
+    assert faults(rig) == {}
+
+
 def test_controls_of_characters_that_move_nothing_in_common_are_tried_at_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

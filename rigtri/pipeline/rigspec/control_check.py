@@ -4,12 +4,12 @@ Many are moved at once, each in a row of its own, but for those that move nothin
 characters: they share rows. What each has to move:
 
 * an FK control: its joint by the same rotation, and what is below that;
-* the root control: all joints with weight, rigidly; of several characters those of its own;
+* the root control: all joints with weight that no constraint moves, rigidly; of several characters its own;
 * an IK control: the end joint to its place, in its rotation, and the limb;
 * a pivot of a foot: the end joint by the same rotation, and the toe, but the ball's, which leaves that;
 * a pole vector: the limb, while the end joint stays.
 
-And the mesh, but no other joint.
+And the mesh, but no other joint, unless that is constrained to what moves.
 """
 
 from __future__ import annotations
@@ -262,6 +262,7 @@ class _Run:
         if trial.kind == "root":
             body = next((body for body in self.bodies if joint in body), frozenset(self.watched))
             joints = [node for node in self.watched if self.carries[node] and node in body]
+            joints = [node for node in joints if not _is_ruled(self.solver, node)]  # aimed, they turn less
         toe = -1 if trial.limb is None else trial.limb.toe
         if trial.kind in PIVOTS and toe >= 0:
             if trial.kind == "ball" and self._turned(toe, trial) > _ANGLE:
@@ -296,11 +297,25 @@ class _Run:
         for step in self.solver.steps:
             if len(step.sets) == 1 and not mine.isdisjoint((*step.needs, *step.reads)):
                 mine.update(rig.below(step.sets[0]))
-        for rule in constraints_of(rig).values():
-            if not mine.isdisjoint(rule.sources):
-                mine.update(rig.below(rule.child))
+        mine |= self._led(mine.union((trial.control, *rig.below(trial.control))))
         others = [node for node in moved if node not in mine]
         return f"it moves {list_names(rig.title(node) for node in others)}, too" if others else ""
+
+    def _led(self, moving: set[int]) -> set[int]:
+        """What moves with nodes because somebody has constrained it to them, or something above it."""
+        rig, led = self.rig, set[int]()
+        while True:
+            found = {
+                rule.child
+                for rule in constraints_of(rig).values()
+                if not (moving | led).isdisjoint(rule.sources)
+            }
+            for step in self.solver.steps:
+                if not led.isdisjoint((*step.needs, *step.reads)):
+                    found.update(moved_by(step))
+            if found <= led:
+                return led
+            led |= {k for node in found for k in (node, *rig.below(node))}
 
     def _row(self, node: int, trial: _Trial, rows: int) -> int:
         """In which of so many rows a node is as a trial has it: none, of a node that it cannot move."""
