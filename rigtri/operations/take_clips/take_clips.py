@@ -29,6 +29,7 @@ from rigtri.operations.options.take_clips import TakeClipsOptions as TakeClipsOp
 from rigtri.operations.take_clips.armature_motion import put_back
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import SHORT
+from rigtri.operations.take_clips.bone_tails import BoneTails, with_held_in_place
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.crowds import refuse_lost_instances
@@ -92,7 +93,8 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     if switched.on | switched.off:
         edited = put_back(edited, rig, of, report)
     warn_unkeyed(rig, edited, of, report)
-    both = Counterparts(rig, edited := without_still_parents(edited, rig, of))
+    edited = with_held_in_place(without_still_parents(edited, rig, of), rig, of)
+    both = Counterparts(rig, edited)
     if not both.of:
         raise GeometryError(why_nothing_matches(rig, edited))
     names = ClipNames(rig, edited, options.as_, report)
@@ -265,10 +267,14 @@ class _Taking:
         was = old or Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
         if was.values.shape[-1] != now.values.shape[-1]:
             return thinned(now, self._thin(now))
+        now, beside = self.tails.taken_out(was, now, self.seen.tolerances.of(theirs), self.both.size)
         changed, far = self.seen.changes(was, now, theirs)
         if not changed.any():
             self.same += 1
             return None
+        if beside:
+            names = [self.rig.names[now.node]]
+            self.report.warn("beside-bone", f"In '{self.taken.name}' {beside}", names=names)
         if far is not None:
             if now.path == "translation":
                 far *= float(parent_sizes(self.rig)[now.node]) / self.both.size
@@ -283,6 +289,11 @@ class _Taking:
         """How far keys of a track that are left out may be off."""
         known = {"translation": self._shares[0], "rotation": self._shares[1]}.get(track.path)
         return float(known[track.node]) if known is not None else self.thin / 2.0
+
+    @cached_property
+    def tails(self) -> BoneTails:
+        """Where Blender's import puts what RIG's bones hold."""
+        return BoneTails(self.rig)
 
     @cached_property
     def _shares(self) -> tuple[Floats, Floats]:
