@@ -173,6 +173,18 @@ def only_things(draft: Draft, each: Found) -> str:
     return "its name, and all others here, are of parts of things and not of a body"
 
 
+def called_a_device(draft: Draft, each: Found) -> str:
+    """A limb whose joints are called as of furniture or a vehicle, beside a trunk that is not: a stool's.
+
+    Where the trunk is called so, too, it is who stands there: a lamp that walks.
+    """
+    words = [_devices().intersection(parse_name(draft.tree.rig.names[joint]).words) for joint in each.joints]
+    common = sorted(frozenset.intersection(*words))
+    if not common or not has_hips_or_spine(draft):
+        return ""
+    return f"its joints are called as of a {common[0]}, and the hips or spine are not"
+
+
 def points_ahead(draft: Draft, each: Found) -> str:
     """An arm without fingers whose lower bone is level and points ahead, and that does not hang: a gun."""
     mine, at = each.pair, draft.tree.at

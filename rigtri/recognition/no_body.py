@@ -8,6 +8,7 @@ from rigtri.recognition.character_draft import Draft, once
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.inanimate import (
+    called_a_device,
     garment_in_name,
     has_head,
     has_hips_or_spine,
@@ -73,6 +74,8 @@ def beside_things(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """
     if not _needs_more(draft, each):
         return ""
+    if is_of_device(draft) and (device := called_a_device(draft, each)):
+        return device
     both = _has_both(draft, found)
     if not _has_trunk(draft):
         things = both or _corners(draft, found) == 4

@@ -112,6 +112,24 @@ def test_who_holds_a_thing_is_a_body(held: str) -> None:
     assert len([chain for chain in layout.chains if chain.bend and chain.is_sure]) == 4
 
 
+@pytest.mark.parametrize(("prefix", "sure"), [("stool_", 4), ("", 8)])
+def test_legs_of_what_one_sits_on_are_not_sure_beside_those_of_who_sits_there(prefix: str, sure: int) -> None:
+    """Before, a stool's four legs were legs of its sitter, to 0.78."""
+    legs = [
+        joint
+        for k, ahead in enumerate((0.2, -0.2))
+        for joint in both(
+            line(
+                f"{prefix}leg{k}_0.L {prefix}leg{k}_1.L {prefix}leg{k}_2.L",
+                "hips",
+                *((0.25 + 0.03 * bent, high, ahead) for high, bent in ((0.9, 0), (0.5, 1), (0.05, 0))),
+            )
+        )
+    ]
+    found = [chain for chain in recognise(rig_with([*MAN, *legs])).chains if chain.bend and chain.is_sure]
+    assert len(found) == sure
+
+
 def test_front_limbs_with_elbows_are_legs_whatever_the_file_has_for_up() -> None:
     """Elbow and wrist are words of arms, and of front legs where names say front and hind."""
     bones = "thigh shin foot toe upper_arm forearm hand finger"
