@@ -11,7 +11,7 @@ from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.half_scales import rounding
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.limits import TOLERANCE
-from rigtri.maths.matrices import SKEW, multiply, skew
+from rigtri.maths.matrices import SKEW, multiply, skew, transform_points
 from rigtri.maths.quaternions import off_unit
 from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
@@ -45,7 +45,8 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
     if words := why_displaced(before, largest):
         return words
     not_unit = why_not_unit(before, largest)
-    if not not_unit and (after.pending.joint_merges or after.pending.weight_limits):
+    weights = after.pending.joint_merges or after.pending.weight_limits
+    if not not_unit and weights and not _poses_apart(before, after) > _BLAME * largest:
         return f" Other weights move the skin: {allow}"
     if rough := rough_scales(before, after, largest):
         names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
@@ -75,6 +76,32 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
         f"named with --exclude, or {allow}"
     )
+
+
+def _poses_apart(before: Rig, after: Rig) -> float:
+    """How far an edit moves nodes and what joints hold at rest, whatever the weights, as a share of the size.
+
+    Joints hold what is bound where any joint of their skin is.
+    """
+    there = {key: node for node, key in enumerate(after.keys) if key is not None}
+    nodes = [node for node, key in enumerate(before.keys) if key in there and not before.is_joint[node]]
+    now = [there[before.keys[node]] for node in nodes]
+    found = [before.world[nodes, 3, :3] - after.world[now, 3, :3]]
+    for old, new in zip(before.skins, after.skins, strict=False):
+        rows = {joint: row for row, joint in enumerate(new.joints.tolist())}
+        joints = [there.get(before.keys[joint], -1) for joint in old.joints.tolist()]
+        kept = [row for row, joint in enumerate(joints) if joint in rows]
+        one, other = (
+            transform_points(
+                old.bind[np.newaxis, kept, 3, :3],
+                multiply(skin.inverse_bind[held], rig.world[skin.joints[held]])[:, np.newaxis],
+            )
+            for skin, held, rig in ((old, kept, before), (new, [rows[joints[k]] for k in kept], after))
+        )
+        found.append((one - other).reshape(-1, 3))
+    size = float(length(np.ptp(before.world[:, 3, :3], axis=0)))
+    apart = length(np.concatenate(found))
+    return float(apart[np.isfinite(apart)].max(initial=0.0)) / (size or 1.0)
 
 
 def why_displaced(rig: Rig, shown: float) -> str:
