@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rigs import chain, rig_of
+from rigs import rig_of
 
 from rigtri.errors import GeometryError
 from rigtri.maths.trigonometry import Floats
@@ -14,8 +14,6 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.take_clips.exact_scales import with_exact_scales
-from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
-from rigtri.report import Report
 
 FRAMES = np.arange(1.0, 26.0)
 GROWN = np.tile(1.0 + 0.03 * (FRAMES[:, np.newaxis] - 1.0) / 24.0, 3)
@@ -80,40 +78,3 @@ def test_scale_keys_of_others_and_of_gltf_are_taken_as_they_are() -> None:
     full = exported(THINNED, GROWN)
     gltf = replace(full, rules=replace(full.rules, raw_quaternions=False))
     assert with_exact_scales(gltf, gltf, OF, drives=True) is gltf
-
-
-def sparse(scales: list[float], frames: list[float]) -> Rig:
-    """Joints of USD, one with rotations at all frames and scales at some, as Blender writes them."""
-    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
-    turns = np.tile([0.0, 0.0, 0.0, 1.0], (len(FRAMES), 1))
-    values = np.repeat(np.array(scales)[:, np.newaxis], 3, axis=1).astype(np.float16).astype(np.float64)
-    tracks = (
-        Track(1, "rotation", "LINEAR", FRAMES, turns),
-        Track(1, "scale", "LINEAR", np.array(frames), values),
-    )
-    rules = replace(rig.rules, raw_quaternions=True)
-    return replace(rig, rules=rules, clips=(Clip("Anim", tracks),))
-
-
-@pytest.mark.parametrize(
-    ("scales", "frames", "taken"),
-    [
-        ([1.0, 1.0, 1.1, 1.1], [1.0, 8.0, 9.0, 25.0], False),  # the one at 8 is that at 1 again: 1.008 in RIG
-        (
-            [1.006, 1.008, 1.1, 1.1],
-            [1.0, 8.0, 9.0, 25.0],
-            True,
-        ),  # nothing is before the first
-        ([1.0, 1.003, 1.1, 1.1], [1.0, 8.0, 9.0, 25.0], True),  # no sample that was left out is written so
-    ],
-)
-def test_only_samples_that_repeat_the_one_before_may_be_off_by_a_hundredth(
-    scales: list[float], frames: list[float], taken: bool
-) -> None:
-    """Before, any key of a scale that had fewer samples than frames was RIG's, where it was within 0.01."""
-    rig = sparse([1.0, 1.008, 1.1, 1.1], frames)
-    found = take_clips(rig, options=TakeClipsOptions(from_=sparse(scales, frames)), report=Report())
-    assert (found is not rig) == taken
-    if taken:
-        (track,) = (t for t in found.clips[0].tracks if t.path == "scale")
-        assert np.abs(track.values[:, 0] - np.array(scales)).max() <= 2.0**-11

@@ -110,8 +110,7 @@ class Tolerances:
         lost = lost + _HALF * now
         if own is not None and 1 < len(own.times) < len(self.transfer.frames):
             # In the unit of their scales, which is not ours where a size stands between.
-            slack = _SPARSE_HALF * now.max() / max(float(np.abs(own.values).max()), _FLOAT)
-            lost = lost + np.where(_repeated(own, track), slack, 0.0)
+            lost = lost + _SPARSE_HALF * now.max() / max(float(np.abs(own.values).max()), _FLOAT)
         return np.asarray(lost)
 
 
@@ -211,18 +210,6 @@ class Comparison:
     @cached_property
     def _dropped(self) -> bool:
         return tangents_dropped((was, self.clock.to_rig_time(now)) for was, now in self.pairs)
-
-
-def _repeated(own: Track, track: Track) -> Booleans:
-    """The keys of a track, (k,), at which EDITED's own may hold what a sample before it was, and not its own.
-
-    Where the sparse writer goes on after samples that it has left out, it writes the last of these as the one
-    before them; all others are as they were. Of a track that was worked out at other times, all may be such.
-    """
-    if not np.array_equal(own.times, track.times):
-        return np.ones(len(track.times), dtype=bool)
-    values = key_values(own)
-    return np.concatenate([[False], (values[1:] == values[:-1]).all(axis=1)])
 
 
 def _beyond(was: Track, now: Track) -> Booleans:
