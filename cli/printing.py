@@ -74,8 +74,8 @@ def rebaked(report: Report, kinds: Collection[str] = ("poseReader", "rivet")) ->
 def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
     output = values["output"]
     where = "standard output" if output == "-" else plain(str(output), one_line=True)
-    for layer, prims in outcome.hides.items():
-        hidden = f"Its opinions hide those of {layer} on {and_more((f'<{prim}>' for prim in prims), 3)}"
+    for layer, attributes in outcome.hides.items():
+        hidden = f"Its opinions hide those of {layer} on {and_more(_by_prim(attributes), 3)}"
         click.echo(plain(hidden, one_line=True), err=True)
     if outcome.verification is None:
         click.echo("The result was not compared with the source (--no-verify).", err=True)
@@ -92,6 +92,15 @@ def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
         click.echo(f"{where} was not written (--dry-run).", err=True)
     elif output != "-" or not streams.lost():
         click.echo(f"Wrote {where}", err=True)
+
+
+def _by_prim(attributes: Iterable[str]) -> list[str]:
+    """Attributes of USD, those of a prim in one text."""
+    names: dict[str, list[str]] = {}
+    for attribute in attributes:
+        prim, _, name = attribute.rpartition(".")
+        names.setdefault(prim, []).append(name)
+    return [f"<{prim}> ({', '.join(each)})" for prim, each in names.items()]
 
 
 def warn_unused_root(source: str, root: str | None) -> None:

@@ -49,7 +49,7 @@ class Outcome:
     """What an edit did: the report, the measured deviation (None with verify off), and the clock.
 
     rig: as it was written. files: all that the source is made of, itself first, there or not. hides: by file
-    of another layer (USD), the prims on which its opinions are hidden by those of the output.
+    of another layer (USD), the attributes whose opinions there are hidden by those of the output.
     """
 
     report: Report

@@ -132,7 +132,7 @@ class UsdDocument:
 
     @property
     def hidden(self) -> Mapping[str, Sequence[str]]:
-        """By layer, the prims on which what `write` wrote hides its opinions."""
+        """By layer, the attributes whose opinions there are hidden by what `write` wrote."""
         return self._hidden
 
     def meshes(self) -> Sequence[Mesh]:
@@ -172,7 +172,7 @@ class UsdDocument:
             inside = any(instance_of(stage, prim) is not None for prim in prims)
             if routed or inside or output.is_sublayer or edit.expected:
                 values = [*edit.prepared, *edit.values]
-                edit.expected.check(output.composed(part)[0], values, edit.staying)
+                edit.expected.check(output.composed(part)[0], values, edit.staying, output.as_composed)
         self._notices += [notice for notice in edit.notices if notice not in self._notices]
         return ()
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from rigtri.formats.usd.text.statements import UnknownTextError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.report import Notice
+from rigtri.text import and_more
 
 # What an attribute has besides its values.
 _METADATA = ("typeName", "variability", "custom", "elementSize", "interpolation", "customData")
@@ -58,6 +60,11 @@ class Output:
     def layer_path(self) -> Path:
         """The file of what is edited."""
         return Path(self.layer.realPath) if self.is_sublayer else self.source.path
+
+    @cached_property
+    def times(self) -> edit_target.LayerTimes | None:
+        """How its times are those of the stage; None for the root layer, whose they are."""
+        return edit_target.LayerTimes(self.source.stage, self.layer) if self.is_sublayer else None
 
     @property
     def content(self) -> memoryview:
@@ -96,7 +103,7 @@ class Output:
     def write(
         self, edits: Sequence[Edit], part: Path, target: Path, notices: list[Notice], *, strips: bool
     ) -> None:
-        """Write ``part`` with edits, as the file that ``target`` will be.
+        """Write ``part`` with edits, as the file that ``target`` will be; their times are those of the stage.
 
         strips: something was removed, so what was put back as it lies in a weaker layer needs no opinion,
         and an over that held nothing else goes, too.
@@ -115,8 +122,9 @@ class Output:
             self._copy(part)
             return
         layer = layers.copy_of(self.layer)
+        self._check_copied(edits, notices)
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
-        apply_edits(stage, edits, layer)
+        apply_edits(stage, self._in_layer_time(edits), layer)
         if strips and not (packed or self.is_sublayer or is_override(self.layer)):
             _drop_redundant(stage, layer, edits, self._composed_in_place)
         if strips:
@@ -138,23 +146,63 @@ class Output:
             else:
                 layers.write(layer, encoding, part)
 
+    def _in_layer_time(self, edits: Sequence[Edit]) -> list[Edit]:
+        if (times := self.times) is None:
+            return list(edits)
+        return [edit.retimed(times.in_layer) if isinstance(edit, Setting) else edit for edit in edits]
+
+    def as_composed(self, setting: Setting) -> Setting:
+        """A setting as the stage shows it once it is written."""
+        return setting if self.times is None else setting.retimed(self.times.as_composed)
+
     def _copy(self, part: Path) -> None:
         with part.open("wb") as file:
             pour(file, self.content)
 
     def hidden(self, edits: Sequence[Edit]) -> dict[str, list[str]]:
-        """By file, the prims on which opinions of other layers are hidden by those of the output.
+        """By file, the attributes whose opinions in other layers the output comes to hide.
 
         Those of all instances, which an edit of the first one is an edit of.
         """
-        below: dict[str, dict[Any, None]] = {}
-        for edit in edits:
-            attribute = self.source.stage.GetAttributeAtPath(edit.path) if isinstance(edit, Setting) else None
-            for spec in attribute.GetPropertyStack(DEFAULT) if attribute else ():
-                if self.is_new_layer or spec.layer != self.layer:
-                    below.setdefault(layers.file_name(spec.layer), {})[edit.prim] = None
+        below: dict[str, dict[Any, dict[str, None]]] = {}
+        for setting in _settings(edits):
+            for spec, _ in self._taken_over(setting):
+                names = below.setdefault(layers.file_name(spec.layer), {}).setdefault(setting.prim, {})
+                names[setting.name] = None
         each = self.source.instances.each
-        return {layer: [str(path) for prim in prims for path in each(prim)] for layer, prims in below.items()}
+        return {
+            layer: [
+                f"{path}.{name}" for prim, names in prims.items() for path in each(prim) for name in names
+            ]
+            for layer, prims in below.items()
+        }
+
+    def _taken_over(self, setting: Setting) -> list[tuple[Any, Any]]:
+        """The opinions of other layers that none of the edited one has hidden so far, with their offsets."""
+        attribute = self.source.stage.GetAttributeAtPath(setting.path)
+        found = attribute.GetPropertyStackWithLayerOffsets(DEFAULT) if attribute else []
+        if not self.is_new_layer and any(spec.layer == self.layer and _has_value(spec) for spec, _ in found):
+            return []
+        return [(spec, offset) for spec, offset in found if self.is_new_layer or spec.layer != self.layer]
+
+    def _check_copied(self, edits: Sequence[Edit], notices: list[Notice]) -> None:
+        """Notice samples that a sublayer gets of another layer's, where one of them counts time otherwise."""
+        if self.times is None:
+            return
+        copied: dict[str, str] = {}
+        for setting in _settings(edits):
+            for spec, offset in self._taken_over(setting) if setting.samples else ():
+                moved = not (offset.IsIdentity() and self.times.offset.IsIdentity())
+                if moved and spec.layer.GetNumTimeSamplesForPath(spec.path):
+                    copied.setdefault(f"<{setting.path}>", layers.file_name(spec.layer))
+        if copied:
+            own, root = layers.file_name(self.layer), layers.file_name(self.source.layer)
+            text = (
+                f"{own} also gets the samples of {and_more(copied, 3)}, which {root} has from "
+                f"{and_more(dict.fromkeys(copied.values()), 3)}, for this edit changes them. They are at the "
+                f"times of {root}: where {own} has another offset or scale, edit it with that stage"
+            )
+            notices.append(Notice("samples-copied", text))
 
     def composed(self, part: Path) -> tuple[Any, Any]:
         """The stage of what was written, and the layer in it that an edit would edit."""
@@ -235,6 +283,14 @@ class Output:
         layer.subLayerPaths = [self._source_from(target)]
         layer.customLayerData = {**layer.customLayerData, MARK: {"override": "stage"}}
         return layer
+
+
+def _settings(edits: Iterable[Edit]) -> Iterator[Setting]:
+    return (edit for edit in edits if isinstance(edit, Setting))
+
+
+def _has_value(spec: Any) -> bool:
+    return bool(spec.HasDefaultValue() or spec.layer.GetNumTimeSamplesForPath(spec.path))
 
 
 def _drop_redundant(stage: Any, layer: Any, edits: Iterable[Edit], composed: Callable[[Any], Any]) -> None:

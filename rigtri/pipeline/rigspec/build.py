@@ -323,6 +323,6 @@ class _Work:
         """What the opinions of all steps hide, by layer."""
         hides: dict[str, dict[str, None]] = {}
         for outcome in self.outcomes:
-            for layer, prims in outcome.hides.items():
-                hides.setdefault(layer, {}).update(dict.fromkeys(prims))
-        return {layer: list(prims) for layer, prims in hides.items()}
+            for layer, attributes in outcome.hides.items():
+                hides.setdefault(layer, {}).update(dict.fromkeys(attributes))
+        return {layer: list(attributes) for layer, attributes in hides.items()}

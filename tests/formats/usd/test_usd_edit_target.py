@@ -48,9 +48,15 @@ def test_a_sublayer_is_edited_and_becomes_the_output(folder: str, shot: Path) ->
 def test_what_the_root_layer_comes_to_hide_is_reported(shot: Path) -> None:
     out = shot.parent / "turned.usda"
     told = cli("orient-joints", shot, "-o", out, "--report", shot.parent / "report.json", code=0).stderr
-    assert "opinions hide those of layout.usda on </Root/Skel>, </Root/Anim>" in told
+    assert (
+        "hide those of layout.usda on </Root/Skel> (bindTransforms, restTransforms), </Root/Anim> (" in told
+    )
     hides = json.loads((shot.parent / "report.json").read_text())["hides"]
-    assert hides == {"layout.usda": ["/Root/Skel", "/Root/Anim"], "anim.usda": ["/Root/Anim"]}
+    skel = ["/Root/Skel.bindTransforms", "/Root/Skel.restTransforms"]
+    assert hides == {
+        "layout.usda": [*skel, "/Root/Anim.translations", "/Root/Anim.rotations"],
+        "anim.usda": ["/Root/Anim.rotations"],
+    }
     told = cli("orient-joints", shot.parent / "dept" / "layout.usda", "-o", out, "--overwrite", code=0).stderr
     assert "hide" not in told
 
@@ -65,6 +71,48 @@ def test_frames_reach_the_keys_of_a_layer_of_overs_in_a_stage_that_has_the_asset
     cli("orient-joints", shot, "-o", keys, "--frames", frames, "--edit-target", "anim.usda", code=0)
     seen = save(dept, f"#usda 1.0\n(\nsubLayers = [@./{keys.name}@, @./{turned.name}@]\n)\n", "seen.usda")
     assert deviation(shot, seen) < 1e-6
+
+
+MOVES = "float3[] translations.timeSamples = {\n2: [(0, 2, 0), (0, 0, 0), (0, 2, 1)],\n"
+MOVES += "7: [(0, 3, 0), (1, 0, 0), (0, 2, 2)],\n}"
+SHIFTED = "subLayers = [@./{}@ (offset = 2; scale = 0.64), @./{}@]"
+FASTER = "timeCodesPerSecond = 24\nsubLayers = [@./{}@, @./{}@]"
+DEEP = "timeCodesPerSecond = 24\nsubLayers = [@./{}@ (offset = -5.3; scale = 1.7), @./{}@]"
+
+
+@pytest.mark.parametrize(("metadata", "clock"), [(SHIFTED, 24), (FASTER, 30), (DEEP, 30)])
+def test_a_layer_of_overs_is_edited_however_a_stage_moves_its_times(
+    metadata: str, clock: int, tmp_path: Path
+) -> None:
+    """Before, each of the two files was refused, with the advice to give the other."""
+    save(tmp_path, scene(skeleton(), animation(translations=MOVES), MESH), "hero.usda")
+    text = (
+        f'#usda 1.0\n(\ntimeCodesPerSecond = {clock}\n)\nover "Root"\n{{\nover "Anim"\n{{\n{KEYS}\n}}\n}}\n'
+    )
+    keys = save(tmp_path, text.replace("2:", "2.2:").replace("6:", "6.6:"), "anim.usda")
+    shot = save(tmp_path, f"#usda 1.0\n(\n{metadata.format(keys.name, 'hero.usda')}\n)\n", "shot.usda")
+    turned, frames, out = (tmp_path / name for name in ("turned.usda", "turns.json", "anim_v2.usda"))
+    cli("orient-joints", tmp_path / "hero.usda", "-o", turned, "--save-frames", frames, code=0)
+    printed = cli("orient-joints", keys, "-o", out, "--frames", frames, code=3).output
+    assert "give a stage that has both as sublayers, with --edit-target anim.usda" in printed
+    options = ("--frames", frames, "--edit-target", "anim.usda")
+    printed = cli("orient-joints", shot, "-o", out, *options, code=0).stderr
+    assert (
+        "hide those of hero.usda on </Root/Skel> (bindTransforms, restTransforms), </Root/Anim> (transl"
+        in printed
+    )
+    assert "also gets the samples of </Root/Anim.translations>, which shot.usda has from hero.usda" in printed
+    assert "where anim.usda has another offset or scale, edit it with that stage" in printed
+    before, after = (Sdf.Layer.FindOrOpen(str(path)) for path in (keys, out))
+    assert after.timeCodesPerSecond == clock
+    at = "/Root/Anim.rotations"
+    assert after.ListTimeSamplesForPath(at) == before.ListTimeSamplesForPath(at) == [2.2, 6.6]
+    for asset in ("hero.usda", "turned.usda"):
+        seen = save(tmp_path, f"#usda 1.0\n(\n{metadata.format(out.name, asset)}\n)\n", f"on_{asset}")
+        assert deviation(shot, seen) < 1e-6
+        stages = [Usd.Stage.Open(str(path)) for path in (shot, seen)]
+        one, other = (s.GetAttributeAtPath("/Root/Anim.translations").GetTimeSamples() for s in stages)
+        assert one == pytest.approx(other, rel=1e-15)
 
 
 def test_opinions_that_a_stronger_layer_hides_are_refused(shot: Path) -> None:

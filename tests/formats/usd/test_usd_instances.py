@@ -85,7 +85,9 @@ def test_reports_of_a_crowd_name_the_prims_that_its_maker_knows(tmp_path: Path) 
     source, out, report = crowd(tmp_path), tmp_path / "out.usda", tmp_path / "report.json"
     cli("orient-joints", source, "-o", out, "--preset", "maya", "--report", report, code=0)
     hides = json.loads(report.read_text())["hides"]
-    assert {f"/World/{agent}/Skel" for agent in ("One", "Two", "Three")} <= set(hides["hero.usda"])
+    assert {f"/World/{agent}/Skel.restTransforms" for agent in ("One", "Two", "Three")} <= set(
+        hides["hero.usda"]
+    )
     again = tmp_path / "again.usda"
     cli("add-socket", out, "-o", again, "--on", "b", "--name", "grip", code=0)
     assert prototypes(again) == 1

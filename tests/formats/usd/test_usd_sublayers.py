@@ -1,4 +1,4 @@
-"""Which sublayer an edit is for, and the stage in which another layer stands for it."""
+"""Which sublayer an edit is for, how it counts time, and the stage in which another layer stands for it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, NameNotFoundError
-from rigtri.formats.usd.composition.edit_target import sublayer, with_other
+from rigtri.formats.usd.composition.edit_target import LayerTimes, sublayer, with_other
 
 ROOT = """#usda 1.0
 (
@@ -36,7 +36,8 @@ def shot(folder: Path, *, top: str = "", low: str = "", clock: str = "") -> Any:
 
 @pytest.mark.parametrize("name", ["low.usda", "deep/low.usda", "./deep/low.usda", "{folder}/deep/low.usda"])
 def test_a_sublayer_is_found_by_its_file_name_or_way(name: str, tmp_path: Path) -> None:
-    found = sublayer(shot(tmp_path), name.format(folder=tmp_path))
+    stage = shot(tmp_path)
+    found = sublayer(stage, name.format(folder=tmp_path))
     assert Path(found.realPath) == tmp_path / "deep" / "low.usda"
 
 
@@ -52,31 +53,47 @@ OFFSET = " (offset = 10)"
 
 
 @pytest.mark.parametrize(
-    ("files", "name", "refused"),
+    ("files", "name", "time"),
     [
-        ({"top": OFFSET}, "top.usda", True),
-        ({"top": OFFSET}, "other.usda", False),
-        ({"low": " (scale = 2)"}, "low.usda", True),
-        ({"low": " (scale = 2)"}, "top.usda", False),
-        ({"clock": "\n    timeCodesPerSecond = 48"}, "top.usda", True),
-        ({"clock": "\n    timeCodesPerSecond = 48"}, "low.usda", True),
-        ({"clock": "\n    timeCodesPerSecond = 48"}, "other.usda", False),
+        ({"top": OFFSET}, "top.usda", 20.0),
+        ({"top": OFFSET}, "low.usda", 20.0),
+        ({"top": OFFSET}, "other.usda", 30.0),
+        ({"low": " (scale = 2)"}, "low.usda", 15.0),
+        ({"low": " (scale = 2)"}, "top.usda", 30.0),
+        ({"clock": "\n    timeCodesPerSecond = 48"}, "top.usda", 60.0),
+        ({"clock": "\n    timeCodesPerSecond = 48"}, "low.usda", 30.0),
+        ({"top": OFFSET, "low": " (offset = 3; scale = 0.5)"}, "low.usda", 34.0),
     ],
 )
-def test_a_sublayer_whose_times_count_otherwise_is_refused(
-    files: dict[str, str], name: str, refused: bool, tmp_path: Path
+def test_a_time_of_the_stage_is_read_in_the_time_of_a_sublayer(
+    files: dict[str, str], name: str, time: float, tmp_path: Path
 ) -> None:
     stage = shot(tmp_path, **files)
-    if refused:
-        with pytest.raises(FileError, match=f"--edit-target {name}: its times are scaled or shifted by"):
-            sublayer(stage, name)
-    else:
-        assert Path(sublayer(stage, name).realPath).name == name
+    times = LayerTimes(stage, sublayer(stage, name))
+    assert times.in_layer(30.0) == time
+    assert times.as_composed(30.0) == 30.0
+
+
+def test_a_sample_that_the_layer_has_is_met_to_the_bit(tmp_path: Path) -> None:
+    stage = shot(tmp_path, top=" (offset = 2; scale = 0.64)")
+    layer = sublayer(stage, "top.usda")
+    offset, own = Sdf.LayerOffset(2, 0.64), [number * 1.1 for number in range(1, 200)]
+    spec = Sdf.AttributeSpec(Sdf.CreatePrimInLayer(layer, "/p"), "x", Sdf.ValueTypeNames.Double)
+    for time in own:
+        layer.SetTimeSample(spec.path, time, time)
+    assert any(offset.GetInverse() * (offset * time) != time for time in own)
+    times = LayerTimes(stage, layer)
+    assert [
+        times.in_layer(offset * time) for time in layer.ListAllTimeSamples()
+    ] == layer.ListAllTimeSamples()
+    for time in (number / 7 for number in range(200)):
+        layer.SetTimeSample(spec.path, times.in_layer(time), time)
+        assert stage.GetAttributeAtPath("/p.x").Get(time) == time
 
 
 @pytest.mark.parametrize(("name", "path"), [("low.usda", "/l.n"), ("other.usda", "/o.n")])
 def test_another_file_stands_for_a_sublayer_however_deep_it_is(name: str, path: str, tmp_path: Path) -> None:
-    stage = shot(tmp_path)
+    stage = shot(tmp_path, top=" (offset = 10; scale = 2)", low=" (scale = 2)")
     prim = path.partition(".")[0].strip("/")
     (tmp_path / "new.usda").write_text(f'#usda 1.0\ndef "{prim}" {{\n    int n = 7\n}}\n')
     root = stage.GetRootLayer()
@@ -84,5 +101,7 @@ def test_another_file_stands_for_a_sublayer_however_deep_it_is(name: str, path: 
     for number, where in ((7 if path == "/l.n" else 1, "/l.n"), (7 if path == "/o.n" else 1, "/o.n")):
         assert made.GetAttributeAtPath(where).Get() == number
     assert made.GetPrimAtPath("/a").GetSpecifier() == Sdf.SpecifierDef
+    offsets = [LayerTimes(made, layer).offset for layer in made.GetLayerStack(False)]
+    assert [(each.offset, each.scale) for each in offsets] == [(0, 1), (10, 2), (10, 4), (0, 1)]
     assert stage.GetAttributeAtPath(path).Get() == 1
     assert [*root.subLayerPaths] == ["./top.usda", "./other.usda"]

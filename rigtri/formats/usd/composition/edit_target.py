@@ -18,8 +18,7 @@ from rigtri.formats.usd.composition import layers
 def sublayer(stage: Any, name: str) -> Any:
     """The layer of a stage's own layer stack that is called so, by file name, by path or by identifier.
 
-    NameNotFoundError where there is none. FileError for one that is referred to, lies in a package, or counts
-    time otherwise.
+    NameNotFoundError where there is none. FileError for one that is referred to, or lies in a package.
     """
     root = stage.GetRootLayer()
     folder = Path(root.realPath).parent
@@ -32,12 +31,6 @@ def sublayer(stage: Any, name: str) -> Any:
                 f"--edit-target {name}: {inside} lies in the package {Path(package).name}, of which only the "
                 "root layer can be edited. Unpack it, and edit that file; or write to the root layer"
             )
-        for above, below, offset in _sublayers(root):
-            if below == found[0] and (not offset.IsIdentity() or _clock(above) != _clock(below)):
-                raise FileError(
-                    f"--edit-target {name}: its times are scaled or shifted by {above.identifier}. Edit the "
-                    "layer by itself, or write to the root layer"
-                )
         return found[0]
     others = [layer for layer in stage.GetUsedLayers(False) if layer not in own and not layer.anonymous]
     for layer in others:
@@ -47,6 +40,27 @@ def sublayer(stage: Any, name: str) -> Any:
                 "file itself"
             )
     raise NameNotFoundError("layer", name, [layers.file_name(layer) for layer in own])
+
+
+class LayerTimes:
+    """How the times of a stage read in a layer of its stack, which offsets, scales and clocks may move.
+
+    Source: UsdEditTarget, which maps times alike; a value read at a time of the stage is found to the bit.
+    """
+
+    def __init__(self, stage: Any, layer: Any) -> None:
+        self.offset = stage.GetEditTargetForLocalLayer(layer).GetMapFunction().timeOffset
+        self._inverse = self.offset.GetInverse()
+        # Of the layer's own samples: there and back is another time than before in one of a few.
+        self._own = {self.offset * time: time for time in layer.ListAllTimeSamples()}
+
+    def in_layer(self, time: float) -> float:
+        """A time of the stage, in the layer."""
+        return float(self._own.get(time, self._inverse * time))
+
+    def as_composed(self, time: float) -> float:
+        """When the stage has the sample that the layer gets for a time of the stage."""
+        return float(self.offset * self.in_layer(time))
 
 
 def with_other(root: Any, old: Any, new: str) -> Any:
@@ -61,14 +75,17 @@ def with_other(root: Any, old: Any, new: str) -> Any:
 def _replaced(layer: Any, old: Any, new: str) -> tuple[Any, list[Any]]:
     copy, held = layers.copy_of(layer), list[Any]()
     layers.rename_assets(copy, layers.anchored(Path(layer.realPath).parent, layer))
+    offsets = list(copy.subLayerOffsets)
     for number, path in enumerate(layer.subLayerPaths):
         below = Sdf.Layer.FindOrOpenRelativeToLayer(layer, path)
         if below is not None and below == old:
             copy.subLayerPaths[number] = new
-        elif below is not None and any(each == old for _, each, _ in _sublayers(below)):
+        elif below is not None and any(each == old for each in _below(below)):
             inner, more = _replaced(below, old, new)
             copy.subLayerPaths[number] = inner.identifier
             held += [inner, *more]
+    for number, offset in enumerate(offsets):  # which go with the paths
+        copy.subLayerOffsets[number] = offset
     return copy, held
 
 
@@ -81,14 +98,10 @@ def _names(layer: Any, folder: Path) -> set[str]:
     return {path.name, str(path), layer.identifier, *relative, *(f"./{name}" for name in relative)}
 
 
-def _sublayers(layer: Any) -> Iterator[tuple[Any, Any, Any]]:
-    """Each layer with a sublayer below it, and the offset of that, through the whole layer stack."""
-    for path, offset in zip(layer.subLayerPaths, layer.subLayerOffsets, strict=True):
+def _below(layer: Any) -> Iterator[Any]:
+    """Each layer below one, through its whole layer stack."""
+    for path in layer.subLayerPaths:
         below = Sdf.Layer.FindOrOpenRelativeToLayer(layer, path)
         if below is not None:
-            yield layer, below, offset
-            yield from _sublayers(below)
-
-
-def _clock(layer: Any) -> float:
-    return float(layer.timeCodesPerSecond)
+            yield below
+            yield from _below(below)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -41,15 +41,23 @@ class Expected:
         self._states.append((variants, state, settings))
         self._whole |= {each.path for each in settings} if whole else set()
 
-    def check(self, stage: Any, edits: Sequence[Edit], kept: Mapping[str, Booleans]) -> None:
+    def check(
+        self,
+        stage: Any,
+        edits: Sequence[Edit],
+        kept: Mapping[str, Booleans],
+        as_composed: Callable[[Setting], Setting] = lambda setting: setting,
+    ) -> None:
         """FileError, naming layer and path, for a value that another opinion hides.
 
-        kept: by prim, which of its rows or columns are left where joints went.
+        kept: by prim, which of its rows or columns are left where joints went. as_composed: a setting as the
+        stage shows it, to which the last bit of a time may come back from a layer otherwise.
         """
 
         def left(setting: Setting) -> Setting:
             keep = kept.get(str(setting.prim)) if setting.name in (*VALUES, "jointNames") else None
-            return setting if keep is None else setting.picked(np.flatnonzero(keep).tolist())
+            picked = setting if keep is None else setting.picked(np.flatnonzero(keep).tolist())
+            return as_composed(picked)
 
         # The last of several edits of one attribute counts.
         last = {edit.path: left(edit) for edit in edits if isinstance(edit, Setting) and edit.name in VALUES}

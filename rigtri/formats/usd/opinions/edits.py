@@ -7,6 +7,7 @@ layer that another edit has already changed.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -36,14 +37,15 @@ class Edit:
 class Setting(Edit):
     """An attribute that gets a value, samples, or both.
 
-    at: the same for another prim. picked: with some items of arrays alone, by their numbers.
+    place: the path of the prim in the layer, within variants where it must be. again: the same with another
+    place, value and samples.
     """
 
     name: str
     value: Any
     samples: Mapping[float, Any]
-    at: Callable[[Any], Setting]
-    picked: Callable[[Sequence[int]], Setting]
+    place: Any
+    again: Callable[[Any, Any, Mapping[float, Any]], Setting]
 
     @property
     def path(self) -> Any:
@@ -53,6 +55,25 @@ class Setting(Edit):
     def arrays(self) -> dict[Any, np.ndarray]:
         """Default (None) and samples as arrays."""
         return arrays({None: self.value} | dict(self.samples))
+
+    def at(self, prim: Any) -> Setting:
+        """The same for another prim."""
+        return self.again(prim, self.value, self.samples)
+
+    def picked(self, items: Sequence[int]) -> Setting:
+        """The same with some items of arrays alone, by their numbers."""
+        default, *rest = (
+            None if array is None else type(array)([array[k] for k in items])
+            for array in (self.value, *self.samples.values())
+        )
+        return self._with(default, dict(zip(self.samples, rest, strict=True)))
+
+    def retimed(self, time_of: Callable[[float], float]) -> Setting:
+        """The same with samples at other times."""
+        return self._with(self.value, {time_of(time): value for time, value in self.samples.items()})
+
+    def _with(self, value: Any, samples: Mapping[float, Any]) -> Setting:
+        return replace(self.again(self.place, value, samples), prim=self.prim)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,17 +137,7 @@ def set_value(
             other, name, type_name, value, samples=samples, uniform=uniform, custom=custom, alone=alone
         )
 
-    def at(other: Any) -> Setting:
-        return again(other, value, samples or {})
-
-    def picked(items: Sequence[int]) -> Setting:
-        default, *rest = (
-            None if array is None else type(array)([array[k] for k in items])
-            for array in (value, *(samples or {}).values())
-        )
-        return again(prim, default, dict(zip(samples or {}, rest, strict=True)))
-
-    return Setting(path.GetPrimPath(), edit, name, value, samples or {}, at, picked)
+    return Setting(path.GetPrimPath(), edit, name, value, samples or {}, prim, again)
 
 
 def define(path: Any, type_name: str) -> Edit:
