@@ -31,7 +31,14 @@ from .build import assigned, set_option, spec_option, spec_strict_option, spec_t
 from .help_format import Command, option
 from .option_types import Bytes, FilePath, Integer, Number
 from .progress import Progress
-from .shared_options import dry_run_option, json_option, quiet_option, shared
+from .shared_options import (
+    READING,
+    dry_run_option,
+    json_option,
+    quiet_option,
+    shared,
+    spec_reading_options,
+)
 from .terminal_text import plain
 
 if TYPE_CHECKING:
@@ -144,6 +151,7 @@ CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
 @spec_strict_option
 @spec_tolerance_option
 @shared("resources", default=None, more="[as the spec says, else copy]")
+@spec_reading_options
 @dry_run_option
 @option("--overwrite", is_flag=True, help="Replace outputs that this batch has not written.", group="safety")
 @quiet_option
@@ -223,7 +231,7 @@ def _tasks(values: dict[str, Any]) -> Tasks:
 
         folders = {name: Path(values["job"]).parent for name, _ in own}
         spec = load(values["spec"], variables=shared | dict(own), folders=folders)
-        words = {name: values[name] for name in ("strict", "tolerance", "resources")}
+        words = {name: values[name] for name in ("strict", "tolerance", "resources", *READING)}
         return SpecTask(spec.limited(**words), values["verify"])
 
     return cache(task)
@@ -231,6 +239,7 @@ def _tasks(values: dict[str, Any]) -> Tasks:
 
 def _conversion(values: dict[str, Any]) -> Tasks:
     """Each file in the other format. UsageError for options that a conversion has no use for."""
+    from rigtri.formats.document import ReadOptions
     from rigtri.limits import TOLERANCE
     from rigtri.pipeline.batch.convert_task import ConvertTask
 
@@ -239,7 +248,8 @@ def _conversion(values: dict[str, Any]) -> Tasks:
             flag = "--set" if name == "variables" else f"--{name.replace('_', '-')}"
             raise UsageError(f"--convert-to and {flag} do not go together")
     tolerance = TOLERANCE if values["tolerance"] is None else values["tolerance"]
-    task = ConvertTask(f".{values['convert_to']}", values["verify"], values["strict"], tolerance)
+    reading = ReadOptions(**{name: values[name] for name in READING})
+    task = ConvertTask(f".{values['convert_to']}", values["verify"], values["strict"], tolerance, reading)
 
     def same_for_all(own: tuple[tuple[str, str], ...]) -> Task:
         if own:

@@ -13,6 +13,7 @@ import click
 from rigtri.errors import UsageError
 
 from .build import assigned
+from .shared_options import READING
 from .terminal_text import counted, plain
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def _words(values: dict[str, Any], variables: Iterable[tuple[str, str]]) -> Iter
     for name in ("jobs", "timeout", "max_memory", "max_errors", "tolerance", "resources"):
         if values[name] is not None:
             yield from (f"--{name.replace('_', '-')}", str(values[name]))
-    for name in ("fail_fast", "strict", "overwrite", "quiet"):
+    for name in ("fail_fast", "strict", "overwrite", "quiet", *READING):
         if values[name]:
             yield f"--{name.replace('_', '-')}"
     if not values["verify"]:

@@ -97,10 +97,21 @@ def preset_option(words: str) -> Callable[[F], F]:
 dry_run_option = shared("dry_run", "-n", is_eager=True)
 
 
+# How a difficult file is read, whatever is in it.
+READING = ("lenient", "allow_external_paths", "allow_missing")
+
+
 def reading_options(command: F) -> F:
     """How a difficult file is read."""
-    for name in ("root", "lenient", "allow_external_paths", "allow_missing"):
+    for name in ("root", *READING):
         command = shared(name)(command)
+    return command
+
+
+def spec_reading_options(command: F) -> F:
+    """The same but for --root, which is for one file, where a spec can say so, too."""
+    for name in READING:
+        command = shared(name, more="[as the spec says]")(command)
     return command
 
 

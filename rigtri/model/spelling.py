@@ -7,7 +7,7 @@ errors and warnings name options as the caller does: ``limbs="auto"``, or ``'lim
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -118,14 +118,19 @@ def python_spelling(*kinds: Any) -> Spelling:
     return Spelling(_of(kinds), _python)
 
 
-def spec_spelling(options: Iterable[Option]) -> Spelling:
-    """These options as keys of a rig spec.
+def spec_spelling(options: Iterable[Option], settings: Collection[str] = ()) -> Spelling:
+    """These options as keys of a rig spec; settings: names of flags that are advised with their value.
 
     >>> from rigtri.operations.options.add_twist import AddTwistOptions
     >>> spec_spelling(options_of(AddTwistOptions).values()).text("--limb ROOT MIDDLE END or --limbs auto")
     "'limb: [ROOT, MIDDLE, END]' or 'limbs: auto'"
     """
-    return Spelling({one.key: one for one in options}, _spec)
+
+    def write(one: Option, value: str) -> str:
+        is_advised = one.name in settings and one.hint is bool and not value
+        return f"'{one.key}: true'" if is_advised else _spec(one, value)
+
+    return Spelling({one.key: one for one in options}, write)
 
 
 def step_spelling(step: str, kind: Any, command: Any) -> Spelling:

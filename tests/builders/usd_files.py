@@ -83,6 +83,14 @@ def save(folder: Path, text: str, name: str = "in.usda") -> Path:
     return path
 
 
+def shots(folder: Path) -> None:
+    """Two shots, shots/a.usda and b.usda, that refer to a character in the folder beside theirs."""
+    save(folder, scene(skeleton(), animation(), MESH), "assets/hero.usda")
+    for name in "ab":
+        text = '#usda 1.0\n(\ndefaultPrim = "Root"\n)\ndef "Root" (references = @../assets/hero.usda@) {}\n'
+        save(folder, text, f"shots/{name}.usda")
+
+
 def read(path: Path, **options: Any) -> UsdDocument:
     return UsdDocument.read(path, ReadOptions(**options))
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from rigtri.formats.document import ReadOptions
 from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.options.convert import ConvertOptions
@@ -17,13 +18,15 @@ from rigtri.report import Report
 class ConvertTask:
     """Write a file in the other format; the output's suffix says in which.
 
-    verify: compare each output with its source before it appears. strict: what is lost is an error.
+    verify: compare each output with its source before it appears. strict: what is lost is an error. reading:
+    how files are read.
     """
 
     suffix: str
     verify: bool = True
     strict: bool = False
     tolerance: float = TOLERANCE
+    reading: ReadOptions = ReadOptions()
 
     layers = False
     beside = ""
@@ -34,7 +37,9 @@ class ConvertTask:
 
     def key(self) -> str:
         """All that decides what becomes of a file, as text."""
-        return f"convert {self.suffix}\nverify {self.verify} {self.strict} {self.tolerance!r}"
+        given = [name for name, value in vars(self.reading).items() if value != getattr(ReadOptions(), name)]
+        read = f"\nread {' '.join(given)}" if given else ""
+        return f"convert {self.suffix}\nverify {self.verify} {self.strict} {self.tolerance!r}{read}"
 
     def files(self) -> Sequence[Path]:
         """None are read besides the source and what it refers to."""
@@ -44,5 +49,7 @@ class ConvertTask:
         """As `rigtri.pipeline.convert.convert_file`, whose RigtriErrors it raises."""
         from rigtri.pipeline.convert import convert_file
 
-        own = replace(request, verify=self.verify, strict=self.strict, tolerance=self.tolerance)
+        own = replace(
+            request, verify=self.verify, strict=self.strict, tolerance=self.tolerance, options=self.reading
+        )
         return convert_file(own, ConvertOptions(), report)

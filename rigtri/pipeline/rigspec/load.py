@@ -14,7 +14,7 @@ from rigtri.files.text_files import check_plain
 from rigtri.formats import ReadOptions
 from rigtri.formats.registry import is_installed
 from rigtri.model.dataclass import dataclass
-from rigtri.model.edit_options import OF_BUILDS, EditOptions, RunOptions
+from rigtri.model.edit_options import OF_BUILDS, EditOptions, FileOptions, RunOptions
 from rigtri.model.options import options_of
 from rigtri.model.spelling import Spelling, spec_spelling, spelled
 from rigtri.operations.registry import options_class
@@ -69,14 +69,12 @@ class Spec:
         """How files are read and written."""
         return self.model.reading()
 
-    def limited(
-        self, *, strict: bool = False, tolerance: float | None = None, resources: str | None = None
-    ) -> Spec:
-        """The spec as one that is strict, or with another tolerance or way with the files of a .gltf.
+    def limited(self, *, tolerance: float | None = None, resources: str | None = None, **flags: bool) -> Spec:
+        """The spec with another tolerance or way with the files of a .gltf, or with flags such as ``strict``.
 
         Its own where nothing is given.
         """
-        changed: dict[str, Any] = {"strict": True} if strict else {}
+        changed: dict[str, Any] = {name: True for name, is_set in flags.items() if is_set}
         changed |= {} if tolerance is None else {"tolerance": tolerance}
         changed |= {} if resources is None else {"resources": resources}
         if not changed:
@@ -196,7 +194,7 @@ def keys_of(tree: Tree, do: str) -> Spelling:
         if name not in OF_BUILDS and (one.key in tree.values or name not in options_of(RunOptions))
     ]
     own = [one for one in options_of(options_class(do)).values() if one.where == "all"]
-    return spec_spelling([*whole, *own])
+    return spec_spelling([*whole, *own], options_of(FileOptions))
 
 
 def need_libraries() -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from program import cli
+from usd_files import shots
 
 from rigtri import convert
 
@@ -45,3 +46,11 @@ def test_what_does_not_go_together_is_named_before_any_file(
 ) -> None:
     assert named in cli("batch", "in/*.glb", "-O", "out", *words, code=2).stderr
     assert not Path("out").exists()
+
+
+def test_shots_with_layers_in_another_folder_are_converted_where_that_is_allowed(here: Path) -> None:
+    shots(here)
+    words = ("batch", "shots/*.usda", "-O", "out", "--convert-to", "glb", "-j", "1")
+    assert "allow this with --allow-external-paths" in cli(*words, code=7).stderr
+    assert "2 files: 2" in cli(*words, "--allow-external-paths", code=0).stderr
+    assert sorted(path.name for path in Path("out").glob("*.glb")) == ["a.glb", "b.glb"]

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from program import Ran, cli
 from second_opinions import validator
+from usd_files import shots
 
 from rigtri.pipeline.rigspec.build import build
 
@@ -164,6 +165,20 @@ def test_faults_of_a_spec_come_before_all_work(here: Path) -> None:
     assert result.exit_code == 2
     assert len(json.loads(result.stdout)["error"]["faults"]) == 2
     assert not Path("out").exists()
+
+
+def test_shots_with_layers_in_another_folder_are_read_where_the_spec_or_the_batch_says_so(here: Path) -> None:
+    """Before, only the spec could, and the error named its key as if it were a value."""
+    shots(here)
+    words = ("batch", "shots/*.usda", "--spec", "rig.yaml", "-j", "1")
+    spec = "steps: [{do: orient-joints, preset: maya}]"
+    Path("rig.yaml").write_text(spec)
+    assert "allow this with 'allow-external-paths: true'" in cli(*words, "-O", "out", code=7).stderr
+    assert "2 files: 2" in cli(*words, "-O", "out", "--allow-external-paths", code=0).stderr
+    Path("rig.yaml").write_text(f"allow-external-paths: true\n{spec}")
+    assert "2 files: 2" in cli(*words, "-O", "other", code=0).stderr
+    for name in ("a.usda", "b.usda"):
+        assert Path("out", name).read_bytes() == Path("other", name).read_bytes()
 
 
 def test_two_outputs_do_not_share_a_sidecar(here: Path) -> None:
