@@ -12,7 +12,19 @@ from crowds import alike, contents, instance, prototypes, shot
 from places import ci, every_other
 from program import cli
 from pxr import Usd, UsdSkel
-from usd_files import MESH, animation, at, moments, read, save, scene, skeleton, skinned, turned, write
+from usd_files import (
+    MESH,
+    animation,
+    at,
+    moments,
+    read,
+    save,
+    scene,
+    skeleton,
+    skinned,
+    turned,
+    write,
+)
 
 import rigtri
 from rigtri.errors import FileError
@@ -603,6 +615,22 @@ def test_a_rest_pose_is_refused_that_would_show_in_the_animation_of_another_vari
     source = save(tmp_path, choosing(scene(skeleton(source=""), MESH, *clips), clip="a"))
     printed = cli("set-rest", source, "-o", tmp_path / "no.usda", "--pose", "Anim@5", code=3).output
     assert "In variant 'b' of the variant set 'clip' on </Root>, </Root/Run> does not move 'a/b'" in printed
+
+
+def test_where_a_joint_that_the_clip_of_a_variant_lacks_gets_keys_is_said(tmp_path: Path) -> None:
+    """Before, keys were asked for, also where the edit itself adds the joint and no file has it yet."""
+    clips = (animation(), animation("Run", **SOME))
+    save(tmp_path, scene(skeleton(source=""), MESH, *clips), "hero.usda")
+    body = f'def "Root" (references = @./hero.usda@)\n{{\n{variant_set("clip", **BINDINGS)}\n}}\n'
+    source = save(tmp_path, choosing(f"#usda 1.0\n{body}", 'def "Root"', clip="a"))
+    printed = cli("set-rest", source, "-o", tmp_path / "no.usda", "--pose", "Anim@5", code=3).output
+    assert (
+        "</Root/Run> does not move 'a/b', which would show its new rest pose there. Where this edit adds"
+        in printed
+    )
+    assert (
+        "edit hero.usda, which defines the animation, by itself and refer to the result; else give" in printed
+    )
 
 
 @pytest.mark.parametrize(

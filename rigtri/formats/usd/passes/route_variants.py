@@ -17,6 +17,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
+from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.value_types import BIND
@@ -187,7 +188,7 @@ class _Reorientation:
             if held := [token for token in self.reposed if token not in listed]:
                 raise FileError(
                     f"In {state.title}, <{path}> does not move '{held[0]}', which would show its new rest "
-                    f"pose there. Give it keys, or {_APART[0].lower()}{_APART[1:]}"
+                    f"pose there. {_elsewhere(source, path)}, or {_APART[0].lower()}{_APART[1:]}"
                 )
         return replace(rig, **rest)
 
@@ -224,6 +225,18 @@ class _Reorientation:
         idle = {path for skeleton in source.skeletons.values() for path in skeleton.unbound}
         own = {path for path in variants.depends if str(path.GetPrimPath()) == variants.animation}
         return [each for each in settings if str(each.prim) not in idle or each.path in own]
+
+
+def _elsewhere(source: Source, animation: str) -> str:
+    """What is done about an animation without keys of a joint, which the edit itself may have added."""
+    layer = source.stage.GetPrimAtPath(animation).GetPrimStack()[-1].layer
+    if layer in source.stage.GetLayerStack(False):
+        return "Give it keys, where the file has that joint already"
+    name = layers.file_name(layer)
+    return (
+        f"Where this edit adds that joint, edit {name}, which defines the animation, by itself and refer to "
+        "the result; else give it keys there"
+    )
 
 
 def _refuse_strange(variants: SkeletonVariants, state: VariantState, source: Source) -> None:
