@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from carried import EDITS, SAME_MOTION, THINGS, carried, source_of
-from places import SAMPLES, slow
+from places import SAMPLES, first, slow
 
 import rigtri
 from rigtri.errors import GeometryError, UsageError
@@ -247,6 +247,37 @@ def test_a_joint_that_keeps_the_scale_of_its_control_is_named_with_that() -> Non
     assert "'head' has a scale that is not uniform ('head_ctl' 1.3 0.9 0.8): snapped" in notice.text
     with pytest.raises(GeometryError, match=r"'head' \('head_ctl' 1\.3"):
         rigtri.orient_joints(rig, offset=(1.0, 2.0, 3.0), joints=("head",), on_nonuniform_scale="error")
+
+
+@pytest.mark.parametrize(
+    ("child", "driver", "how"),
+    [
+        ("neck_ctl", "chest", {"driver_space": "local"}),
+        ("hand_L_ik_ctl", "hand_R", {"driver_space": "local"}),
+        ("hand_L_ctl", "hand_R", {"roll_axis": "x"}),
+    ],
+)
+@pytest.mark.parametrize("name", first(["biped.glb", "biped.usda"]))
+def test_a_joint_whose_rotation_a_control_follows_keeps_its_axes(
+    child: str, driver: str, how: dict[str, Any], name: str
+) -> None:
+    """Before, the control took the axes of the joint, and what it moves did not know of that."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / name), whole_character=True)
+    rig, report = rigtri.constrain(rig, type="orient", child=child, driver=(driver,), **how), Report()
+    out = rigtri.orient_joints(rig, offset=(10.0, 20.0, 30.0), report=report)
+    assert any(f"'{child}' stays" in each.text or "_offset' stays" in each.text for each in report.warnings)
+    assert not np.allclose(out.world[:, 0], rig.world[:, 0], atol=0.1)
+    before, after = rigtri.bake(rig), rigtri.bake(out)
+    joints = [rig.names[node] for node in np.flatnonzero(rig.is_joint)]
+    size = np.ptp(before.world[:, 3, :3], axis=0).max()
+    for one, other in zip(timelines(before), timelines(after), strict=True):
+        moved = [
+            worlds(each, locals_at(each, line.clip, key_times(one.clip)))[
+                :, [each.find(k) for k in joints], 3
+            ]
+            for each, line in ((before, one), (after, other))
+        ]
+        assert np.allclose(*moved, atol=1e-5 * size)
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])

@@ -105,6 +105,8 @@ def apply_constraint_policy(
     joint_of = {rig.frame_of.get(joint, joint): joint for joint in tree.joints}
     skipped = {node: targets.skipped.get(joint, "") for node, joint in joint_of.items()}
     held = {node: why for node, why in skipped.items() if why in STEADFAST} | dict(rig.rules.fixed)
+    # Joints, and what engines attach, count from the axes of controls, offsets, poles and sockets.
+    held |= dict.fromkeys(rig.own.difference(joint_of), "rigtri has added it")
     # What leads and has no delta of its own does not get one for the sake of what follows it.
     kept = {node: why or "unchanged" for node, why in skipped.items() if node not in own}
     for bond in bonds(rig, ties):
