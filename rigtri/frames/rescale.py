@@ -5,7 +5,8 @@ A frame that is s times as large as another has world' = s·world; with row matr
     local' = s·local·sp⁻¹       inverse_bind' = inverse_bind·s⁻¹
 
 so translations are multiplied by sp⁻¹ and scales by s·sp⁻¹, at rest and at every key, tangents too: linear
-and constant in time. Rotations stay. An offset of a constraint becomes s·offset·sd⁻¹ for its driver d.
+and constant in time. Rotations stay. An offset of a constraint becomes s·offset·sd⁻¹ for its driver d;
+that of a pole vector, a place alone, its translation times sd⁻¹.
 Where a format wants bind matrices of scale 1
 (`FormatRules.sized_binding`), the points of a skin are bound in another size instead, as far as all of its
 joints have one size.
@@ -116,8 +117,9 @@ def _rescaled_metadata(rig: Rig, size: Floats, outside: float = 1.0) -> Mapping[
     for node, rule in constraints_of(rig).items():
         own, drivers = size[rule.child], size[list(rule.drivers)][:, np.newaxis]
         offsets = rule.offsets.copy()
-        if rule.kind in ("parent", "scale", "polevector"):
+        if rule.kind in ("parent", "scale"):
             offsets[:, :3, :3] *= own / drivers[..., np.newaxis]
+        if rule.kind in ("parent", "polevector"):
             offsets[:, 3, :3] /= drivers
         elif rule.kind == "point":
             offsets[:, 3, :3] /= outside

@@ -100,6 +100,17 @@ def test_the_offset_of_a_constraint_is_in_the_units_of_its_driver() -> None:
     assert_allclose(after.offsets[0, :3, :3], np.eye(3) / 4.0)
 
 
+def test_the_offset_of_a_pole_vector_constraint_is_a_place_in_the_units_of_its_driver() -> None:
+    rig = chain((0, 1, 0), (1, 0, 0), (3, 0, 1), (5, 0, 0))
+    rig = rigtri.constrain(rig, type="polevector", limb=("b", "c", "d"), driver=("a",))
+    (before,) = constraints_of(rig).values()
+    moved = np.where(np.array(rig.names) == "a", 4.0, 8.0)
+    (after,) = constraints_of(rescale(rig, moved)).values()
+    assert np.abs(before.offsets[0, 3, :3]).max() > 0.5
+    assert_allclose(after.offsets[0, 3, :3], before.offsets[0, 3, :3] / 4.0)
+    assert_allclose(after.offsets[0, :3, :3], np.eye(3))
+
+
 def test_the_scale_that_an_offset_keeps_for_its_joint_is_in_the_units_above_that() -> None:
     rig = chain((0, 0, 0), (1, 0, 0), (3, 0, 0))
     kept = OffsetRecord(kind="fk", joint="c", scale=(1.0, 2.0, 3.0))

@@ -22,13 +22,16 @@ import rigtri
 from rigtri.errors import UsageError
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.formats import ReadOptions, read
+from rigtri.frames.rescale import rescale
 from rigtri.maths.matrices import determinant, multiply
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.bindings import Bound
+from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
+from rigtri.operations.constrain.maintain_offset import offsets_apart, resting_offsets
 from rigtri.operations.options.freeze import FreezeOptions
 from rigtri.report import Report
 from rigtri.verification.compare.attachments import compare_attached
@@ -115,6 +118,23 @@ def test_mirrored_axes_that_controls_count_from_stay_and_are_named(tmp_path: Pat
     cli("add-controls", SAMPLES / "mirrored_pair.glb", "-o", built, *chain, code=0)
     assert "stay mirrored" in cli("freeze", built, "-o", out, code=0).stderr
     assert verify(read(built), read(out)).deviation < 1e-6
+
+
+@pytest.mark.parametrize("kind", ["parent", "point", "orient", "scale", "aim", "polevector"])
+@pytest.mark.parametrize("only", [None, "above"])
+def test_constraints_to_controls_hold_once_the_scale_above_joints_is_gone(kind: str, only: Any) -> None:
+    """Joints lose the scale of 0.01, their controls have none: offsets are between two sizes."""
+    rig = replace(rigtri.read(SAMPLES / "biped.glb"), clips=()).insert_above({0: "Armature"})
+    rig = rigtri.add_controls(rescale(rig, np.full(len(rig), 0.01)), whole_character=True)
+    what: Any = {"limb": ("thigh_L", "shin_L", "foot_L")} if kind == "polevector" else {"child": "hand_L"}
+    built = rigtri.constrain(rig, type=kind, driver=("head_ctl",), **what)
+    frozen = rigtri.freeze(built, only=only)
+    assert np.allclose(sizes(built), 0.01)
+    assert np.allclose(sizes(frozen), 1.0)
+    (rule,) = constraints_of(frozen).values()
+    rests = resting_offsets(frozen, rule)
+    assert rests is not None
+    assert offsets_apart(frozen, rests, rule.offsets).max() < 1e-6
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
