@@ -552,15 +552,17 @@ class _Builder:
                 self.rig = draw_anew(self.rig, node, drawing, requested, self.report)
 
     def _keeps_pole(self, limb: Limb) -> bool:
-        """Whether a pole vector stays: no other place is requested, and keys count from it or the limb rests
-        as it did. Then it stands elsewhere only where somebody has put it."""
+        """Whether a pole vector stays: no other place is requested, and keys count from it, the limb rests
+        as it did, or had no IK. Then it stands elsewhere only where somebody has put it, or asked for it."""
         options, chain = self.options, self._chain(limb)
         pole = find(self.rig, PoleVectorRecord, chain=chain)
         control = find(self.rig, ControlRecord, kind="ik", chain=chain)
         requested = options.bend or options.facing or options.reach != AddControlsOptions().reach
         if pole is None or requested:
             return False
-        return not self.moved.isdisjoint({pole, control}) or all(map(self._rests_as_before, limb.triple))
+        had_ik = find(self.tree.rig, ControlRecord, kind="ik", chain=chain) is not None
+        counted = not had_ik or not self.moved.isdisjoint({pole, control})
+        return counted or all(map(self._rests_as_before, limb.triple))
 
     def _rests_as_before(self, joint: int) -> bool:
         """Whether a joint stood before this run where an earlier one has put its FK control."""

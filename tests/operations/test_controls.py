@@ -514,6 +514,17 @@ def test_a_second_run_leaves_pole_vectors_where_somebody_put_them_unless_another
         assert (abs(farther.translation[poles] - there[poles]).max(axis=1) > 0.1).all()
 
 
+def test_a_pole_vector_that_was_there_before_its_ik_control_stays_where_it_was_asked_for() -> None:
+    """Before, it went to the reach of add-controls, without a word."""
+    rig = rigtri.add_polevector(rigtri.read(SAMPLES / "biped.glb"), limbs="auto", reach=0.9)
+    poles = [rig.find(f"{name}_pole") for name in ("forearm_L", "forearm_R", "shin_L", "shin_R")]
+    kept = rigtri.add_controls(rig, whole_character=True)
+    assert_allclose(kept.world[[kept.find(rig.names[k]) for k in poles], 3], rig.world[poles, 3], atol=1e-6)
+    asked = rigtri.add_controls(rig, whole_character=True, reach=0.3)
+    nearer = asked.world[[asked.find(rig.names[k]) for k in poles], 3]
+    assert (np.abs(nearer - rig.world[poles, 3]).max(axis=1) > 0.1).all()
+
+
 def test_a_pole_vector_with_keys_that_a_new_ik_control_brings_to_work_is_named() -> None:
     """Before, it did nothing; limbs with an IK control, and poles without keys, are no matter."""
     limb = [("thigh_L", "shin_L", "foot_L"), ("thigh_R", "shin_R", "foot_R")]
