@@ -1,7 +1,7 @@
 """rigtri strip
 
-The axes of joints stay as orient-joints has set them. Everything that stays is verified to look as
-before.
+The axes of joints stay as orient-joints has set them, and so do sockets, joints of add-root and other nodes
+of the character. Everything that stays is verified to look as before.
 
 \b
 Example:
