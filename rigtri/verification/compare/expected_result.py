@@ -134,7 +134,12 @@ def check_result(expected: ExpectedResult, written: Source, tolerance: float) ->
 
 def compare_written(expected: ExpectedResult, views: Views, tolerance: float) -> Comparison:
     """Whether the written file is the rig in memory: the deviation that is held against ``tolerance``."""
-    if expected.rig.pending.weight_redistributions:
+    redistributed = bool(expected.rig.pending.weight_redistributions)
+    if expected.morph_changes and (redistributed or not expected.rig.pending.strips):
+        from rigtri.verification.compare.morph_changes import without_changes
+
+        views = without_changes(*views, expected.morph_changes)
+    if redistributed:
         from rigtri.verification.compare.without_twist import compare_without_twist
 
         return compare_without_twist(*views, behind=expected.behind)
@@ -143,10 +148,6 @@ def compare_written(expected: ExpectedResult, views: Views, tolerance: float) ->
     if expected.rig.pending.bind_sizes or expected.rig.pending.weight_limits:
         # Points are bound in another size, or by others: look at the vertices themselves.
         return verify(*views)
-    if expected.morph_changes:
-        from rigtri.verification.compare.morph_changes import without_changes
-
-        views = without_changes(*views, expected.morph_changes)
     own, behind = expected.reposed, expected.behind
     result = self_check(*views, own_nodes=own, behind=behind)
     if result.boxed and not result.passes(tolerance):  # the stated boxes may be too coarse
