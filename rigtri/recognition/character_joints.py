@@ -45,7 +45,12 @@ class _Branch:
 
     @cached_property
     def tree(self) -> Tree:
-        return Tree(self.whole.rig, self.nodes, self.whole.places)
+        whole, above = self.whole, None
+        if whole.is_own:  # the file may have none of these below the top
+            above = [-1] * len(whole.rig)
+            for node in self.nodes[1:]:
+                above[node] = whole.above[node]
+        return Tree(whole.rig, self.nodes, whole.places, above)
 
     @cached_property
     def plane(self) -> Plane | None:

@@ -13,7 +13,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.rig import Rig
 from rigtri.recognition import front_or_hind
 from rigtri.recognition.character_draft import Draft
-from rigtri.recognition.character_joints import groups_of
+from rigtri.recognition.character_joints import groups_of, left_over
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.guessed_hierarchy import lost_third, lower_elsewhere, start_beside
 from rigtri.recognition.joint_tree import Tree
@@ -280,3 +280,11 @@ def test_a_limb_whose_count_goes_on_elsewhere_is_not_sure(lost: str) -> None:
     for chain in (chain for chain in found if chain.kind == "arm"):
         said = [names[k][:5] for k in chain.bend or chain.joints]
         assert said == ["arm_1", "arm_2", "arm_3"] or chain.confidence < 0.75
+
+
+def test_what_is_left_over_of_a_guessed_hierarchy_keeps_it() -> None:
+    """Before, its joints had the order of the one and the parents of the file: KeyError."""
+    rig = rig_with(MAN)
+    turned = [*range(1, len(rig)), -1]
+    tree = Tree(rig, [*range(len(rig))][::-1], rig.world[:, 3, :3], turned)
+    assert left_over(tree, ()) == []
