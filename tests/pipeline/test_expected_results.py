@@ -156,3 +156,59 @@ def test_other_weights_of_joints_and_of_morph_targets_are_allowed_together(
         tolerance = max(alone, 1e-5) + 0.01
         with pytest.raises(DeviationError):
             measured(*steps, otherwise)
+
+
+def ended(folder: Path, *, moves: bool) -> Path:
+    """The arm with a hand at its end, which moves a point; its clip moves the hand, or the morph targets."""
+    b = arm(weights=None if moves else "LINEAR")
+    nodes, skin, (clip,) = b.gltf["nodes"], b.gltf["skins"][0], b.gltf["animations"]
+    nodes[1]["children"] = [len(nodes)]
+    skin["joints"].append(len(nodes))
+    nodes.append({"name": "hand", "translation": [0, 1, 0]})
+    bind = np.tile(np.eye(4), (3, 1, 1))
+    bind[:, 3, 1] = 0, -1, -2
+    skin["inverseBindMatrices"] = b.accessor(bind.reshape(-1, 16))
+    (primitive,) = b.gltf["meshes"][0]["primitives"]
+    primitive["attributes"]["JOINTS_0"] = b.accessor([[0, 1, 2, 0]] * 3, "u1")
+    primitive["attributes"]["WEIGHTS_0"] = b.accessor([[1, 0, 0, 0], [0.5, 0.5, 0, 0], [0, 0, 1, 0]])
+    if moves:
+        clip["channels"].append({"sampler": 0, "target": {"node": skin["joints"][-1], "path": "rotation"}})
+    return b.glb(folder / "ended.glb")
+
+
+def merged(rig: Rig, report: Report) -> Rig:
+    return rigtri.merge_joints(rig, joints=("hand",), report=report)
+
+
+def posed(rig: Rig, report: Report) -> Rig:
+    """All rests as in the middle of the clip, morph targets too."""
+    return rigtri.take_pose(rig, at="bend@0.5", report=report)
+
+
+def oriented(rig: Rig, report: Report) -> Rig:
+    """Bones point along x, which was y."""
+    return rigtri.orient_joints(rig, preset="talk", report=report)
+
+
+@pytest.mark.parametrize("steps", [(merged, posed), (posed, merged), (merged, posed, oriented)])
+def test_joints_go_and_the_others_get_another_rest_pose_in_one_edit(
+    steps: tuple[edit.Step, ...], tmp_path: Path
+) -> None:
+    """Before, morph weights at rest and the axes of joints were expected to stay as they were."""
+    out = tmp_path / "out.glb"
+    made = edit.edit(ended(tmp_path, moves=False), out, in_turn(*steps))
+    assert made.verification is not None
+    assert made.verification.deviation < 1e-6 < 0.1 < made.verification.motion.deviation
+    assert "hand" not in rigtri.read(out).names
+
+
+@pytest.mark.parametrize("steps", [(merged, posed), (posed, merged)])
+def test_what_joints_that_go_have_moved_is_measured_beside_another_rest_pose(
+    steps: tuple[edit.Step, ...], tmp_path: Path
+) -> None:
+    """Before, their motion counted as gone on purpose, so that nothing was said of it."""
+    source, out = ended(tmp_path, moves=True), tmp_path / "out.glb"
+    with pytest.raises(DeviationError):
+        edit.edit(source, out, merged)
+    with pytest.raises(DeviationError):
+        edit.edit(source, out, in_turn(*steps), tolerance=0.01)

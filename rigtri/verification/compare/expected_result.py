@@ -21,7 +21,7 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.model.skin import moving_points
+from rigtri.model.skin import Skin, moving_points
 from rigtri.progress import begin_stage
 from rigtri.verification.compare.compare import (
     DocumentView,
@@ -74,7 +74,7 @@ class ExpectedResult:
         if self.rig.pending.weight_redistributions:
             source, written = self._moved(written)
         else:
-            source = _as_edited(self.source, self.rig) if self.reposed else self.source
+            source = _as_edited(self.source, self.rig, self.keeps_clips) if self.reposed else self.source
             written = _with_lost_clips(written, self.rig)
         return without_twist(source), without_twist(written)
 
@@ -254,26 +254,50 @@ def _mesh_key(mesh: Mesh, rig: Rig) -> tuple[str, str]:
     return rig.names[mesh.node], mesh.name.rpartition("/")[2]
 
 
-def _as_edited(source: Source, rig: Rig) -> Source:
-    """The source with its nodes at rest, and in its clips, as ``rig`` has them, which keeps their order.
+def _as_edited(source: Source, rig: Rig, keeps_clips: bool) -> Source:
+    """The source with its nodes at rest, in its clips and its skins, as ``rig`` has them, which keeps their
+    order, and with morph weights at rest and sizes of binding as that gives them.
 
     Where a file keeps a track that the rig lacks, as UsdSkel does for all joints of an animation, it rests.
+    What goes keeps its own where clips may move otherwise: else `declared_differences` looks at them.
     """
     before, place = source.rig, {key: node for node, key in enumerate(source.rig.keys)}
     there = {key: node for node, key in enumerate(rig.keys)}
     at = [there[key] for key in before.keys]
     parts = {name: getattr(rig, name)[at] for name in ("translation", "rotation", "scale", "matrix")}
     edited, clips = {clip.key: clip for clip in rig.clips}, []
+    gone = frozenset() if keeps_clips else {place[rig.keys[node]] for node in rig.pending.removed}
     for clip in before.clips:
         now = edited[clip.key].tracks if clip.key in edited else ()
         tracks = [replace(t, node=place[rig.keys[t.node]]) for t in now if rig.keys[t.node] in place]
         moving = {(track.node, track.path) for track in tracks}
         for track in clip.tracks:
             if (track.node, track.path) not in moving and track.path != "weights":
-                rest = parts[track.path][track.node]
-                tracks.append(Track(track.node, track.path, "STEP", track.times[:1], rest[np.newaxis]))
+                rest = parts[track.path][track.node][np.newaxis]
+                still = Track(track.node, track.path, "STEP", track.times[:1], rest)
+                tracks.append(track if track.node in gone else still)
         clips.append(replace(clip, tracks=tuple(tracks)))
-    return DocumentView(source, replace(before, clips=tuple(clips), **parts))
+    resting = rig.pending.morph_weights.items()
+    weights = {place[key]: one for node, one in resting if (key := rig.keys[node]) in place}
+    moved = replace(
+        before,
+        clips=tuple(clips),
+        skins=tuple(_bound_as_edited(skin, at, rig) for skin in before.skins),
+        pending=replace(before.pending, morph_weights=weights, bind_sizes=rig.pending.bind_sizes),
+        **parts,
+    )
+    return PosedView(source, moved, source, before.keys, range(len(before)))
+
+
+def _bound_as_edited(skin: Skin, at: Sequence[int], rig: Rig) -> Skin:
+    """A skin with the inverse binds that ``rig`` gives the joints that stay in it, by ``at`` its nodes."""
+    now = next((each for each in rig.skins if each.key == skin.key), None)
+    rows = {} if now is None else dict(zip(now.joints.tolist(), now.inverse_bind, strict=True))
+    bound = [
+        rows.get(at[joint], inverse)
+        for joint, inverse in zip(skin.joints.tolist(), skin.inverse_bind, strict=True)
+    ]
+    return replace(skin, inverse_bind=np.stack(bound)) if bound else skin
 
 
 def _with_lost_clips(written: Source, rig: Rig) -> Source:
