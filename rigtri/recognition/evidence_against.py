@@ -27,7 +27,6 @@ from rigtri.recognition.guessed_hierarchy import (
     lost_third,
     lower_elsewhere,
     miscounted,
-    numbers_in,
     out_of_order,
     small_part,
     start_beside,
@@ -42,7 +41,7 @@ from rigtri.recognition.inanimate import (
 )
 from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
-from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.name_parsing import numbers_in, parse_name
 from rigtri.recognition.name_readings import follows_in_line
 from rigtri.recognition.names_of_several import named_twice, one_of_several
 from rigtri.recognition.naming_schemes import limb_kind_in_name, roles_in_name
@@ -263,20 +262,22 @@ def _named_to_bend_elsewhere(draft: Draft, each: Found) -> str:
 
 
 def _misnamed(draft: Draft, each: Found) -> str:
-    """Names of a limb whose hand is missing: a forearm at its end, or bones that count from the middle."""
+    """Names of a limb whose hand is missing: a forearm at its end, or bones that count from its middle."""
     names = [draft.tree.rig.names[node] for node in each.joints]
     if each.kind == "leg" and limb_words(names[0]).levels == {"end": 1.0}:
         return f"{_title(draft, each.joints[0])}, where it begins, is called as the end of a limb is"
     last = limb_words(names[2]).levels
     if each.kind == "arm" and last.get("lower") == 1.0 and len(last) == 1:  # hocks are called so, too
         return f"{_title(draft, each.joints[2])} is called as a lower bone is"
-    between = draft.tree.way(each.joints[1], each.joints[2])[1:-1]
+    between = draft.tree.way(*each.joints[1:])[1:-1]
     lower = [k for k in between if limb_words(draft.tree.rig.names[k]).levels == {"lower": 1.0}]
     if each.kind == "arm" and lower and not last:
         return f"{_title(draft, lower[-1])}, after which it ends, is called as a lower bone is"
     first, second, third = (parse_name(name) for name in names)
-    counts = second.plain == third.plain != first.plain and second.key != third.key
-    if counts and second.plain and numbers_in(second.key) == [1] and numbers_in(third.key) == [2]:
+    counted = "" != second.plain == third.plain != first.plain
+    numbers = numbers_in(second.key), numbers_in(third.key)
+    blender = numbers == ((), (1,)) and each.kind == "arm" and "before" in limb_words(names[0]).levels
+    if counted and (numbers == ((1,), (2,)) or blender):
         return f"its bones are counted from {_title(draft, each.joints[1])} on"
     return ""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from itertools import pairwise
 from math import inf
@@ -12,9 +11,10 @@ from rigtri.recognition.character_draft import Draft, once
 from rigtri.recognition.facing import BY_LEGS
 from rigtri.recognition.found_limb import Found
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_ends import counted_next
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_words import NO_WORDS, in_order, other_words
-from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.name_parsing import numbers_in, parse_name
 from rigtri.recognition.names_of_several import alike
 from rigtri.recognition.naming_schemes import roles_in_name
 
@@ -320,7 +320,10 @@ def miscounted(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     """
     names, step = draft.tree.rig.names, _step(draft, each)
     if not step:
-        return ""
+        node = counted_next(draft.tree, each.joints)
+        return (
+            f"its joints are counted on to {_title(draft, node)}, which hangs elsewhere" if node >= 0 else ""
+        )
     twins = (k for k in found if k is not each and k.kind == each.kind)
     if -1 in step:
         down = any(-1 in _step(draft, twin) for twin in twins)
@@ -332,7 +335,7 @@ def miscounted(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     first, last = each.joints[0], each.joints[-1]
     key = parse_name(names[last])
     before, after = (
-        [a + way * b for a, b in zip(numbers_in(names[k]), step, strict=True)]
+        tuple(a + way * b for a, b in zip(numbers_in(names[k]), step, strict=True))
         for k, way in ((first, -1), (last, 1))
     )
     for node in draft.tree.nodes:
@@ -358,11 +361,6 @@ def _step(draft: Draft, each: Found) -> list[int]:
     steps = [[b - a for a, b in zip(*pair, strict=True)] for pair in pairwise(counts)]
     regular = all(step == steps[0] for step in steps)
     return steps[0] if regular and sorted(map(abs, steps[0])) == [0] * (len(steps[0]) - 1) + [1] else []
-
-
-def numbers_in(name: str) -> list[int]:
-    """The numbers in a name, or in the last part of a path."""
-    return [int(digits) for digits in re.findall("[0-9]+", name.rsplit("/", 1)[-1])]
 
 
 def small_part(draft: Draft, each: Found) -> str:

@@ -13,6 +13,7 @@ from rigtri.maths.angle_limits import cosine_below
 from rigtri.recognition.bone_noise import STRAIGHT
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords, other_words
+from rigtri.recognition.name_parsing import numbers_in, parse_name
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses, how_far
 from rigtri.recognition.symmetry import Pair
@@ -190,6 +191,42 @@ def loose_ends(tree: Tree, pair: Pair, poses: Poses, names: Mapping[int, LimbWor
         for path, end in zip((a, b), ends, strict=True)
     )
     return replace(pair, paths=((*a, ends[0]), (*b, ends[1])), reach=reach)
+
+
+def counted_on(tree: Tree, pair: Pair) -> Pair:
+    """A pair with the joints elsewhere that its names count on to; as it is where they do not on both sides.
+
+    So hang the hands of flat IK rigs at the root, below arms that have a clavicle: ``Arm.L.002``.
+    """
+    (a, b), names = pair.paths, tree.rig.names
+    if not (numbers_in(names[a[-1]]) and numbers_in(names[b[-1]])):
+        return pair
+    one, other = counted_next(tree, a), counted_next(tree, b)
+    if min(one, other) < 0 or one == other:
+        return pair
+    more = min(tree.at[a[-1]].distance(tree.at[one]), tree.at[b[-1]].distance(tree.at[other]))
+    return replace(pair, paths=((*a, one), (*b, other)), reach=pair.reach + more)
+
+
+def counted_next(tree: Tree, path: Sequence[int]) -> int:
+    """The joint whose name goes on with the count of the last two of a chain, and that hangs elsewhere; −1.
+
+    Blender counts from a name without a number on: ``Arm.L``, ``Arm.L.001``.
+    """
+    names, last = tree.rig.names, path[-1]
+    count = numbers_in(names[last])
+    if len(count) != 1 or len(path) < 2 or tree.below[last]:
+        return -1
+    name, before = parse_name(names[last]), parse_name(names[path[-2]])
+    lower = numbers_in(names[path[-2]]) or (0,)
+    if (before.plain, before.side) != (name.plain, name.side) or lower != (count[0] - 1,):
+        return -1
+    for node in tree.nodes:
+        other = parse_name(names[node]) if numbers_in(names[node]) == (count[0] + 1,) else None
+        same = other is not None and (other.plain, other.side) == (name.plain, name.side) and other.plain
+        if same and not roles_in_name(names[node]) and not tree.is_below(path[0], node):
+            return -1 if tree.is_below(node, last) else node
+    return -1
 
 
 def _bone_beside(tree: Tree, path: Sequence[int], poses: Poses, names: Mapping[int, LimbWords]) -> int:

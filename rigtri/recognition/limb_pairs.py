@@ -11,7 +11,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
-from rigtri.recognition.limb_ends import HAND, branches, ends_in_muscle, has_thumb, loose_ends
+from rigtri.recognition.limb_ends import HAND, branches, counted_on, ends_in_muscle, has_thumb, loose_ends
 from rigtri.recognition.limb_triples import CLAVICLES, Triple, sharpest_of, triple_of
 from rigtri.recognition.limb_words import LEVELS, NO_WORDS, LimbWords, Place
 from rigtri.recognition.naming_schemes import BESIDE, NO_LIMB, roles_in_name
@@ -96,7 +96,8 @@ def limbs_of(
     """
     tried, found = pairs[: 3 * TRIED], []
     sharpest = sharpest_of(tree, poses) if any(len(pair.paths[0]) > 3 for pair in tried) else []
-    for pair in tried:
+    for each in tried:
+        pair = counted_on(tree, each) if names.get(each.paths[0][-1], NO_WORDS).kind else each
         bend = triple_of(tree, pair.paths, sharpest, names, towards, kind)
         muscle = len(pair.paths[0]) == 3 and all(ends_in_muscle(tree, path, names) for path in pair.paths)
         if bend is None or muscle or (len(pair.paths[0]) <= 3 and bend.quality < 0.3):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from functools import lru_cache
 
@@ -11,7 +12,7 @@ from rigtri.recognition.limb_words import is_corner, limb_words, words_apart
 from rigtri.text import is_number
 
 # Names that are kept, read: those of a few characters, not of all files of a batch.
-_NAMES = 1 << 15
+NAMES = 1 << 15
 _WRITTEN_OUT = ("left", "right")
 # Words that only say whose convention it is, or that a joint is one.
 _CONVENTION = """
@@ -36,7 +37,7 @@ class ParsedName:
     kept: tuple[str, ...]
 
 
-@lru_cache(_NAMES)
+@lru_cache(NAMES)
 def parse_name(name: str) -> ParsedName:
     """What a name says.
 
@@ -60,6 +61,12 @@ def with_words(which: Side, kept: tuple[str, ...], found: frozenset[str]) -> Par
     short = [str(int(word)) if is_number(word) else word for word in kept]
     letters = [word for word in kept if not is_number(word)]
     return ParsedName(which, "".join(kept), "".join(short), "".join(letters), found, kept)
+
+
+@lru_cache(NAMES)
+def numbers_in(name: str) -> tuple[int, ...]:
+    """The numbers in a name, or in the last part of a path."""
+    return tuple(map(int, re.findall("[0-9]+", name.rsplit("/", 1)[-1])))
 
 
 def _split(name: str) -> str:

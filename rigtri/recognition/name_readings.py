@@ -167,7 +167,7 @@ def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Rea
         return reading
     for kind, parts in BENDS.items():
         for which in _SIDES:
-            triple = _triple(tree, *(by_bone.get((part, which), []) for part in parts))
+            triple = _triple(tree, *[by_bone.get((part, which), []) for part in parts])
             ends = [node for _, node in by_bone.get((parts[2], which), [])]
             chain = () if triple else _counted(tree, chained, scheme, kind, which)
             closed = _through_to_its_end(tree, words, chain)

@@ -288,3 +288,24 @@ def test_what_is_left_over_of_a_guessed_hierarchy_keeps_it() -> None:
     turned = [*range(1, len(rig)), -1]
     tree = Tree(rig, [*range(len(rig))][::-1], rig.world[:, 3, :3], turned)
     assert left_over(tree, ()) == []
+
+
+@pytest.mark.parametrize("lost", ["", "L", "LR"])
+def test_an_arm_ends_where_its_count_goes_on_at_the_root(lost: str) -> None:
+    """Before, clavicle, upper arm and elbow were an arm at 0.96. lost: sides without that hand."""
+    blender = {"clavicle": "Shoulder", "upper_arm": "Arm", "forearm": "Arm.001", "hand": "Arm.002"}
+
+    def called(name: str) -> str:
+        part, _, side = name.partition(".")
+        word, _, count = blender.get(part, part).partition(".")
+        return ".".join(filter(None, (word, side, count)))
+
+    loose = ("hips", "hand.L", "hand.R", "foot.L", "foot.R")
+    flat = [(called(n), "root" if n in loose else called(a), at) for n, a, at in MAN]
+    bent = [(n, a, (x, y, z - 0.09 * n.endswith(".001"))) for n, a, (x, y, z) in flat]
+    kept = [each for each in bent if each[0] not in [f"Arm.{side}.002" for side in lost]]
+    joints: list[Joint] = [("root", "", (0.0, 0.0, 0.0)), *kept]
+    (character,) = recognise(rig_with(joints)).characters
+    arms = [[joints[k][0] for k in one.bend] for one in character.chains if one.kind == "arm" and one.is_sure]
+    whole = [[f"Arm.{s}", f"Arm.{s}.001", f"Arm.{s}.002"] for s in "LR"]
+    assert sorted(arms) == (whole if not lost else [])
