@@ -45,7 +45,7 @@ from rigtri.recognition.name_parsing import numbers_in, parse_name
 from rigtri.recognition.name_readings import follows_in_line
 from rigtri.recognition.names_of_several import named_twice, one_of_several
 from rigtri.recognition.naming_schemes import limb_kind_in_name, roles_in_name
-from rigtri.recognition.no_body import beside_things, by_words, is_named, no_body, no_trunk
+from rigtri.recognition.no_body import beside_things, by_words, ends_in_a_device, is_named, no_body, no_trunk
 from rigtri.recognition.rival_joints import beside_another
 from rigtri.recognition.shape_doubts import (
     ankle_as_knee,
@@ -105,7 +105,7 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     if len(each.joints) != 3:
         doubts = (no_trunk, beside_things, lost_third, miscounted, joint_more, *_alone(_no_bend))
     else:
-        doubts = (*_OF_ANY, *(_OF_NAMES if is_named(draft, each) else _OF_SHAPES), *_OF_TWINS)
+        doubts = (*_OF_ANY, *(_OF_NAMES if is_named(draft, each) else _OF_SHAPES), *_LAST)
     for doubt in doubts:
         if why := doubt(draft, each, found):
             return why
@@ -349,7 +349,7 @@ _OF_ANY = (
     no_body,
     beside_things,
 )
-_OF_TWINS = (unlike_twin, joint_more)
+_LAST = (unlike_twin, joint_more, ends_in_a_device)
 _OF_NAMES = (
     *_alone(_unnamed_between),
     called_end,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_pairs import Limbs
 from rigtri.recognition.limb_triples import beside
 from rigtri.recognition.limb_words import NO_WORDS
-from rigtri.recognition.name_parsing import parse_name
+from rigtri.recognition.name_parsing import NAMES, parse_name
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.shape_doubts import ZIGZAG, hangs_from_a_lying_trunk
 from rigtri.recognition.word_tables import our_table, role_words
@@ -79,6 +79,7 @@ def whole_rigs() -> frozenset[str]:
     return frozenset(_table()["neutral"]["rigs"].split())
 
 
+@lru_cache(NAMES)
 def thing_in_name(name: str) -> bool:
     """Whether a name is of a device, or of a part of a machine or building."""
     return not _parts().isdisjoint(parse_name(name).words)

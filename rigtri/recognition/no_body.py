@@ -22,6 +22,7 @@ from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.naming_schemes import is_bone, roles_in_name
+from rigtri.text import a
 
 # Of a body without legs and without a second arm, so many bones beside the arm's own, or fingers, are named.
 _ENOUGH = 3
@@ -90,6 +91,23 @@ def beside_things(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         return ""
     strange = _strange(draft, found, things=has_head(draft))
     return f"no hips or spine are named, and {strange} may be of a thing" if strange else ""
+
+
+def ends_in_a_device(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """A limb of what has one by its names that ends in a device, and no hips, spine, clavicle, toe or finger.
+
+    So end arms of satellites in panels, and those of excavators in buckets. ``wheel_foot`` is a foot.
+    """
+    names, words = draft.tree.rig.names, draft.words
+    ends = [one for one in (each, *found) if thing_in_name(names[one.joints[-1]])]
+    ends = [one for one in ends if "end" not in words.get(one.joints[-1], NO_WORDS).levels]
+    ends = [one for one in ends if words.get(one.joints[0], NO_WORDS).kind]
+    if not ends or has_hips_or_spine(draft) or _has_more_of_a_body(draft):
+        return ""
+    if any(has_fingers(draft, one) for one in found):
+        return ""
+    end = draft.tree.rig.title(ends[0].joints[-1])
+    return f"'{end}', where {a(ends[0].kind)} ends, is called as a device is, and no hips or spine are named"
 
 
 def _needs_more(draft: Draft, each: Found) -> bool:

@@ -33,6 +33,31 @@ def on_legs(root: str, start: str, middle: str, end: str, *more: Joint) -> list[
 
 
 THINGS: dict[str, list[Joint]] = {
+    "satellite": on_legs(
+        "body",
+        "leg_upper",
+        "leg_lower",
+        "antenna_foot",
+        *both(
+            line(
+                "arm_upper.L arm_lower.L panel.L", "body", (0.4, 0.6, 0.0), (1.4, 0.65, 0.0), (2.4, 0.6, 0.0)
+            )
+        ),
+        ("dish_head", "body", (0.0, 1.0, 0.0)),
+    ),
+    "excavator": [
+        ("base", "", (0.0, 0.5, 0.0)),
+        *line(
+            "cab boom arm forearm bucket hand",
+            "base",
+            (0.0, 1.0, 0.0),
+            (0.0, 1.2, 0.5),
+            (0.0, 2.5, 2.0),
+            (0.0, 2.0, 3.5),
+            (0.0, 0.8, 4.0),
+            (0.0, 0.5, 4.2),
+        ),
+    ],
     "cart": on_legs("cart_body", "stand_leg", "stand_leg_low", "stand_foot"),
     "clock": on_legs(
         "clock_body",
