@@ -19,6 +19,10 @@ from rigtri.recognition.pose_samples import Poses
 
 # Joints of a skeleton of controls stand so near to one of the body's, of its extent, and so many of them do.
 _BESIDE, _MOST = 0.05, 0.8
+# By this part of that its bones may be longer or shorter.
+_CLOSE = 0.1
+# A branch with so many joints may be of a whole skeleton.
+_BODY = 12
 # Nearer than this part of the longest chain, or of one itself, joints stand in one place.
 _SAME_PLACE = 1e-3
 
@@ -43,6 +47,7 @@ def doubled_in(tree: Tree, poses: Poses) -> frozenset[int]:
         moves[node] = moves[node] or any(moves[child] for child in tree.below[node])
     idle = [(k, other) for nodes in groups for k in nodes if not moves[k] for other in nodes if moves[other]]
     starts = {k for k, other in idle if _runs_along(tree, k, other)}
+    starts |= {k for k, other in idle if k not in starts and _is_posed_branch(tree, k, other)}
     found = set[int]()
     for node in tree.nodes:
         if node in starts or tree.above[node] in found:
@@ -65,8 +70,9 @@ class JointGroup:
 def with_controls(tree: Tree, groups: Sequence[Sequence[int]], poses: Poses) -> list[JointGroup]:
     """The bodies among groups of joints, each with the skeletons of controls that only stand around it.
 
-    What one skin lists with a body, moves no point, shows no mesh, and stands where the body does is what
-    animators move instead, whatever it is called. Beside another body of a crowd a body stands elsewhere.
+    What one skin lists with a body, moves no point, shows no mesh, and stands where the body does, or has
+    its bones in another pose, is what animators move instead, whatever it is called; and so, wherever it
+    stands, is what is called so. Beside another body of a crowd a body stands elsewhere.
     """
     if len(groups) > 1 and not _draws_anything(tree, poses):
         return _by_names(tree, groups, poses)
@@ -79,6 +85,8 @@ def with_controls(tree: Tree, groups: Sequence[Sequence[int]], poses: Poses) -> 
     for k in sorted(idle):
         bodies = sorted(set().union(*(together for together in shared if k in together)) - idle)
         beside = [body for body in bodies if _stands_beside(tree.places, groups[k], groups[body])]
+        beside = beside or [body for body in bodies if _is_posed_copy(tree, groups[k], groups[body])]
+        beside = beside or _nearest_not_controls(tree, groups, k, bodies)
         controls.setdefault(beside[0] if beside else k, set()).update(groups[k] if beside else ())
     return [JointGroup(list(groups[k]), frozenset(found)) for k, found in sorted(controls.items())]
 
@@ -133,6 +141,69 @@ def _stands_beside(at: Floats, nodes: Sequence[int], body: Sequence[int]) -> boo
         return False
     apart = (length(places - place).min() for place in mine)
     return len([far for far in apart if far <= near]) >= _MOST * len(nodes)
+
+
+def _nearest_not_controls(
+    tree: Tree, groups: Sequence[Sequence[int]], k: int, bodies: Sequence[int]
+) -> list[int]:
+    """Of bodies that are not called controls the nearest to a skeleton that is; none for another one."""
+    called = {each: _are_controls([tree.rig.names[node] for node in groups[each]]) for each in (k, *bodies)}
+    others = [body for body in bodies if not called[body]] if called[k] else []
+    middle = {each: _middle(tree.places[list(groups[each])]) for each in (k, *others)}
+    return sorted(others, key=lambda body: float(length(middle[body] - middle[k])))
+
+
+def _middle(at: Floats) -> Floats:
+    """The middle of the box around some places."""
+    middle: Floats = (at.min(axis=0) + at.max(axis=0)) / 2.0
+    return middle
+
+
+def _is_posed_branch(tree: Tree, node: int, other: int) -> bool:
+    """Whether a branch as large as a body is a copy of another one in another pose."""
+    return tree.size[node] >= _BODY and _is_posed_copy(tree, tree.branch(node), tree.branch(other))
+
+
+def _is_posed_copy(tree: Tree, nodes: Sequence[int], body: Sequence[int]) -> bool:
+    """Whether a skeleton starts where a body does and has nearly all its bones, of whatever directions.
+
+    Rest poses differ where bones were posed and controls were not. Lengths of bones stay, but for one scale.
+    """
+    inside, its_own, place = frozenset(nodes), frozenset(body), tree.places
+    tops = [node for node in nodes if tree.above[node] not in inside]
+    starts = [node for node in body if tree.above[node] not in its_own]
+    near = _BESIDE * float(np.ptp(place[list(body)], axis=0).max())
+    if not all(any(float(length(place[k] - place[top])) <= near for k in starts) for top in tops):
+        return False
+    mine, its = _bones_by_depth(tree, nodes), _bones_by_depth(tree, body)
+    far = max((tree.reach[k] for k in starts), default=0.0), max((tree.reach[k] for k in tops), default=0.0)
+    scales = (1.0, far[0] / far[1]) if min(far) > 0.0 else (1.0,)
+    return any(_count_alike(mine, its, scale, near) >= _MOST * len(nodes) for scale in scales)
+
+
+def _bones_by_depth(tree: Tree, nodes: Sequence[int]) -> dict[int, list[float]]:
+    """The lengths of the bones of a skeleton by how many joints of it are above each; 0 for a first one."""
+    inside, depth = frozenset(nodes), dict[int, int]()
+    found: dict[int, list[float]] = {}
+    for node in sorted(nodes):
+        over = tree.above[node]
+        depth[node] = depth.get(over, -1) + 1
+        found.setdefault(depth[node], []).append(tree.bone[node] if over in inside else 0.0)
+    return found
+
+
+def _count_alike(mine: dict[int, list[float]], its: dict[int, list[float]], scale: float, near: float) -> int:
+    """How many bones have one of the other skeleton, each its own, that is as long and hangs as deep."""
+    count = 0
+    for depth, lengths in mine.items():
+        left = sorted(its.get(depth, ()))
+        for bone in sorted(lengths):
+            while left and left[0] < scale * bone - near * _CLOSE:
+                left.pop(0)
+            if left and left[0] <= scale * bone + near * _CLOSE:
+                count += 1
+                left.pop(0)
+    return count
 
 
 def _runs_along(tree: Tree, start: int, other: int) -> bool:

@@ -149,3 +149,54 @@ def test_where_neither_weights_nor_names_tell_no_limb_is_sure(turned: tuple[str,
     assert len(sure) == (8 if certain else 0)
     doubts = [remark for remark in layout.remarks if "stands in the same places" in remark]
     assert len(doubts) == (0 if certain else 8)
+
+
+def in_another_pose(prefix: str, *, scale: float = 1.0, off: float = 0.0, over: str = "") -> Rig:
+    """A man in one skin with a skeleton that moves nothing, has his bones, and rests with raised limbs."""
+    above, at = {name: top for name, top, _ in BONES}, {name: np.array(place) for name, _, place in BONES}
+    posed = dict(at)
+    for start, degrees in (("upper_arm", 60.0), ("thigh", 40.0)):
+        for side, way in (("L", 1.0), ("R", -1.0)):
+            top = f"{start}.{side}"
+            c, s = np.cos(np.radians(way * degrees)), np.sin(np.radians(way * degrees))
+            turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+            below = {top}
+            for name, holder in above.items():
+                below |= {name} if holder in below else set()
+            posed |= {name: at[top] + turn @ (at[name] - at[top]) for name in below}
+    first = at[BONES[0][0]]
+    around: list[Joint] = []
+    for name, holder, _ in BONES:
+        x, y, z = (first + scale * (posed[name] - first)).tolist()
+        around.append((prefix + name, prefix + holder if holder else over, (x + off, y, z)))
+    bones = [(name, holder or over, place) for name, holder, place in BONES]
+    rig = rig_with([*([(over, "", (0.0, 0.0, 0.0))] if over else []), *around, *bones])
+    moves = np.array([not name.startswith(prefix) and name != over for name in rig.names])
+    return replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moves),))
+
+
+@pytest.mark.parametrize(
+    ("prefix", "scale", "off", "over"),
+    [
+        ("CTRL_", 1.0, 0.0, ""),
+        ("rig_", 1.0, 0.0, ""),
+        ("rig_", 1.0, 0.02, ""),
+        ("rig_", 1.3, 0.0, ""),
+        ("CTRL_", 1.0, 1.5, ""),
+        ("MCH-", 1.0, 1.5, ""),
+        ("rig_", 1.0, 0.0, "armature"),
+        ("CTRL_", 1.0, 0.0, "armature"),
+    ],
+)
+def test_controls_may_rest_in_another_pose_than_the_body(
+    prefix: str, scale: float, off: float, over: str
+) -> None:
+    """Before, those were a second person, with sure limbs."""
+    rig = in_another_pose(prefix, scale=scale, off=off, over=over)
+    (man,) = recognise(rig).characters
+    found = {" ".join(rig.names[k] for k in chain.bend) for chain in man.limbs if chain.is_sure}
+    assert found == set(LIMBS)
+
+
+def test_a_body_in_another_pose_elsewhere_is_a_character_though_it_moves_nothing() -> None:
+    assert len(recognise(in_another_pose("other_", off=1.5)).characters) == 2
