@@ -169,7 +169,7 @@ def _head(draft: Draft, limbs: Sequence[Found], *, has_arms: bool) -> None:
         ends = draft.poses.has_weights and not draft.tree.below[head] and not draft.poses.moves_points(head)
         if ends or (draft.tree.below[head] and len(chain) == _UP_TO_HEAD) or _is_small(draft, chain):
             sure = min(sure, _GOES_ON)
-        if len(chain) > 2 and not _is_head(draft, chain):
+        if (len(chain) > 2 and not _is_head(draft, chain)) or _is_below_head(draft, head):
             sure = min(sure, _GOES_ON)
     between = draft.tree.way(neck, head) if neck >= 0 and draft.tree.is_below(head, neck) else [head]
     if len(between) > 1:
@@ -180,6 +180,19 @@ def _head(draft: Draft, limbs: Sequence[Found], *, has_arms: bool) -> None:
     for bone in ("jaw", "leftEye", "rightEye"):
         if bone in bones:
             draft.call(bone, bones[bone])
+
+
+def _is_below_head(draft: Draft, node: int) -> bool:
+    """Whether what shape takes for the head is called as the neck is, or a face hangs at a nose below it.
+
+    OpenPose calls the head ``Nose``.
+    """
+    tree, names, neck = draft.tree, draft.tree.rig.names, draft.known_bones.get("neck", -1)
+    called = parse_name(names[node]).plain
+    if neck >= 0 and called and called == parse_name(names[neck]).plain and not _is_numbered(draft, node):
+        return True
+    noses = (k for k in tree.below[node] if "nose" in parse_name(names[k]).words)
+    return any(tree.below[k] for k in noses)
 
 
 def _beyond_what(draft: Draft, has_arms: bool) -> str:

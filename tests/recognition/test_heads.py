@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition_bodies.skeletons import LEG, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.skeletons import LEG, MAN, TRUNK, Joint, both, line, renamed, rig_with
 
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
@@ -186,3 +186,15 @@ def test_eyes_or_ears_show_which_of_three_joints_is_the_head(eyes: bool, sure: d
     pair = both([("eye.L", "head", (0.03, high + 0.07, 0.08))]) if eyes else []
     joints = [*trunk, neck, ("head", "neck2", at["head"]), *pair, *ARMS, *both(LEG)]
     assert found(rig_with(joints, named=False), joints) == sure
+
+
+def test_a_neck_below_a_head_that_is_called_nose_is_no_sure_head() -> None:
+    """Before, the last joint that is called a neck was the head at 0.89."""
+    called = renamed(MAN, {"hips": "MidHip", "neck": "Neck", "head": "Neck1"})
+    face: list[Joint] = [
+        ("Nose", "Neck1", (0.0, 1.7, 0.03)),
+        *both([("eye.L", "Nose", (0.03, 1.75, 0.1))]),
+        ("jaw", "Nose", (0.0, 1.68, 0.08)),
+    ]
+    (character,) = recognise(rig_with([*called, *face])).characters
+    assert [one for one in character.chains if one.kind == "head" and one.is_sure] == []
