@@ -9,6 +9,7 @@ from itertools import combinations
 
 from rigtri.maths.disjoint_sets import DisjointSets
 from rigtri.model.dataclass import dataclass
+from rigtri.recognition.bodies_in_prefixes import bodies_in_prefixes
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import CONFIDENT, Chain
 from rigtri.recognition.limb_words import limb_words
@@ -85,9 +86,11 @@ class _Branch:
 def groups_of(tree: Tree, wholeness: Callable[[Sequence[int]], float] = lambda part: 0.0) -> list[list[int]]:
     """The joints of each character, largest first; what one skin moves is one, unless names repeat.
 
-    Or unless two branches that stand apart are bodies, each by itself. wholeness: how sure joints are one,
-    see `Draft.wholeness`, which takes time to say.
+    Or unless all names of each begin with a prefix of its own, or two branches that stand apart are bodies,
+    each by itself. wholeness: how sure joints are one, see `Draft.wholeness`, which takes time to say.
     """
+    if bodies := bodies_in_prefixes(tree):
+        return bodies
     whole = cache(lambda top: wholeness(tree.branch(top)))
     tops = _tops(tree, whole)
     branches = {top: _Branch(tree, top) for top in tops}
