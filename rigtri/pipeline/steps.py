@@ -90,7 +90,8 @@ class _Files:
         from rigtri.pipeline.files import known
 
         if kind == "edited file":
-            place, how = self._open.enter_context(opened(path)), replace(self._reading, root=None, empty=True)
+            place = self._open.enter_context(opened(path))
+            how = replace(self._reading, root=None, edit_target=ReadOptions().edit_target, empty=True)
             self.edited.append(read(place, how))
             return known(self.edited[-1], place, how)
         try:

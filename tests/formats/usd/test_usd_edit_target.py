@@ -44,6 +44,19 @@ def test_a_sublayer_is_edited_and_becomes_the_output(folder: str, shot: Path) ->
     assert deviation(shot, seen) < 1e-6
 
 
+def test_clips_from_a_usd_file_go_into_a_layer_of_the_shot(shot: Path) -> None:
+    """Before, the layer was looked for in EDITED, too: "No layer is named"."""
+    edited, out = shot.parent / "edited.usda", shot.parent / "dept" / "home.usda"
+    text = scene(skeleton(), animation(rotations=KEYS.replace("0.6, 0, 0, 0.8", "0.8, 0, 0, 0.6")), MESH)
+    edited.write_text(text)
+    cli("take-clips", shot, "--from", edited, "-o", out, "--edit-target", "anim.usda", code=0)
+    seen = save(
+        shot.parent, "#usda 1.0\n(\nsubLayers = [@./dept/home.usda@, @./dept/layout.usda@]\n)\n", "seen.usda"
+    )
+    assert deviation(edited, seen) < 1e-6
+    assert deviation(shot, seen) > 1e-3
+
+
 @pytest.mark.ci
 def test_what_the_root_layer_comes_to_hide_is_reported(shot: Path) -> None:
     out = shot.parent / "turned.usda"

@@ -699,3 +699,25 @@ def test_a_variant_that_an_edit_would_break_is_named(tmp_path: Path, monkeypatch
     assert "In variant 'still' of" in told
     assert "after this edit, </Root/Anim.scales> has 3 items" in told
     assert "a file of its own" in told
+
+
+def test_what_variants_bind_is_looked_up_once_for_all_clips_of_an_asset(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, each of twenty clips had all twenty variants looked through anew."""
+    looked, begin = list[str](), SkeletonVariants.__init__
+
+    def counted(self: SkeletonVariants, stage: object, skeleton: str, animation: str, **more: bool) -> None:
+        looked.append(skeleton)
+        begin(self, stage, skeleton, animation, **more)
+
+    clips = {f"c{k}": over("Skel", f"rel skel:animationSource = </Root/Clip{k}>") for k in range(6)}
+    motions = [animation().replace('"Anim"', f'"Clip{k}"') for k in range(6)]
+    path = save(
+        tmp_path,
+        choosing(scene(variant_set("clip", **clips), skeleton(source=""), *motions, MESH), clip="c0"),
+    )
+    monkeypatch.setattr(SkeletonVariants, "__init__", counted)
+    rig = read(path).rig
+    assert looked == ["/Root/Skel"]
+    assert {clip.name.partition("@")[0] for clip in rig.clips if not clip.idle} == {"Clip0"}

@@ -57,14 +57,30 @@ def decided(stage: Any, skeleton: str, animation: str) -> bool:
     return any(path.GetPrimPath() == animation for path in deciding_sets(stage, skeleton, [animation]))
 
 
-def bound_elsewhere(stage: Any, skeleton: str, animation: str) -> bool:
-    """Whether another variant binds an animation."""
-    try:
-        states = SkeletonVariants(stage, skeleton, animation).states
-    except FileError:  # too many to look through: an edit says so
-        return True
-    bound = Sdf.Path(skeleton).AppendProperty(SOURCE)
-    return any(animation in state.shown.get(bound, ()) for state in states)
+class BoundInVariants:
+    """Which animations the variants of a stage bind to its Skeletons; each Skeleton is looked at once.
+
+    Variants of an animation that a Skeleton does not play decide nothing about what it is bound to.
+    """
+
+    def __init__(self, stage: Any) -> None:
+        self._stage = stage
+        self._found: dict[str, frozenset[str] | None] = {}
+
+    def has(self, skeleton: str, animation: str) -> bool:
+        """Whether a variant binds an animation."""
+        if skeleton not in self._found:
+            self._found[skeleton] = self._bound_to(skeleton)
+        found = self._found[skeleton]
+        return found is None or animation in found
+
+    def _bound_to(self, skeleton: str) -> frozenset[str] | None:
+        try:
+            states = SkeletonVariants(self._stage, skeleton, "").states
+        except FileError:  # too many to look through: an edit says so
+            return None
+        bound = Sdf.Path(skeleton).AppendProperty(SOURCE)
+        return frozenset(chain.from_iterable(state.shown.get(bound, ()) for state in states))
 
 
 def of_other_variants(

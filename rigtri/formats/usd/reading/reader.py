@@ -25,7 +25,7 @@ from rigtri.formats.usd.reading.animation_reader import (
     read_animation,
 )
 from rigtri.formats.usd.reading.loose_animations import (
-    bound_elsewhere,
+    BoundInVariants,
     decided,
     fitting,
     of_other_variants,
@@ -273,6 +273,7 @@ class _Reader:
         """Read the animations that no skeleton plays with those whose joints they list."""
         joined: list[str] = []
         left: list[str] = []
+        elsewhere = BoundInVariants(self.stage)
         known = {path: frozenset(skeleton.tokens) for path, skeleton in self.skeletons.items()}
         for prim in prims:
             path = str(prim.GetPath())
@@ -282,14 +283,14 @@ class _Reader:
                 animation = None
             tokens = animation.tokens if animation is not None else ()
             users = fitting(path, tokens, known)
-            if not self.one_state and any(bound_elsewhere(self.stage, user, path) for user in users):
+            if not self.one_state and any(elsewhere.has(user, path) for user in users):
                 users = []  # it is edited with the Skeleton of the variant that binds it
             (joined if users else left).append(f"<{path}>")
             if users and animation is not None:
                 self.animations[path] = replace(animation, idle=True)
             for user in users:
                 skeleton = self.skeletons[user]
-                varied = (path,) if decided(self.stage, user, path) else ()
+                varied = (path,) if not self.one_state and decided(self.stage, user, path) else ()
                 self.skeletons[user] = replace(
                     skeleton, unbound=(*skeleton.unbound, path), decided=(*skeleton.decided, *varied)
                 )
