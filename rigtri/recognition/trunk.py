@@ -188,8 +188,8 @@ def _is_below_head(draft: Draft, node: int) -> bool:
     OpenPose calls the head ``Nose``.
     """
     tree, names, neck = draft.tree, draft.tree.rig.names, draft.known_bones.get("neck", -1)
-    called = parse_name(names[node]).plain
-    if neck >= 0 and called and called == parse_name(names[neck]).plain and not _is_numbered(draft, node):
+    called = parse_name(names[node]).plain if neck >= 0 and tree.below[node] else ""
+    if called and called == parse_name(names[neck]).plain and not _is_numbered(draft, node):
         return True
     noses = (k for k in tree.below[node] if "nose" in parse_name(names[k]).words)
     return any(tree.below[k] for k in noses)

@@ -61,6 +61,15 @@ def test_a_jaw_that_is_all_a_head_has_is_not_the_head(names: dict[str, str]) -> 
     assert found(called, BODY) == {"neck": ["neck"], "head": ["head"]}
 
 
+def test_the_last_of_several_necks_is_the_head() -> None:
+    """As CesiumMan has it."""
+    joints = [*TRUNK, *ARMS, *both(LEG)]
+    called = {"neck": "Skeleton_neck_joint_1", "head": "Skeleton_neck_joint_2"}
+    rig = rig_with(joints)
+    rig = replace(rig, names=tuple(called.get(name, name) for name in rig.names))
+    assert found(rig, joints) == {"neck": ["neck"], "head": ["head"]}
+
+
 def test_a_neck_that_nothing_is_above_is_no_head() -> None:
     """Before, rename-joints called it a head."""
     joints = [(name, above, at) for name, above, at in BODY if name not in ("head", "jaw")]

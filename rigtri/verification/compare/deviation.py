@@ -235,7 +235,7 @@ def compared(
         worst=found.worst,
         per_mesh=found.owners,
         per_clip=found.clips,
-        lost=(*correspondence.lost, *lost_unit_rotations(was, now)),
+        lost=(*correspondence.lost, *lost_unit_rotations(was, now, as_shown=as_shown)),
         added=correspondence.added,
         changed=correspondence.changed,
         different=tuple(different),

@@ -204,7 +204,8 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
         if mesh.node not in removed and there[place] < 0:
             lost.append(f"mesh {mesh.name}")
     different = (*result.different, *(f"{name} was removed, too" for name in lost))
-    unit = lost_unit_rotations(denormalisation(source.rig), denormalisation(written.rig))
+    off = denormalisation(source.rig), denormalisation(written.rig)
+    unit = lost_unit_rotations(*off, as_shown=source.rig.rules.raw_quaternions)
     return replace(result, different=different, lost=(*result.lost, *unit))
 
 
