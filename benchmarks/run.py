@@ -229,6 +229,8 @@ def main() -> None:
     options = parser.parse_args()
     # An installed program has its modules compiled.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    if options.scratch is not None:
+        options.scratch.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=options.scratch) as name:
         folder = Path(name)
         machine = f"{platform.platform()}, {os.cpu_count()} cores, Python {platform.python_version()}"
