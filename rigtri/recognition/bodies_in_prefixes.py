@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import reduce
 
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import BENDS
@@ -39,7 +40,7 @@ def bodies_in_prefixes(tree: Tree) -> list[list[int]]:
         return []
     marked = {prefix: _marked(tree, prefix) for prefix in often if _may_be_of_body(prefix)}
     marked = {prefix: nodes for prefix, nodes in marked.items() if _is_body(tree, prefix, nodes)}
-    tops = {_top_of(tree, nodes): nodes for nodes in marked.values()}
+    tops = {reduce(tree.common, nodes): nodes for nodes in marked.values()}
     if len(tops) < max(2, len(marked)) or -1 in tops:
         return []
     groups: dict[int, list[int]] = {top: [] for top in tops}
@@ -64,10 +65,9 @@ def _may_be_of_body(prefix: str) -> bool:
     """Whether a prefix is a namespace, or a word that says no side, place, limb, role or convention."""
     if prefix.endswith(":"):
         return True
-    limb = limb_words(prefix)
-    says = parse_name(prefix)
-    told = says.kept or any(map(is_number, says.words))  # Bip01, Bip02
-    return bool(told) and not (says.side or limb.kind or limb.levels or limb.place or roles_in_name(prefix))
+    name, limb = parse_name(prefix), limb_words(prefix)
+    is_named = bool(name.kept) or any(map(is_number, name.words))  # Bip01, Bip02
+    return is_named and not (name.side or limb.kind or limb.levels or limb.place or roles_in_name(prefix))
 
 
 def _is_body(tree: Tree, prefix: str, nodes: Sequence[int]) -> bool:
@@ -89,14 +89,6 @@ def _is_body(tree: Tree, prefix: str, nodes: Sequence[int]) -> bool:
 
 def _is_head(name: str) -> bool:
     return "head" in parse_name(name).words
-
-
-def _top_of(tree: Tree, nodes: Sequence[int]) -> int:
-    """The lowest joint that all of some are at or below; −1 for none."""
-    found = tree.way(-1, nodes[0])
-    for node in nodes[1:]:
-        found = [a for a, b in zip(found, tree.way(-1, node), strict=False) if a == b]
-    return found[-1] if found else -1
 
 
 def _are_inside(group: Sequence[int], nodes: Sequence[int]) -> bool:

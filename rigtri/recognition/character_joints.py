@@ -11,7 +11,7 @@ from rigtri.maths.disjoint_sets import DisjointSets
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.bodies_in_prefixes import bodies_in_prefixes
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.layout import CONFIDENT, Chain
+from rigtri.recognition.layout import BODY_JOINTS, CONFIDENT, Chain
 from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.symmetry import Plane, pairs_of, plane_of
@@ -20,8 +20,8 @@ from rigtri.recognition.symmetry import Plane, pairs_of, plane_of
 _SAME_NAMES = 3
 # What makes a name of Blender's, which no two may have, another.
 _COUNTED = re.compile(r"\.\d{3}$")
-# A body has at least so many joints, and legs alone so many.
-_BODY, _PART = 12, 7
+# Legs alone have at least so many joints.
+_PART = 7
 # A container with more branches than this stays whole, unless skins say that it holds a crowd.
 _MANY = 64
 # Branches are two bodies side by side where the smaller one is so long a part of the other, both have limbs
@@ -99,7 +99,9 @@ def groups_of(tree: Tree, wholeness: Callable[[Sequence[int]], float] = lambda p
     shared = [sorted({owner[k] for k in skin.joints.tolist() if k in owner}) for skin in tree.rig.skins]
     for together in shared or [tops]:
         if len(together) > 1:  # bodies by their names, and what may be one, before what is beside them
-            together = sorted(together, key=lambda top: (branches[top].head < 0, tree.size[top] < _BODY))
+            together = sorted(
+                together, key=lambda top: (branches[top].head < 0, tree.size[top] < BODY_JOINTS)
+            )
         for top in together[1:]:
             a, b = groups.leader(together[0]), groups.leader(top)
             if a != b and not _are_two(branches[a], branches[top], whole):
@@ -117,11 +119,11 @@ def left_over(tree: Tree, limbs: Sequence[Chain]) -> list[list[int]]:
 
     They hang at two joints: fingers all hang at one.
     """
-    if len(tree.nodes) < 3 * len(limbs) + _BODY:
+    if len(tree.nodes) < 3 * len(limbs) + BODY_JOINTS:
         return []
     known = frozenset(node for limb in limbs for joint in limb.joints for node in tree.way(-1, joint))
     tops = [k for k in tree.nodes if k not in known and (tree.above[k] < 0 or tree.above[k] in known)]
-    large = [_Branch(tree, top) for top in tops if tree.size[top] >= _BODY]
+    large = [_Branch(tree, top) for top in tops if tree.size[top] >= BODY_JOINTS]
     long = [[pair for pair in pairs_of(branch.tree) if len(pair.paths[0]) > 2] for branch in large]
     return [one.nodes for one, pairs in zip(large, long, strict=True) if len({k.above for k in pairs}) > 1]
 
@@ -169,7 +171,7 @@ def _holds_whole_bodies(tree: Tree, node: int, whole: Callable[[int], float]) ->
     """
     size, large = tree.size, [node]
     while len(large) == 1:  # props beside a body are smaller
-        large = [top for top in tree.below[large[0]] if size[top] >= _BODY]
+        large = [top for top in tree.below[large[0]] if size[top] >= BODY_JOINTS]
     if not large:
         return False
     branches = [_Branch(tree, top) for top in large]
@@ -204,7 +206,7 @@ def _are_two(one: _Branch, other: _Branch, whole: Callable[[int], float]) -> boo
 
 def _alike_bodies(tree: Tree, a: int, b: int) -> bool:
     """Whether two branches are as large as whole bodies, and alike: two of a crowd."""
-    if min(tree.size[a], tree.size[b]) < _BODY:
+    if min(tree.size[a], tree.size[b]) < BODY_JOINTS:
         return False
     far, size = (tree.reach[a], tree.reach[b]), (tree.size[a], tree.size[b])
     return min(far) > 0.9 * max(far) and min(size) > 0.9 * max(size)
@@ -229,10 +231,10 @@ def _have_other_planes(small: _Branch, large: _Branch) -> bool:
 def _are_whole_bodies(one: _Branch, other: _Branch, whole: Callable[[int], float]) -> bool:
     """Whether two branches are bodies by themselves, one of them surely, that stand in other places.
 
-    Of whatever sizes.     Skeletons of controls stand where the body does, or around it.
+    Of whatever sizes. Skeletons of controls stand where the body does, or around it.
     """
     small, large = sorted((one, other), key=lambda branch: branch.tree.span)
-    if min(len(one.nodes), len(other.nodes)) < _BODY or small.plane is None or large.plane is None:
+    if min(len(one.nodes), len(other.nodes)) < BODY_JOINTS or small.plane is None or large.plane is None:
         return False
     if not (_have_other_planes(small, large) or _are_beside(small, large)):
         return False

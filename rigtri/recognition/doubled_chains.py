@@ -14,6 +14,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.layout import BODY_JOINTS
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses
 
@@ -21,8 +22,6 @@ from rigtri.recognition.pose_samples import Poses
 _BESIDE, _MOST = 0.05, 0.8
 # By this part of that its bones may be longer or shorter.
 _CLOSE = 0.1
-# A branch with so many joints may be of a whole skeleton.
-_BODY = 12
 # Nearer than this part of the longest chain, or of one itself, joints stand in one place.
 _SAME_PLACE = 1e-3
 
@@ -161,7 +160,7 @@ def _middle(at: Floats) -> Floats:
 
 def _is_posed_branch(tree: Tree, node: int, other: int) -> bool:
     """Whether a branch as large as a body is a copy of another one in another pose."""
-    return tree.size[node] >= _BODY and _is_posed_copy(tree, tree.branch(node), tree.branch(other))
+    return tree.size[node] >= BODY_JOINTS and _is_posed_copy(tree, tree.branch(node), tree.branch(other))
 
 
 def _is_posed_copy(tree: Tree, nodes: Sequence[int], body: Sequence[int]) -> bool:

@@ -45,6 +45,8 @@ REQUIRED = (
     *("hips", "spine", "head"),
     *(side + bone for side in ("left", "right") for limb in ("leg", "arm") for bone in BENDS[limb]),
 )
+# A body has at least so many joints.
+BODY_JOINTS = 12
 # Below this nothing is acted upon: the limb is shown, and must be named.
 CONFIDENT = 0.75
 # What is less sure than this, and not named, is not even shown.

@@ -12,7 +12,8 @@ from numpy.testing import assert_allclose
 from rigs import rig_of
 
 from rigtri.recognition.body_hinges import _lateral
-from rigtri.recognition.character_joints import _BODY, _MANY, _alike_bodies, _tops
+from rigtri.recognition.character_joints import _MANY, _alike_bodies, _tops
+from rigtri.recognition.layout import BODY_JOINTS
 from rigtri.recognition.one_character import of_character
 
 NAMES = ["root", "man", "arm", "prop", "arm", "hand", "woman", "arm", "leg"]
@@ -89,8 +90,8 @@ def test_from_one_side_to_the_other_is_as_legs_and_arms_begin(limbs: list[Any], 
         ((100, 100), (2.0, 1.8), False),
         ((80, 100), (2.0, 2.0), False),
         ((100, 100), (1.0, 2.0), False),
-        ((_BODY, _BODY), (2.0, 2.0), True),
-        ((_BODY - 1, _BODY - 1), (2.0, 2.0), False),
+        ((BODY_JOINTS, BODY_JOINTS), (2.0, 2.0), True),
+        ((BODY_JOINTS - 1, BODY_JOINTS - 1), (2.0, 2.0), False),
     ],
 )
 def test_two_branches_as_large_and_as_far_are_two_of_a_crowd(sizes: Any, reaches: Any, alike: bool) -> None:

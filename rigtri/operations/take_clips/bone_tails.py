@@ -90,14 +90,14 @@ class BoneTails:
     @cached_property
     def _bones(self) -> frozenset[int]:
         """What are bones in Blender: from the joints of a skin up to below what is above all of them."""
-        found = set[int]()
-        for skin in self.rig.skins:
+        rig, found = self.rig, set[int]()
+        for skin in rig.skins:
             joints = skin.joints.tolist()
-            lines = [self.rig.path_to_root(joint) for joint in joints]
-            shared = set(lines[0]).intersection(*lines[1:]).difference(joints) if lines else set[int]()
-            for line in lines:
-                top = next((k for k, node in enumerate(line) if node in shared), len(line))
-                found.update(line[:top])
+            above = joints[0] if joints else -1
+            for joint in joints:
+                while above >= 0 and not rig.is_below(joint, above):
+                    above = int(rig.parents[above])
+            found |= rig.with_ancestors(joints) - rig.with_ancestors([above]).difference(joints)
         return frozenset(found)
 
     @cached_property
@@ -137,12 +137,13 @@ class BoneTails:
         return found
 
 
-def with_held_in_place(edited: Rig, rig: Rig, of: Mapping[int, int]) -> Rig:
+def with_held_in_place(edited: Rig, tails: BoneTails, of: Mapping[int, int]) -> Rig:
     """EDITED with what bones hold where RIG has it, if no clip moves it from where the import puts it.
 
-    What is below, such as a weapon in a socket, is then seen from there. of: by node of RIG EDITED's.
+    What is below, such as a weapon in a socket, is then seen from there. tails: of RIG. of: by node of RIG
+    EDITED's.
     """
-    tails, moving = BoneTails(rig), {track.node for clip in edited.clips for track in clip.tracks}
+    rig, moving = tails.rig, {track.node for clip in edited.clips for track in clip.tracks}
     places = dict[int, Floats]()
     for node, theirs in of.items():
         above = of.get(int(rig.parents[node]), -1)

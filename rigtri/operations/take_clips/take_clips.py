@@ -93,8 +93,8 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     if switched.on | switched.off:
         edited = put_back(edited, rig, of, report)
     warn_unkeyed(rig, edited, of, report)
-    edited = with_held_in_place(without_still_parents(edited, rig, of), rig, of)
-    both = Counterparts(rig, edited)
+    tails = BoneTails(rig)
+    both = Counterparts(rig, edited := with_held_in_place(without_still_parents(edited, rig, of), tails, of))
     if not both.of:
         raise GeometryError(why_nothing_matches(rig, edited))
     names = ClipNames(rig, edited, options.as_, report)
@@ -108,7 +108,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     taken_all, changed = set[str](), set[str]()
     follow, driven = _moved_in_blender(rig, switched)
     for taken in counted(every, "clips"):
-        taking = _Taking(rig, bodies, taken, options.tolerance, follow, driven, report)
+        taking = _Taking(rig, bodies, taken, options.tolerance, follow, driven, tails, report)
         if taking.is_a_pose():
             report.warn(
                 "no-length",
@@ -150,10 +150,11 @@ class _Taking:
         tolerance: float,
         follow: frozenset[int],
         driven: Driven,
+        tails: BoneTails,
         report: Report,
     ) -> None:
         self.rig, self.both, self.taken, self.report = rig, bodies.both, taken, report
-        self.follow, self.driven, self.bodies = follow, driven, bodies
+        self.follow, self.driven, self.bodies, self.tails = follow, driven, bodies, tails
         self.seen = Comparison(bodies, taken, tolerance)
         self.clock, self.transfer = self.seen.clock, self.seen.transfer
         self.thin = tolerance
@@ -289,11 +290,6 @@ class _Taking:
         """How far keys of a track that are left out may be off."""
         known = {"translation": self._shares[0], "rotation": self._shares[1]}.get(track.path)
         return float(known[track.node]) if known is not None else self.thin / 2.0
-
-    @cached_property
-    def tails(self) -> BoneTails:
-        """Where Blender's import puts what RIG's bones hold."""
-        return BoneTails(self.rig)
 
     @cached_property
     def _shares(self) -> tuple[Floats, Floats]:

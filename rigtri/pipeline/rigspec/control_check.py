@@ -297,25 +297,21 @@ class _Run:
         for step in self.solver.steps:
             if len(step.sets) == 1 and not mine.isdisjoint((*step.needs, *step.reads)):
                 mine.update(rig.below(step.sets[0]))
-        mine |= self._led(mine.union((trial.control, *rig.below(trial.control))))
+        mine |= self._led(mine.union(rig.below(trial.control)))
         others = [node for node in moved if node not in mine]
         return f"it moves {list_names(rig.title(node) for node in others)}, too" if others else ""
 
     def _led(self, moving: set[int]) -> set[int]:
         """What moves with nodes because somebody has constrained it to them, or something above it."""
-        rig, led = self.rig, set[int]()
+        led, rules = set[int](), constraints_of(self.rig).values()
         while True:
-            found = {
-                rule.child
-                for rule in constraints_of(rig).values()
-                if not (moving | led).isdisjoint(rule.sources)
-            }
+            found = {rule.child for rule in rules if not (moving | led).isdisjoint(rule.sources)}
             for step in self.solver.steps:
                 if not led.isdisjoint((*step.needs, *step.reads)):
                     found.update(moved_by(step))
             if found <= led:
                 return led
-            led |= {k for node in found for k in (node, *rig.below(node))}
+            led.update(*map(self.rig.below, found))
 
     def _row(self, node: int, trial: _Trial, rows: int) -> int:
         """In which of so many rows a node is as a trial has it: none, of a node that it cannot move."""
