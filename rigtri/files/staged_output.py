@@ -93,9 +93,11 @@ class StagedOutput:
         self.beside.append(place)
         if isinstance(companion.content, Path):
             self.copied[place] = companion.content
-        if place.exists() and _same(companion.content, place):
+        # Asked for once: what another process puts there between two questions is the same copy.
+        known = place.exists()
+        if known and _same(companion.content, place):
             return
-        if place.exists() and not self.overwrite:
+        if known and not self.overwrite:
             raise UsageError(
                 f"{place} exists and is another file than the one that {self.final.name} needs there; "
                 "it is replaced only with --overwrite"

@@ -716,3 +716,24 @@ def test_what_a_companion_is_a_copy_of_is_known_after_others_have_replaced_it(tm
     place.write_bytes(b"two")
     assert staged.beside == [place]
     assert staged.copied[place].read_bytes() == b"one"
+
+
+def test_a_copy_that_another_process_places_meanwhile_is_the_one_that_is_needed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two workers place one buffer. Before, one could say that it "exists and is another file"."""
+    source, place = tmp_path / "in.bin", tmp_path / "out" / "in.bin"
+    source.write_bytes(b"one")
+    place.parent.mkdir()
+    exists = Path.exists
+
+    def late(path: Path) -> bool:
+        known = exists(path)
+        if path == place and not known:
+            shutil.copy(source, place)  # right after the first question
+        return known
+
+    monkeypatch.setattr(Path, "exists", late)
+    staged = StagedOutput(tmp_path / "out" / "a.gltf", overwrite=False, shared=True)
+    staged.add(Companion("in.bin", source))
+    assert place.read_bytes() == b"one"
