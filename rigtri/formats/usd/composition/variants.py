@@ -6,7 +6,7 @@ is instanced and the selections are the session layer's; the file keeps its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from pxr import Sdf
@@ -72,13 +72,14 @@ class SkeletonVariants:
         self.alike: dict[int, list[VariantState]] = {}
         self.depends: dict[Any, set[VariantSet]] = {}
         self._authored: dict[VariantSet, str] = {}
+        self.stage: Any = None  # where no variant can matter
         shown_prims = [path for path in (skeleton, animation) if path]
         if any(
             sets_of(stage.GetPrimAtPath(path)) for path in prefixes(shown_prims) if stage.GetPrimAtPath(path)
         ):
             self.stage = bare_stage(stage, shown_prims)
             if explore:
-                self._find_dependencies(self._explore())
+                self._find_dependencies(self.find_states())
 
     def choose(self, chosen: Mapping[VariantSet, str]) -> None:
         """Show a state on the stage."""
@@ -103,8 +104,8 @@ class SkeletonVariants:
         (spec, *_) = self.stage.GetPrimAtPath(path).GetPrimStack()
         return f"<{spec.path}> of {spec.layer.identifier}"
 
-    def _explore(self) -> list[tuple[VariantState, VariantState, VariantSet]]:
-        """All states that one choice after the other leads to, and the choices: each shows something else,
+    def find_states(self) -> list[tuple[VariantState, VariantState, VariantSet]]:
+        """Find all states that one choice after the other leads to; the choices: each shows something else,
         or has further sets."""
         self.states = [self._look({})]
         known: dict[Any, VariantState] = {frozenset[Any](): self.states[0]}
@@ -240,17 +241,20 @@ def why_decided(path: Any, sets: Iterable[VariantSet], stage: Any) -> str:
     return f"<{path}> is not the same in all variants of '{name}' on <{prim}>. {remedy}"
 
 
-def deciding_sets(stage: Any, skeleton: str, prims: Iterable[str]) -> dict[Any, set[VariantSet]]:
+def deciding_sets(
+    stage: Any, skeleton: str, prims: Iterable[str], counts: Callable[[Any], bool] = bool
+) -> dict[Any, set[VariantSet]]:
     """The variant sets that decide what holds a skeleton or moves it, by attribute.
 
     prims: paths whose attributes count, and of those below them: arrays of joints and animations, ops and
     what rigtri stores. A variant counts where it shows the skeleton, and other values than the selected one.
+    counts: which of the prims that are composed count.
     """
     every = [skeleton, *prims]
     if not any(sets_of(prim) for path in prefixes(every) if (prim := stage.GetPrimAtPath(path))):
         return {}
     shown = bare_stage(stage, every)
-    session, before = shown.GetSessionLayer(), _decisive(shown)
+    session, before = shown.GetSessionLayer(), _decisive(shown, counts)
     found: dict[Any, set[VariantSet]] = {}
     for path, name in [(prim.GetPath(), name) for prim in shown.Traverse() for name in sets_of(prim)]:
         chosen = shown.GetPrimAtPath(path).GetVariantSet(name)
@@ -261,7 +265,7 @@ def deciding_sets(stage: Any, skeleton: str, prims: Iterable[str]) -> dict[Any, 
         for variant in (each for each in chosen.GetVariantNames() if each != selected):
             selections[name] = variant
             if (prim := shown.GetPrimAtPath(skeleton)) and prim.GetTypeName() == "Skeleton":
-                there = _values_at(shown, differing(before, _decisive(shown)))
+                there = _values_at(shown, differing(before, _decisive(shown, counts)))
                 selections[name] = selected
                 here = _values_at(shown, there)
                 for attribute in (each for each, values in there.items() if values != here[each]):
@@ -270,10 +274,10 @@ def deciding_sets(stage: Any, skeleton: str, prims: Iterable[str]) -> dict[Any, 
     return found
 
 
-def _decisive(stage: Any) -> Origins:
+def _decisive(stage: Any, counts: Callable[[Any], bool]) -> Origins:
     """Where the values come from of all that holds skeletons or moves them."""
     found: Origins = {}
-    for prim in stage.Traverse():
+    for prim in filter(counts, stage.Traverse()):
         if prim.GetTypeName() == "Skeleton":
             found[prim.GetPath().AppendProperty(SOURCE)] = tuple(_targets(prim))
         for attribute in prim.GetAuthoredAttributes():

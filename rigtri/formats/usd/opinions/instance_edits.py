@@ -243,7 +243,10 @@ def _digest(layer: Any, shown: Any) -> bytes:
         for time in made.ListTimeSamplesForPath(path):
             found.update(f"{time!r}\0".encode() + _bytes(made.QueryTimeSample(path, time)))
 
-    made.Traverse(_PLACE, add)
+    places = list[Any]()
+    made.Traverse(_PLACE, places.append)
+    for place in sorted(places):  # in whatever order edits have made them
+        add(place)
     return found.digest()
 
 

@@ -34,6 +34,7 @@ from rigtri.formats.usd.composition.variants import (
 )
 from rigtri.formats.usd.opinions.composition_check import Expected, agree
 from rigtri.formats.usd.opinions.edits import Binding, Edit, Setting
+from rigtri.formats.usd.opinions.known_states import KnownStates
 from rigtri.formats.usd.opinions.variant_paths import place_in_variants
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import read_animation
@@ -82,11 +83,16 @@ def route_variants(edit: UsdEdit) -> None:
         return
     settings = {v.path: v for v in edit.values if isinstance(v, Setting) and v.name in VALUES}
     others = [v for v in edit.values if not (isinstance(v, Setting) and v.name in VALUES)]
+    known, routed = KnownStates(), []
     for skeleton, variants in changing:
         if resized:  # so would the animations that others play
             variants.refuse_dependent([Sdf.Path(skeleton.path).AppendProperty(SOURCE)], _UNSIZED)
         _refuse_new_bindings(variants, others)
-        _route(_Reorientation(edit, skeleton), variants, settings, edit.expected)
+        routed.append((_Reorientation(edit, skeleton, known), variants))
+    for reoriented, variants in routed:
+        known.add_selected(reoriented.change, variants, settings)
+    for reoriented, variants in routed:
+        _route(reoriented, variants, settings, edit.expected)
     edit.opinions = [*settings.values(), *others]
 
 
@@ -139,8 +145,8 @@ def _placing(stage: Any) -> Origins:
 class _Reorientation:
     """How the joints of one skeleton were reoriented, for their values in other variants."""
 
-    def __init__(self, edit: UsdEdit, skeleton: Skeleton) -> None:
-        self.edit = edit
+    def __init__(self, edit: UsdEdit, skeleton: Skeleton, known: KnownStates) -> None:
+        self.edit, self.known = edit, known
         before = edit.source.rig
         number = [skin.key for skin in before.skins].index(("skeleton", skeleton.path))
         old, new = before.skins[number].inverse_bind, edit.rig.skins[number].inverse_bind
@@ -155,6 +161,9 @@ class _Reorientation:
         far = off > SAME_REST * max(1.0, float(np.abs(plain).max()))
         self.node_of = dict(zip(skeleton.tokens, nodes.tolist(), strict=True))
         self.reposed = [token for token, moved in zip(skeleton.tokens, far, strict=True) if moved]
+        rest = [getattr(edit.rig, name)[nodes].tobytes() for name in _REST]
+        # Skeletons for which this is the same are edited alike in states that show the same.
+        self.change = (skeleton.tokens, delta.tobytes(), before.local[nodes].tobytes(), *rest)
 
     def _deltas(self, source: Source) -> Floats:
         """How each node of a state of the stage is re-oriented, (n, 4)."""
@@ -194,9 +203,16 @@ class _Reorientation:
 
     def settings(self, variants: SkeletonVariants, state: VariantState) -> list[Setting]:
         """What must be set so that a state is reoriented, too."""
+        found = self.known.find(self.change, variants, state)
+        if found is None:
+            found = self.known.add(self.change, variants, state, self._settings(variants, state))
+        return found
+
+    def _settings(self, variants: SkeletonVariants, state: VariantState) -> list[Setting]:
         variants.choose(state.chosen)
+        path, stage, loose = self.edit.source.path, variants.stage, {variants.animation}
         try:
-            source = read_source(self.edit.source.path, ReadOptions(), variants.stage, one_state=True)
+            source = read_source(path, ReadOptions(), stage, one_state=True, loose=loose)
         except FileError as error:  # it was read before: what is wrong is what the edit would make of it
             raise FileError(f"In {state.title}, after this edit, {error} {_APART}") from None
         _refuse_strange(variants, state, source)

@@ -54,7 +54,7 @@ def nearest(animation: str, skeletons: Iterable[str]) -> list[str]:
 
 def decided(stage: Any, skeleton: str, animation: str) -> bool:
     """Whether variants give an animation that nothing plays values of their own."""
-    return any(path.GetPrimPath() == animation for path in deciding_sets(stage, skeleton, [animation]))
+    return bool(deciding_sets(stage, skeleton, [animation], lambda prim: prim.GetPath() == animation))
 
 
 class BoundInVariants:
@@ -75,12 +75,14 @@ class BoundInVariants:
         return found is None or animation in found
 
     def _bound_to(self, skeleton: str) -> frozenset[str] | None:
+        variants = SkeletonVariants(self._stage, skeleton, "", explore=False)
         try:
-            states = SkeletonVariants(self._stage, skeleton, "").states
+            if variants.stage is not None:
+                variants.find_states()
         except FileError:  # too many to look through: an edit says so
             return None
         bound = Sdf.Path(skeleton).AppendProperty(SOURCE)
-        return frozenset(chain.from_iterable(state.shown.get(bound, ()) for state in states))
+        return frozenset(chain.from_iterable(state.shown.get(bound, ()) for state in variants.states))
 
 
 def of_other_variants(

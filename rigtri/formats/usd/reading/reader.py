@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -61,15 +61,17 @@ def read_source(
     *,
     one_state: bool = False,
     twins: Mapping[Any, Any] | None = None,
+    loose: Set[str] | None = None,
 ) -> Source:
     """Read the rig of a file. FileError where UsdSkel's rules are broken or there is no skeleton.
 
     warnings: what was noticed when the stage was opened. one_state: variants that are not selected are read
-    by themselves. twins: instances of another stage, see `SharedInstances`.
+    by themselves. twins: instances of another stage, see `SharedInstances`. loose: the animations
+    that count where no skeleton plays them, by path; None for all.
     """
     with quiet(f"{path}: USD cannot read it"):
         shared = SharedInstances(stage, twins)
-        return _Reader(path, stage, options, list(warnings), shared, one_state=one_state).read()
+        return _Reader(path, stage, options, list(warnings), shared, one_state=one_state, loose=loose).read()
 
 
 # What is said of animations that no skeleton plays.
@@ -99,9 +101,10 @@ class _Reader:
         instances: SharedInstances,
         *,
         one_state: bool,
+        loose: Set[str] | None,
     ) -> None:
         self.path, self.stage, self.options, self.warnings = path, stage, options, warnings
-        self.one_state = one_state
+        self.one_state, self.loose = one_state, loose
         self.instances = instances
         self.nodes = Nodes(stage, self.instances, self.warnings)
         self.skeletons: dict[str, Skeleton] = {}
@@ -267,7 +270,7 @@ class _Reader:
                 self.animations[path] = animation
         loose = [p for p in others if p.GetTypeName() == "SkelAnimation" and str(p.GetPath()) not in bound]
         if self.skeletons:
-            self._unbound(loose)
+            self._unbound([p for p in loose if self.loose is None or str(p.GetPath()) in self.loose])
 
     def _unbound(self, prims: Sequence[Any]) -> None:
         """Read the animations that no skeleton plays with those whose joints they list."""
