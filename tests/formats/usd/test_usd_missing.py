@@ -60,6 +60,20 @@ def test_a_crate_that_is_cut_off_is_left_out_where_that_is_allowed(
     assert cli("verify", shot, out, "--allow-missing").exit_code in (0, 1)
 
 
+@pytest.mark.parametrize(("kept", "reason"), [(0.5, "Sdf crate file corrupt"), (20, "File too small")])
+@pytest.mark.parametrize("command", ["orient-joints", "check"])
+def test_a_crate_that_is_cut_off_is_refused_with_the_reason_of_usd(
+    command: str, kept: float, reason: str, tmp_path: Path
+) -> None:
+    whole, part = save(tmp_path, WHOLE, "whole.usda"), tmp_path / "part.usdc"
+    Sdf.Layer.FindOrOpen(str(whole)).Export(str(part))
+    content = part.read_bytes()
+    part.write_bytes(content[: int(kept * len(content)) if kept < 1 else int(kept)])
+    ran = cli(command, part, *(("-o", tmp_path / "out.usdc") if command != "check" else ()))
+    words = " ".join((ran.stdout + ran.stderr).split())
+    assert f"USD cannot read it: {reason}" in words
+
+
 @pytest.mark.parametrize("arc", ARCS)
 def test_a_layer_that_is_not_there_is_a_warning(arc: str, tmp_path: Path) -> None:
     save(tmp_path, WHOLE, "whole.usda")

@@ -89,7 +89,7 @@ def _below(
             _check_content(identifier, allow_missing)
             sound.add(identifier)
         # Layers of value clips are not composed, and opened one by one when needed.
-        if arc != "clip" and (found := _opened(identifier)[0]) is not None:
+        if arc != "clip" and (found := _opened(identifier)) is not None:
             # A sublayer is of the same layer stack; the variables of another stack are weaker.
             yield found, variables if arc == "sublayer" else {**variables_of(found), **variables}
 
@@ -102,7 +102,7 @@ def _check_content(identifier: str, allow_missing: bool) -> None:
         if not layer_content.is_cut_off(identifier):
             raise
         if not allow_missing:
-            _, why = _opened(identifier)
+            why = layer_content.why_unread(identifier)
             if not why:
                 raise FileError(f"{error}, or leave it out with --allow-missing") from None
             raise FileError(
@@ -111,12 +111,12 @@ def _check_content(identifier: str, allow_missing: bool) -> None:
             ) from None
 
 
-def _opened(identifier: str) -> tuple[Any, str]:
-    """A layer and ""; None and why for one that USD cannot read, as it says when the stage is composed."""
+def _opened(identifier: str) -> Any:
+    """A layer; None for one that USD cannot read, which is reported when the stage is composed."""
     try:
-        return Sdf.Layer.FindOrOpen(identifier), ""
-    except Tf.ErrorException as error:
-        return None, next((str(one.commentary) for one in error.args if hasattr(one, "commentary")), "")
+        return Sdf.Layer.FindOrOpen(identifier)
+    except Tf.ErrorException:
+        return None
 
 
 def check_outside(file: str, path: Path, name: str, *, allow_external: bool) -> None:

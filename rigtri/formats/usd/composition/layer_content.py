@@ -10,7 +10,7 @@ import re
 from pathlib import Path
 
 import numpy as np
-from pxr import Ar, Sdf
+from pxr import Ar, Sdf, Tf
 
 from rigtri.errors import FileError
 from rigtri.files.mapped_file import load
@@ -39,7 +39,24 @@ def check(identifier: str) -> None:
         _check_entries(usdz.read(file), str(file), NESTED)
         return
     content = load(file)
-    (tables.check if _is_crate(content) else _check_brackets)(content, str(file))
+    if not _is_crate(content):
+        _check_brackets(content, str(file))
+    elif why := why_unread(identifier) if tables.is_cut_off(content) else "":
+        raise FileError(f"{file}: USD cannot read it: {why}. Export it again with the program that wrote it")
+    else:
+        tables.check(content, str(file))
+
+
+def why_unread(identifier: str) -> str:
+    """Why USD cannot open a layer, in its own words; "" where it can, or says nothing.
+
+    Not for any damaged crate: reading one may end the process.
+    """
+    try:
+        Sdf.Layer.FindOrOpen(identifier)
+    except Tf.ErrorException as error:
+        return next((str(one.commentary) for one in error.args if hasattr(one, "commentary")), "")
+    return ""
 
 
 def is_cut_off(identifier: str) -> bool:
