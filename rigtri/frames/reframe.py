@@ -30,6 +30,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Column, Track, Tracks, other_rows
 from rigtri.model.metadata import FrameRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 # So many keys go through the arithmetic at once: with what comes of them they stay in the cache.
 _BLOCK = 1 << 14
@@ -171,14 +172,12 @@ def conjugate_by(above: Floats, q: Floats, fold: Floats, delta: Floats) -> Float
 
 def _reorient_skins(rig: Rig, delta: Floats) -> Rig:
     own = rotates(delta)
-    skins = []
-    for skin in rig.skins:
-        mine = own[skin.joints]
-        if mine.any():
-            moved = rotate_after(skin.inverse_bind, conjugate(delta[skin.joints]))
-            keep = mine[:, np.newaxis, np.newaxis]
-            skin = replace(skin, inverse_bind=np.where(keep, moved, skin.inverse_bind))
-        skins.append(skin)
+
+    def turned(skin: Skin) -> Floats:
+        moved = rotate_after(skin.inverse_bind, conjugate(delta[skin.joints]))
+        return np.where(own[skin.joints][:, np.newaxis, np.newaxis], moved, skin.inverse_bind)
+
+    skins = (skin.rebound(turned) if own[skin.ever.joints].any() else skin for skin in rig.skins)
     return replace(rig, skins=tuple(skins))
 
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -62,14 +63,14 @@ def rescale(rig: Rig, size: Floats) -> Rig:
     skins, bound_sizes = list(rig.skins), dict(rig.pending.bind_sizes)
     for number, skin in enumerate(rig.skins):
         sizes = size[skin.joints]
-        if (sizes == 1.0).all():
+        if (size[skin.ever.joints] == 1.0).all():
             continue
         points = np.ones(3)
         if rig.rules.sized_binding and skin.stored and (np.abs(sizes / sizes[0] - 1.0) <= SAME_SIZE).all():
             points = (_mirror(rig, skin) if sizes[0] < 0 else points) / abs(float(sizes[0]))
             bound_sizes[number] = bound_sizes.get(number, np.ones(3)) * points
-        bind = multiply(np.diag([*1.0 / points, 1.0]), skin.inverse_bind)
-        skins[number] = replace(skin, inverse_bind=multiply(bind, _scaling(1.0 / sizes)))
+        bound = np.diag([*1.0 / points, 1.0])
+        skins[number] = skin.rebound(partial(_resized, bound=bound, size=size))
     smaller = replace(
         rig,
         pending=replace(rig.pending, bind_sizes=bound_sizes),
@@ -174,6 +175,11 @@ def _rescaled(track: Track, above: Floats, share: Floats) -> Track:
     if track.path == "scale" and share[track.node] != 1.0:
         return track.having(track.values * share[track.node])
     return track
+
+
+def _resized(skin: Skin, bound: Floats, size: Floats) -> Floats:
+    """The inverse binds of a skin, its points bound in other sizes, (4, 4), for nodes of ``size``, (n,)."""
+    return np.asarray(multiply(multiply(bound, skin.inverse_bind), _scaling(1.0 / size[skin.joints])))
 
 
 def _scaling(sizes: Floats) -> Floats:

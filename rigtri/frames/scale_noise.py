@@ -108,8 +108,8 @@ def freeze(rig: Rig, joints: Sequence[int], scales: ScaleTable) -> Frozen:
         for clip in rig.clips
     )
     skins = tuple(
-        replace(skin, inverse_bind=multiply(skin.inverse_bind, strain[skin.joints]))
-        if touched[skin.joints].any()
+        skin.rebound(lambda each: multiply(each.inverse_bind, strain[each.joints]))
+        if touched[skin.ever.joints].any()
         else skin
         for skin in rig.skins
     )

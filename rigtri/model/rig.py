@@ -449,7 +449,7 @@ class Rig(NodeNames):
             attachment=moved(self.attachment[old]),
             keys=tuple(self.keys[k] for k in order),
             labels=tuple(self.labels[k] for k in order),
-            skins=tuple(replace(skin, joints=place[skin.joints]) for skin in self.skins),
+            skins=tuple(skin.renumbered(place) for skin in self.skins),
             clips=tuple(
                 replace(clip, tracks=tuple(replace(t, node=new[t.node]) for t in clip.tracks))
                 for clip in self.clips

@@ -23,7 +23,8 @@ class Skin:
     ``weigh`` says which joints move any point, (m,) bool; it reads the meshes,
     so it is called only when needed. drawn: whether something is drawn with it, its
     points readable or not; None where nobody has looked (USD, new skins). key: None for a skin
-    that is new.
+    that is new. lost: the joints that an edit has taken out of it, whose frames still change with those
+    above them.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Skin:
     weigh: Callable[[], Booleans] | None = None
     key: Hashable = None
     drawn: bool | None = None
+    lost: Skin | None = None
 
     def __repr__(self) -> str:
         return f"<Skin {self.name!r}: {len(self.joints)} joints>"
@@ -46,6 +48,26 @@ class Skin:
     def weighted(self) -> Booleans:
         """Which joints move any point, (m,); all of them when nobody can tell."""
         return np.ones(len(self.joints), dtype=bool) if self.weigh is None else self.weigh()
+
+    @property
+    def ever(self) -> Skin:
+        """The skin with the joints that it has lost behind those that it has; nobody asks for its weights."""
+        if self.lost is None:
+            return self
+        joints, binds = zip(*((each.joints, each.inverse_bind) for each in (self, self.lost)), strict=True)
+        return replace(
+            self, joints=np.concatenate(joints), inverse_bind=np.concatenate(binds), weigh=None, lost=None
+        )
+
+    def rebound(self, change: Callable[[Skin], Floats]) -> Skin:
+        """The skin with other inverse binds, (m, 4, 4), which ``change`` gives; so too of joints it lost."""
+        lost = None if self.lost is None else self.lost.rebound(change)
+        return replace(self, inverse_bind=change(self), lost=lost)
+
+    def renumbered(self, place: Integers) -> Skin:
+        """The skin with node k called ``place[k]``."""
+        lost = None if self.lost is None else self.lost.renumbered(place)
+        return replace(self, joints=place[self.joints], lost=lost)
 
 
 def moving_points(skins: Iterable[Skin], count: int) -> Booleans:

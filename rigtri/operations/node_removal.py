@@ -49,7 +49,7 @@ def without_nodes(rig: Rig, gone: Collection[int], folds: Sequence[JointMerge]) 
             for clip in rig.clips
         ),
         skins=tuple(
-            _without(skin, gone, next((fold for fold in folds if fold.skin == number), None))
+            _without(rig, skin, gone, next((fold for fold in folds if fold.skin == number), None))
             for number, skin in enumerate(rig.skins)
             if skin.key is not None or not gone.issuperset(skin.joints.tolist())  # new, and all of it goes
         ),
@@ -69,7 +69,7 @@ def warn_lost_clips(before: Rig, after: Rig, report: Report) -> None:
             report.warn("clip-lost", f"{text} that: to keep it, leave one out with --exclude")
 
 
-def _without(skin: Skin, gone: frozenset[int], fold: JointMerge | None) -> Skin:
+def _without(rig: Rig, skin: Skin, gone: frozenset[int], fold: JointMerge | None) -> Skin:
     stays = staying(skin, gone)
     if stays.all():
         return skin
@@ -81,8 +81,14 @@ def _without(skin: Skin, gone: frozenset[int], fold: JointMerge | None) -> Skin:
         weighted[fold.rows[skin.weighted[: len(fold.rows)]]] = True
         return weighted
 
-    lost = replace(skin, joints=skin.joints[stays], inverse_bind=skin.inverse_bind[stays])
-    return lost if skin.weigh is None else replace(lost, weigh=weigh)
+    ever, stay = skin.ever, set(skin.joints[stays].tolist())
+    # Where the file has them, the result is compared with what they moved.
+    left = [
+        k for k, node in enumerate(ever.joints.tolist()) if node not in stay and rig.keys[node] is not None
+    ]
+    lost = replace(ever, joints=ever.joints[left], inverse_bind=ever.inverse_bind[left])
+    less = replace(skin, joints=skin.joints[stays], inverse_bind=skin.inverse_bind[stays], lost=lost)
+    return less if skin.weigh is None else replace(less, weigh=weigh)
 
 
 def staying(skin: Skin, gone: Collection[int]) -> Booleans:

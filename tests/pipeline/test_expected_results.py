@@ -9,14 +9,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gltf_files import glb_bytes, glb_parts
 from morphs import arm, arm_usd
+from places import SAMPLES
 from rigs import chain, rig_of
 
 import rigtri
 from rigtri.errors import DeviationError
+from rigtri.formats import read
 from rigtri.model.rig import Rig
 from rigtri.pipeline import edit
 from rigtri.report import Report
+from rigtri.verification.compare.compare import verify
 from rigtri.verification.compare.expected_result import _keyed
 
 
@@ -212,3 +216,46 @@ def test_what_joints_that_go_have_moved_is_measured_beside_another_rest_pose(
         edit.edit(source, out, merged)
     with pytest.raises(DeviationError):
         edit.edit(source, out, in_turn(*steps), tolerance=0.01)
+
+
+def scaled(folder: Path, suffix: str) -> Path:
+    """The biped below a scale and a rotation; its fingers move a little in the clips."""
+    path = folder / f"scaled{suffix}"
+    if suffix == ".glb":
+        gltf, binary = glb_parts(SAMPLES / "biped.glb")
+        (shown,) = gltf["scenes"]
+        above = {"scale": [0.3] * 3, "rotation": [-(0.5**0.5), 0, 0, 0.5**0.5], "children": shown["nodes"]}
+        shown["nodes"] = [len(gltf["nodes"])]
+        gltf["nodes"].append(above)
+        path.write_bytes(glb_bytes(gltf, binary))
+        return path
+    ops = "double3 xformOp:rotateXYZ = (-90, 0, 0)\ndouble3 xformOp:scale = (0.3, 0.3, 0.3)\n"
+    ops += 'uniform token[] xformOpOrder = ["xformOp:rotateXYZ", "xformOp:scale"]\n'
+    text, top = (SAMPLES / "biped.usda").read_text("utf-8"), 'def SkelRoot "figure"\n    {\n'
+    assert top in text
+    path.write_text(text.replace(top, top + ops, 1), "utf-8")
+    return path
+
+
+def without_fingers(rig: Rig, report: Report) -> Rig:
+    return rigtri.merge_joints(rig, joints=("fingers_?",), report=report)
+
+
+def conforming(rig: Rig, report: Report) -> Rig:
+    return rigtri.conform(rig, to="vrm", report=report)
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("steps", [(without_fingers, conforming), (conforming, without_fingers)])
+def test_joints_go_and_scales_above_the_others_are_frozen_in_one_edit(
+    steps: tuple[edit.Step, ...], suffix: str, tmp_path: Path
+) -> None:
+    """Before, joints that had gone were expected to move points by the inverse binds that they once had."""
+    source, half, out, one = scaled(tmp_path, suffix), *(tmp_path / f"{k}{suffix}" for k in ("h", "o", "1"))
+    edit.edit(source, half, steps[0], tolerance=0.02)
+    edit.edit(half, out, steps[1], tolerance=0.02)
+    edit.edit(source, one, in_turn(*steps), tolerance=0.02)
+    assert verify(read(out), read(one)).deviation < 1e-7
+    with pytest.raises(DeviationError):  # what merge-joints alone does not allow
+        edit.edit(source, one, in_turn(*steps), tolerance=0.005, overwrite=True)

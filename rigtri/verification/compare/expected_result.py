@@ -291,8 +291,8 @@ def _as_edited(source: Source, rig: Rig, keeps_clips: bool) -> Source:
 
 
 def _bound_as_edited(skin: Skin, at: Sequence[int], rig: Rig) -> Skin:
-    """A skin with the inverse binds that ``rig`` gives the joints that stay in it, by ``at`` its nodes."""
-    now = next((each for each in rig.skins if each.key == skin.key), None)
+    """A skin with the inverse binds that ``rig`` gives the joints that it has or had, by ``at`` its nodes."""
+    now = next((each.ever for each in rig.skins if each.key == skin.key), None)
     rows = {} if now is None else dict(zip(now.joints.tolist(), now.inverse_bind, strict=True))
     bound = [
         rows.get(at[joint], inverse)
