@@ -112,7 +112,8 @@ def summary(report: Report) -> str:
     made = len(report.added)
     if not reoriented and not made:
         return "both sides are symmetric already; nothing was changed"
-    return f"{counted(reoriented, 'joint')} re-oriented; {made} rigtri nodes mirrored, {new} of them new"
+    mirrored = f"{counted(made, 'rigtri node')} mirrored, {new} of them new"
+    return f"{counted(reoriented, 'joint')} re-oriented; {mirrored}"
 
 
 _MORE = [

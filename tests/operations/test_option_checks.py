@@ -90,7 +90,7 @@ CONSTRAINTS: list[tuple[dict[str, Any], str]] = [
     ),
     ({"skip": ("tx", "r")}, ""),
     ({"skip": ("up",)}, "--skip up: the channels are tx, ty, tz, rx … sz, or t, r, s"),
-    ({"skip": ("rx",), "type": "point"}, "--skip rx: a point constraint does not set it"),
+    ({"skip": ("rx",), "type": "point"}, "--skip rx: --type point does not set it"),
     ({"skip": ("t",), "type": "point"}, "--skip leaves nothing that the constraint would set"),
     ({"skip": ("tx", "ty"), "type": "point"}, ""),
     ({"type": "orient", "driver_space": "local"}, ""),

@@ -781,6 +781,26 @@ def test_tangents_that_were_moved_are_an_edit() -> None:
     np.testing.assert_array_equal(now.values[[0, 1, 4, 5]], was.values[[0, 1, 4, 5]])
 
 
+@pytest.mark.ci
+def test_splines_in_other_axes_stay_splines_where_the_tangents_of_scale_are_noise() -> None:
+    """Before, noise of 1e-6 in them was taken for shear, and the splines became straight keys."""
+    rig = rig_of()
+    node = rig.find("forearm_R")
+    times = next(track.times for track in rig.clip("wave").tracks if track.node == node)
+    noise = 1e-6 * np.random.default_rng(1).normal(size=(len(times), 3, 3))
+    noise[:, 1] = 1.0
+    scale = Track(node, "scale", "CUBICSPLINE", times, noise)
+    wave = rig.clip("wave")
+    with_scale = replace(wave, tracks=(*wave.tracks, scale))
+    rig = replace(rig, clips=tuple(with_scale if clip is wave else clip for clip in rig.clips))
+    edited, report = turned_key(orient_joints(rig, aim="x", up="y"), "forearm_R", "wave", 1), Report()
+    home = take_clips(rig, from_=edited, report=report)
+    assert notices(report) == []
+    assert apart(home, edited, "wave") < CLOSE
+    (now,) = (t for t in home.clip("wave").tracks if (t.node, t.path) == (node, "rotation"))
+    assert now.interpolation == "CUBICSPLINE"
+
+
 def frames(rig: Rig, joint: str, fps: float, edit: Callable[[Floats, Floats], Floats]) -> Rig:
     """The rig with a joint's turns in ``walk`` sampled, as exporters do, and then edited."""
     node = rig.find(joint)

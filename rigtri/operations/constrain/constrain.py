@@ -45,6 +45,7 @@ from rigtri.operations.rigtri_nodes import add, group, renamed, root_controls, w
 from rigtri.recognition.limbs import given
 from rigtri.recognition.one_character import find_within
 from rigtri.report import Report
+from rigtri.text import counted
 
 _DEGREE = np.pi / 180.0
 Vector = tuple[float, float, float]
@@ -224,8 +225,8 @@ def _chain(rig: Rig, options: ConstrainOptions) -> tuple[int, ...]:
             chains.add(chain)
     if len(chains) != 1:
         raise UsageError(
-            f"'{rig.title(child)}' is of {len(chains)} limbs with an IK control or pole vector; "
-            "name the joints with --limb ROOT MIDDLE END"
+            f"'{rig.title(child)}' is in {counted(len(chains), 'limb') if chains else 'no limb'} with an IK "
+            "control or pole vector; name the joints with --limb ROOT MIDDLE END"
         )
     return chains.pop()
 

@@ -227,7 +227,7 @@ class ConstrainOptions(OneCharacter):
             if channel not in CHANNELS["parent"]:
                 raise UsageError(f"--skip {channel}: the channels are tx, ty, tz, rx … sz, or t, r, s")
             if channel not in known:
-                raise UsageError(f"--skip {channel}: a {self.type} constraint does not set it")
+                raise UsageError(f"--skip {channel}: --type {self.type} does not set it")
         if known and self.skipped >= set(known):
             raise UsageError("--skip leaves nothing that the constraint would set")
 

@@ -30,7 +30,7 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.similarity_fit import SAME_SIZE, SAME_TURN
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
+from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track, key_values
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.proportions import Proportions
@@ -275,8 +275,14 @@ def _mappable(left: Floats, right: Floats, own: Mapping[Path, Track]) -> bool:
     scale = own.get("scale")
     if scale is None:
         return True
-    rows = scale.values.reshape(-1, 3)
-    return bool((rows.max(axis=1) - rows.min(axis=1) <= SAME_SIZE * np.abs(rows).max(axis=1)).all())
+    near = SAME_SIZE * np.abs(key_values(scale)).max(axis=1)
+    if scale.interpolation == "CUBICSPLINE" and len(scale.times) > 1:
+        # A tangent has no size of its own: what counts is what it comes to until the next key.
+        gaps = np.diff(scale.times)
+        longest = np.maximum(np.append(gaps, 0.0), np.append(0.0, gaps))
+        if (np.ptp(scale.values[:, ::2], axis=2) * longest[:, np.newaxis] > near[:, np.newaxis]).any():
+            return False
+    return bool((np.ptp(key_values(scale), axis=1) <= near).all())
 
 
 def _turns(matrix: Floats) -> bool:
