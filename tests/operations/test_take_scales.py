@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rigs import rig_of
+from rigs import chain, rig_of
 
 from rigtri.errors import GeometryError
 from rigtri.maths.trigonometry import Floats
@@ -14,6 +14,8 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.take_clips.exact_scales import with_exact_scales
+from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
+from rigtri.report import Report
 
 FRAMES = np.arange(1.0, 26.0)
 GROWN = np.tile(1.0 + 0.03 * (FRAMES[:, np.newaxis] - 1.0) / 24.0, 3)
@@ -78,3 +80,39 @@ def test_scale_keys_of_others_and_of_gltf_are_taken_as_they_are() -> None:
     full = exported(THINNED, GROWN)
     gltf = replace(full, rules=replace(full.rules, raw_quaternions=False))
     assert with_exact_scales(gltf, gltf, OF, drives=True) is gltf
+
+
+def keyed(scales: list[float], frames: Floats) -> Rig:
+    """Joints of USD, one of which turns at all frames and has scales at some, as half floats."""
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
+    turns = np.tile([0.0, 0.0, 0.0, 1.0], (len(FRAMES), 1))
+    values = np.repeat(np.array(scales)[:, np.newaxis], 3, axis=1).astype(np.float16).astype(np.float64)
+    rotation = Track(1, "rotation", "LINEAR", FRAMES, turns)
+    clip = Clip("Anim", (rotation, Track(1, "scale", "LINEAR", frames, values)))
+    return replace(rig, rules=replace(rig.rules, raw_quaternions=True), clips=(clip,))
+
+
+# Slowly larger, then at once, as a sparse writer leaves it: at 8 it says what it has last written, of 1.
+OURS = keyed([1.0 + 0.001 * frame if frame < 9 else 1.1 for frame in range(25)], FRAMES)
+SPARSE = np.array([1.0, 9.0, 10.0, 25.0])
+
+
+@pytest.mark.parametrize(
+    ("times", "scales", "taken"),
+    [
+        (SPARSE, [1.0, 1.0, 1.1, 1.1], []),  # nobody has edited it: 1.008 at 9 was left out
+        (SPARSE[1:], [1.0, 1.1, 1.1], []),  # as Blender writes it: the first frame is the default
+        (SPARSE, [1.0, 1.0, 1.095, 1.1], [2]),
+        (SPARSE, [1.004, 1.004, 1.1, 1.1], [0]),  # nothing is before the first, which is as it was
+        (SPARSE, [1.0, 1.004, 1.1, 1.1], [1]),  # what was left out is never written so
+    ],
+)
+def test_scales_that_a_sparse_writer_leaves_out_are_the_rigs_and_those_that_it_writes_are_not(
+    times: Floats, scales: list[float], taken: list[int]
+) -> None:
+    """Before, all keys within 0.01 of RIG's stayed RIG's where a scale has fewer samples than frames."""
+    found = take_clips(OURS, options=TakeClipsOptions(from_=keyed(scales, times)), report=Report())
+    assert (found is not OURS) == bool(taken)
+    (track,) = (t for t in found.clips[0].tracks if t.path == "scale")
+    there = track.values[np.isin(track.times, times), 0]
+    assert np.abs(there - np.array(scales))[taken].max(initial=0.0) <= 2.0**-11

@@ -50,8 +50,11 @@ class Tolerances:
         self.both, self.transfer = both, transfer
         self.share = max(tolerance, SAME_PLACE)
 
-    def of(self, track: Track) -> Floats:
-        """How far each key of a track of the rig, at the other file's times, may be off, (k,)."""
+    def of(self, track: Track, *, in_gaps: bool = False) -> Floats:
+        """How far each key of a track of the rig, at the other file's times, may be off, (k,).
+
+        in_gaps: how far what the rig has behind the key may be, and before the next one.
+        """
         node, keys = track.node, len(track.times)
         if track.path == "weights":
             return np.full(keys, max(SAME_WEIGHT, self.share))
@@ -61,7 +64,7 @@ class Tolerances:
             return np.full(keys, self.share * self.both.size / unit)
         slack = self.both.slack(node)
         if track.path == "scale":
-            return np.asarray(max(SAME_SIZE, self.share) + slack + self._halves(track))
+            return np.asarray(max(SAME_SIZE, self.share) + slack + self._halves(track, in_gaps))
         turn = self.share * self.both.size / float(self._reach[node])
         return np.asarray(turn + slack + self._angles(track))
 
@@ -99,7 +102,7 @@ class Tolerances:
             noise = noise + _ANGLE_NOISE / np.maximum(np.nan_to_num(cosine), _LEAST_COSINE)
         return noise
 
-    def _halves(self, track: Track) -> Floats:
+    def _halves(self, track: Track, in_gaps: bool) -> Floats:
         """What the scales of a UsdSkel animation lose, (k,): halves, and fewer samples than frames."""
         both, theirs = self.both, self.both.of[track.node]
         lost = np.zeros(len(track.times))
@@ -110,7 +113,8 @@ class Tolerances:
         lost = lost + _HALF * now
         if own is not None and 1 < len(own.times) < len(self.transfer.frames):
             # In the unit of their scales, which is not ours where a size stands between.
-            lost = lost + _SPARSE_HALF * now.max() / max(float(np.abs(own.values).max()), _FLOAT)
+            sparse = _SPARSE_HALF * now.max() / max(float(np.abs(own.values).max()), _FLOAT)
+            lost = lost + np.where(in_gaps | _repeats(own, track, self.transfer.frames[0]), sparse, 0.0)
         return np.asarray(lost)
 
 
@@ -172,9 +176,11 @@ class Comparison:
 
     def agree(self, pair: Pair) -> bool:
         """Whether a track gives the motion of RIG, by the clock as it is set."""
-        was, bound = pair[0], self.tolerances.of(pair[1])
-        now = self.clock.to_rig_time(pair[1])
-        return not differing(was, now, bound).any() or self.same_knots(was, now, bound) is not None
+        was, now = pair[0], self.clock.to_rig_time(pair[1])
+        return (
+            not differing(was, now, self.tolerances.of(pair[1])).any()
+            or self.same_knots(was, now, self.tolerances.of(pair[1], in_gaps=True)) is not None
+        )
 
     @cached_property
     def controls(self) -> frozenset[int]:
@@ -186,11 +192,10 @@ class Comparison:
 
         now: ``theirs``, a track of EDITED's in RIG's axes, by the clock.
         """
-        bound = self.tolerances.of(theirs)
-        changed = differing(was, now, bound)
-        unit = self.tolerances.unit_of(theirs)
-        changed |= lacking(was, now, self.frames, bound, unit, self.by_hand)
-        far = self.same_knots(was, now, bound) if changed.any() else None
+        changed = differing(was, now, self.tolerances.of(theirs))
+        gaps, unit = self.tolerances.of(theirs, in_gaps=True), self.tolerances.unit_of(theirs)
+        changed |= lacking(was, now, self.frames, gaps, unit, self.by_hand)
+        far = self.same_knots(was, now, gaps) if changed.any() else None
         return changed, None if far is not None and _beyond(was, now)[changed].any() else far
 
     @cached_property
@@ -210,6 +215,20 @@ class Comparison:
     @cached_property
     def _dropped(self) -> bool:
         return tangents_dropped((was, self.clock.to_rig_time(now)) for was, now in self.pairs)
+
+
+def _repeats(own: Track, track: Track, start: float) -> Booleans:
+    """The keys of a track, (k,), at which a sample of EDITED's own may say what was at an earlier time.
+
+    The sparse writer leaves out samples that are near the last one that it has written, which at first is the
+    default. Before it goes on it writes that once more, where the last of these was; all others are true. Of
+    a track that was worked out at other times any key may be between such. start: of the clip.
+    """
+    if not np.array_equal(own.times, track.times):
+        return np.ones(len(track.times), dtype=bool)
+    values = key_values(own)
+    again = (values[1:] == values[:-1]).all(axis=1)
+    return np.concatenate([[own.times[0] > start], again])
 
 
 def _beyond(was: Track, now: Track) -> Booleans:
