@@ -29,7 +29,7 @@ from rigtri.model.options import Kind, Option, check, default_of, hints_of, opti
 from rigtri.model.rig import Rig
 from rigtri.model.spelling import AS_FLAGS, Spelling, described, python_spelling, spelled
 from rigtri.operations.left_behind import naming_left_behind
-from rigtri.operations.option_kinds import assigned, is_one
+from rigtri.operations.option_kinds import OneCharacter, assigned, is_one
 from rigtri.report import Report
 
 O_contra = TypeVar("O_contra", contravariant=True)
@@ -137,7 +137,8 @@ def _run(
 ) -> Rig:
     """What an operation makes of a rig; one that knows its file keeps what was reported."""
     options = words.get("options")
-    run = naming_left_behind(_of_character(function, getattr(options, "character", None), *alone))
+    character = options.character_of(rig) if isinstance(options, OneCharacter) else None
+    run = naming_left_behind(_of_character(function, character, *alone))
     read = [*others, *(vars(options).values() if options is not None else ())]
     sources = [file for one in read if isinstance(one, Rig) and one.source for file in one.source.needed()]
     if rig.source is None:

@@ -16,6 +16,7 @@ from rigtri.limits import LARGEST, fits
 from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
 from rigtri.model.options import Kind, option
+from rigtri.model.rig import Rig
 
 Vector = tuple[float, float, float]
 # Kinds of which one is a list itself: names in a row, or numbers; of the first also a mapping.
@@ -277,3 +278,7 @@ class OneCharacter:
         "its own.",
         rare=True,
     )
+
+    def character_of(self, rig: Rig) -> str | None:
+        """What the character of a rig is called that is edited alone; None for all of them."""
+        return self.character

@@ -14,10 +14,10 @@ from rigs import rig_of
 from usd_files import MESH, animation, read, save, scene, skeleton
 
 import rigtri
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.sampling import Motion, worlds
 from rigtri.evaluation.timelines import timelines
-from rigtri.model.animation import Clip
+from rigtri.model.animation import Clip, Track
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord, with_references
 from rigtri.model.rig import Rig
@@ -99,6 +99,47 @@ def test_what_is_animated_on_one_of_two_characters_comes_home_to_it(shot: Rig) -
         for was, now in zip(before.tracks, after.tracks, strict=True):
             far = 0.25 if was.node == end and was.path == "translation" else 0.0
             assert np.abs(now.values - was.values).max() == pytest.approx(far, abs=1e-6)
+
+
+@pytest.mark.parametrize(("character", "far"), [("A", 0.0), ("B", 0.25)])
+def test_a_rig_of_one_character_takes_the_motion_of_one_of_two(
+    character: str, far: float, shot: Rig, tmp_path: Path
+) -> None:
+    """Before, names were looked for in RIG alone: "No character is named 'B'". B stands aside."""
+    rig, first = (
+        read(tmp_path / "keyed.usda").rig,
+        {name: k for k, name in reversed([*enumerate(shot.names)])},
+    )
+    names = [
+        f"{name}_001" if first[name] != k and not shot.is_joint[k] else name
+        for k, name in enumerate(shot.names)
+    ]
+    controls = shot.records(ControlRecord).items()
+    end = max(node for node, record in controls if record.kind == "ik")
+    aside, moved = shot.matrix.copy(), shot.translation.copy()
+    aside[shot.find("/W/B"), 3, 0] = moved[shot.find("/W/B"), 0] = 3.0
+    clips = [
+        replace(clip, tracks=tuple(pushed(track) if track.node == end else track for track in clip.tracks))
+        for clip in shot.clips
+    ]
+    edited = replace(shot, names=tuple(names), clips=tuple(clips), matrix=aside, translation=moved)
+    home = take_clips(rig, from_=edited, character=character)
+    mine = max(node for node, record in rig.records(ControlRecord).items() if record.kind == "ik")
+    assert [len(clip.tracks) for clip in home.clips] == [len(clip.tracks) for clip in rig.clips]
+    for before, after in zip(rig.clips, home.clips, strict=True):
+        for was, now in zip(before.tracks, after.tracks, strict=True):
+            off = far if was.node == mine and was.path == "translation" else 0.0
+            assert np.abs(now.values - was.values).max() == pytest.approx(off, abs=1e-6)
+    with pytest.raises(GeometryError, match=r"Say with character= which of EDITED is meant \('A', 'B'\)"):
+        take_clips(rig, from_=edited)
+    with pytest.raises(NameNotFoundError, match=r"There are 'Root', 'A', 'B'"):
+        take_clips(rig, from_=edited, character="C")
+
+
+def pushed(track: Track) -> Track:
+    """The track with keys a quarter to the side."""
+    aside = np.array([0.25, 0, 0]) if track.path == "translation" else 0.0
+    return replace(track, values=track.values + aside)
 
 
 def test_controls_that_stand_elsewhere_below_their_character_are_paired_by_that() -> None:

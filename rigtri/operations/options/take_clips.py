@@ -6,6 +6,7 @@ from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import Tolerance
 from rigtri.model.options import option
+from rigtri.model.rig import Rig
 from rigtri.operations.option_kinds import ClipNames, Clips, EditedFile, Names, OneCharacter
 
 
@@ -43,3 +44,7 @@ class TakeClipsOptions(OneCharacter):
         help="Largest difference that counts as unchanged, and largest error of removed keys, as a share of "
         "the rig's size.",
     )
+
+    def character_of(self, rig: Rig) -> str | None:
+        """None where the rig has no node of the name: it is that of a character of the edited file alone."""
+        return self.character if self.character is not None and rig.has(self.character) else None

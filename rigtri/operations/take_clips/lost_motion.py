@@ -10,8 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.errors import GeometryError
+from rigtri.errors import GeometryError, NameNotFoundError
 from rigtri.evaluation.active_controls import skeleton_size
+from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.rig import Rig
@@ -20,8 +21,8 @@ from rigtri.model.skin import moving_points
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.morph_targets import MorphPairs
 from rigtri.operations.take_clips.node_matching import pairs
-from rigtri.recognition.one_character import titles
-from rigtri.text import list_names
+from rigtri.recognition.one_character import about, named, titles
+from rigtri.text import list_names, unnumbered
 
 # Of the size of the rig: a node that moves less far does not move; see docs/take-clips.md.
 _STILL = 1e-5
@@ -55,12 +56,45 @@ def one_character(rig: Rig, edited: Rig, name: str) -> Rig:
     own = rig.with_ancestors({*rig.below(rig.find(name, "character")), *rig.own})
     left = {node for nodes in tops if inside.isdisjoint(nodes) for node in nodes}
     left |= {theirs for node, theirs in of.items() if node not in own}
-    alone = _without(edited, left)
-    names, known = list(alone.names), set(alone.names)
+    kept = _without(edited, left)
+    names, known = list(kept.names), set(kept.names)
     for node, theirs in of.items():
         if theirs not in left and rig.names[node] not in known:
             names[theirs] = rig.names[node]
-    return replace(alone, names=tuple(names))
+    return replace(kept, names=tuple(names))
+
+
+def of_edited(rig: Rig, edited: Rig, name: str) -> Rig:
+    """EDITED without names and motion of other characters than one of its own, for a rig of one.
+
+    Names are without the numbers that Blender has given to them, and the character stands where the rig's
+    does: where a scene has put it is no motion. NameNotFoundError for a name of none.
+    """
+    if not rig.has(name) and not edited.has(name):
+        raise NameNotFoundError("character", name, list(dict.fromkeys((*titles(rig), *titles(edited)))))
+    inside = named(edited, name)
+    others = [edited.below(edited.find(title)) for title in titles(edited)]
+    left = {node for nodes in others if inside.isdisjoint(nodes) for node in nodes}
+    left |= {node for node in edited.metadata if (joints := about(edited, node)) and not joints & inside}
+    kept = _without(edited, left)
+    names, known, ours = list(kept.names), set(kept.names), set(rig.names)
+    for node, called in enumerate(kept.names):
+        plain = unnumbered(called)
+        if called not in ours and plain in ours and plain not in known:
+            names[node] = plain
+            known.add(plain)
+    (title, *_), here = [each for each in titles(edited) if edited.find(each) not in left], titles(rig)
+    kept = _standing_at(kept, kept.find(title), rig.local[rig.find(here[0]), 3, :3] if here else np.zeros(3))
+    return replace(kept, names=tuple(names))
+
+
+def _standing_at(edited: Rig, top: int, place: Floats) -> Rig:
+    """EDITED with a node that holds a character, and has no keys, at a place in the node above, (3,)."""
+    if edited.is_joint[top] or any(track.node == top for clip in edited.clips for track in clip.tracks):
+        return edited
+    translation, matrix = edited.translation.copy(), edited.matrix.copy()
+    translation[top] = matrix[top, 3, :3] = place
+    return replace(edited, translation=translation, matrix=matrix)
 
 
 def refuse_lost(both: Counterparts, clip: Clip, morphs: MorphPairs) -> None:
@@ -71,11 +105,13 @@ def refuse_lost(both: Counterparts, clip: Clip, morphs: MorphPairs) -> None:
     texts = list(dict.fromkeys(lost.values()))
     more = f"; and {len(texts) - 4} more" if len(texts) > 4 else ""
     first, several = both.other.address(min(lost)), titles(both.other)
+    remedy = "Give"
     if len(several) > len(titles(both.rig)):
         first = f"{both.other.path(both.other.find(several[-1]))}/*"
+        remedy = f"Say with --character which of EDITED is meant ({list_names(several)}), give"
     raise GeometryError(
         f"Motion in '{clip.name}' of EDITED would be lost: {'; '.join(texts[:4])}{more}. "
-        f"Give what moves the name that it has in RIG, or leave its motion out, e.g. --exclude '{first}'"
+        f"{remedy} what moves the name that it has in RIG, or leave its motion out, e.g. --exclude '{first}'"
     )
 
 

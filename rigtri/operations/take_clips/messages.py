@@ -38,8 +38,8 @@ def why_nothing_matches(rig: Rig, edited: Rig) -> str:
     if both := [name for name in dict.fromkeys(rig.names) if name and name in edited.names]:
         return (
             f"Several nodes are called {list_names(both)}, so it is not clear which is which. Of several "
-            "characters, take one of RIG with --character NAME, and leave those of EDITED out with "
-            "--exclude '/PATH*'"
+            "characters, take one of RIG (of EDITED, where RIG has but one) with --character NAME, and leave "
+            "others out with --exclude '/PATH*'"
         )
     return (
         f"No node of EDITED has the name of one of RIG: there are {list_names(edited.names)} and "

@@ -43,7 +43,7 @@ from rigtri.operations.take_clips.ik_switches import (
     switches_of,
 )
 from rigtri.operations.take_clips.key_merging import merged, thinned
-from rigtri.operations.take_clips.lost_motion import one_character, refuse_lost, without
+from rigtri.operations.take_clips.lost_motion import of_edited, one_character, refuse_lost, without
 from rigtri.operations.take_clips.messages import (
     moves,
     warn_overruled,
@@ -77,9 +77,10 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     start, edited = rig, options.from_
     if edited is None:
         raise TypeError("take_clips: from_ must be a Rig, the one with the motion, not NoneType")
-    if options.character is not None:
-        alone = one_character(rig, edited, options.character)
-        one = replace(options, from_=alone, character=None)
+    if options.character is not None and options.character_of(rig) is None:
+        edited = of_edited(rig, edited, options.character)
+    elif options.character is not None:
+        one = replace(options, from_=one_character(rig, edited, options.character), character=None)
         small = of_character(rig, options.character)
         made = take_clips(small, options=one, report=report)
         return rig if made is small else replace(made, names=rig.names)
