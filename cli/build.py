@@ -26,11 +26,13 @@ from .help_format import Command, option
 from .option_types import FilePath
 from .printing import print_json
 from .shared_options import (
+    READING,
     dry_run_option,
     optional_target_option,
     output_options,
     report_option,
     shared,
+    spec_reading_options,
 )
 from .terminal_text import plain
 
@@ -72,6 +74,7 @@ spec_strict_option = shared("strict", more="[as the spec says]")
 )
 @spec_strict_option
 @spec_tolerance_option
+@spec_reading_options
 @shared("verify")
 @report_option("Write what was done, per step, joint and limb")
 @dry_run_option
@@ -81,7 +84,8 @@ def command(**values: Any) -> None:
     from rigtri.pipeline.rigspec.load import load
 
     spec = load(values["spec"], variables=assigned(values["variables"]), source=values["source"])
-    spec = spec.limited(strict=values["strict"], tolerance=values["tolerance"])
+    words = {name: values[name] for name in ("strict", "tolerance", *READING)}
+    spec = spec.limited(**words)
     edits = spec.model.edits
     values |= {"tolerance": edits.tolerance, "sidecar": edits.sidecar, "reading": spec.reading}
     if values["explain"]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from places import SAMPLES, slow
 from program import cli
+from usd_files import save, shots
 
 from rigtri.errors import FileError, UsageError
 from rigtri.files.text_files import text_of
@@ -132,3 +133,20 @@ def test_a_stream_goes_through_several_steps_to_a_stream(sample: str, tmp_path: 
         result = cli("build", source, "--spec", spec, "-o", "-", "-q", stdin=stream)
         assert result.exit_code == 0, result.stderr
         assert result.stdout_bytes == (tmp_path / sample).read_bytes()
+
+
+def test_how_a_difficult_file_is_read_is_said_by_the_spec_or_the_build(tmp_path: Path) -> None:
+    """Before, only the spec could: 'No such option: --allow-external-paths'."""
+    shots(tmp_path)
+    text = (tmp_path / "shots" / "a.usda").read_text()
+    save(tmp_path, text.replace("(\n", "(\nsubLayers = [@gone.usda@, @cut.usdc@]\n", 1), "shots/a.usda")
+    (tmp_path / "shots" / "cut.usdc").write_bytes(b"PXR-USDC" + b"\0" * 12)
+    spec = write(tmp_path, "steps: [{do: orient-joints, preset: maya}]\n")
+    words = ("build", tmp_path / "shots" / "a.usda", "--spec", spec, "-o")
+    allowed = ("--allow-missing", "--allow-external-paths")
+    assert "USD cannot read" in cli(*words, tmp_path / "no.usda", code=3).stderr
+    assert "outside" in cli(*words, tmp_path / "no.usda", allowed[0], code=3).stderr
+    cli(*words, tmp_path / "out.usda", *allowed, code=0)
+    write(tmp_path, "allow-external-paths: true\nsteps: [{do: orient-joints, preset: maya}]\n")
+    cli(*words, tmp_path / "other.usda", "--allow-missing", code=0)
+    assert (tmp_path / "out.usda").read_bytes() == (tmp_path / "other.usda").read_bytes()
