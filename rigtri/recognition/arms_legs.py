@@ -314,6 +314,8 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
         words.append("but its shape bends at other joints")
         sure *= _CONTRADICTED
         return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair)
+    if same.pair.others:  # names alone have led to the same joints
+        return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair)
     body = draft.shape.body
     known = body is not None and _has_both(body) and same.pair in (body.legs, body.arms)
     shaped = _shaped(body, same.pair) if body is not None and known else each.kind

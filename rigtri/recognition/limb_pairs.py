@@ -33,7 +33,8 @@ class Limbs:
     file units. fingers: how many chains there are at the end. thumb: whether one of three or more stands
     apart. quality: how limb-like, 0 to 1. lead: over other places to bend. named: how far names say the
     same three joints, −1 to 1. kind, place: what names say that it is, ``other`` for no limb at all.
-    is_noisy: noise may take another middle for this one."""
+    is_noisy: noise may take another middle for this one. others: places of three that are much more
+    limb-like, so that names alone have led to these; () where there are none."""
 
     pair: Pair
     at: tuple[int, ...]
@@ -48,6 +49,7 @@ class Limbs:
     kind: LimbKind | Literal["other", ""] = ""
     place: Place = ""
     is_noisy: bool = False
+    others: tuple[int, ...] = ()
 
     def joints(self, which: int) -> tuple[int, ...]:
         """Start, middle and end of one of the two, or start and end."""
@@ -137,8 +139,9 @@ def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:
     size = bend.size if bend else pair.reach
     quality, lead, named = (bend.quality, bend.lead, bend.named) if bend else (0.2, 0.0, 0.0)
     thumb = count > 2 and all(has_thumb(tree, path) for path in pair.paths)
-    noisy = bend is not None and bend.is_noisy
-    return Limbs(pair, at, starts, ends, size, count, thumb, quality, lead, named, is_noisy=noisy)
+    noisy, others = (bend.is_noisy, bend.others) if bend else (False, ())
+    found = starts, ends, size, count, thumb, quality, lead, named
+    return Limbs(pair, at, *found, is_noisy=noisy, others=others)
 
 
 def _kind_of(limbs: Limbs, words: Sequence[LimbWords], poses: Poses) -> LimbKind | Literal["other", ""]:

@@ -72,7 +72,8 @@ TIE = 0.05
 class Triple:
     """Three places within a path: start, middle, end. quality: how limb-like, 0 to 1; lead: over the
     next best; size: the length of both bones, file units; named: how far names say the same, −1 to 1.
-    is_noisy: noise may take another middle for this one."""
+    is_noisy: noise may take another middle for this one. others: three that are much more limb-like, so that
+    names alone have led to these; () where there are none."""
 
     at: tuple[int, int, int]
     quality: float
@@ -80,6 +81,7 @@ class Triple:
     size: float
     named: float = 0.0
     is_noisy: bool = False
+    others: tuple[int, ...] = ()
 
 
 def sharpest_of(tree: Tree, poses: Poses) -> list[float]:
@@ -158,14 +160,15 @@ def triple_of(
     same = [one for one in order if _are_in_one_place(bones, order[0][1], one[1])]
     best, at, quality, named = max(same, key=lambda one: (round(one[3], 9), *one[1][:2], -one[1][2]))
     others = [one for one in order if one[1] != at]
-    if max(one[2] for one in found) - quality > _DISPUTED:
-        named -= 1.0  # shape says otherwise: names alone make nothing sure
+    likest = max(found, key=lambda one: one[2])
+    disputed = likest[1] if likest[2] - quality > _DISPUTED else ()
+    named -= 1.0 if disputed else 0.0  # shape says otherwise: names alone make nothing sure
     second = next((one[0] for one in others if not _are_in_one_place(bones, at, one[1])), 0.0)
     rivals = [one for one in others if one[1][1] != at[1]]
     noisy = quality - max((one[2] for one in rivals), default=0.0) < _DOUBTED
     noisy = noisy and min(straight[1 : at[2] + 1]) < _NOISY
     shown = moves and ever[at[1]] < min([_SHOWN, *(ever[one[1][1]] for one in rivals)])
-    return Triple(at, quality, best - second, _size(bones, at), named, noisy and not shown)
+    return Triple(at, quality, best - second, _size(bones, at), named, noisy and not shown, disputed)
 
 
 def _size(bones: list[float], at: Sequence[int]) -> float:

@@ -7,6 +7,7 @@ from math import acos, fsum
 
 from rigtri.maths.angle_limits import radians_below
 from rigtri.maths.scalar_vector import Vector
+from rigtri.recognition.arms_legs import AGREED
 from rigtri.recognition.character_draft import Draft
 from rigtri.recognition.doubled_chains import moves_nothing
 from rigtri.recognition.found_limb import Found
@@ -231,6 +232,23 @@ def end_called_lower(draft: Draft, each: Found) -> str:
     return f"'{draft.tree.rig.title(each.joints[2])}', where it ends, is called as a lower bone is"
 
 
+def bends_elsewhere(draft: Draft, each: Found) -> str:
+    """Joints of a chain that clearly bends at others: each may have the name of the one above or below it.
+
+    Names of all three do not outweigh that, for all may be off by one.
+    """
+    if AGREED in each.evidence:
+        return ""
+    for limbs in (limbs for limbs in draft.shape.limbs if len(limbs.at) > 2):
+        for path, joints in zip(limbs.pair.paths, map(limbs.joints, (0, 1)), strict=True):
+            other = joints if joints != each.joints and limbs.named < 0.0 else ()
+            bends = [path[k] for k in limbs.others if k < len(path)] or other
+            if bends and set(each.joints) <= set(path):
+                three = " - ".join(map(draft.tree.rig.title, bends))
+                return f"{three} bend much more as a limb does, and names may be one joint off"
+    return ""
+
+
 def within_bone(draft: Draft, each: Found) -> str:
     """A start that hangs beside the middle at a joint of its side, on the bone between both: ``Femur``."""
     tree, (start, middle, _) = draft.tree, each.joints
@@ -283,7 +301,7 @@ def _bend(tree: Tree, over: int, node: int, on: int) -> float:
 
 # The doubts of any limb, of those whose three joints a naming scheme knows, and of those that shape tells.
 OF_ANY = (called_muscle, within_bone)
-OF_NAMES = (beside_end, later_end, end_called_lower)
+OF_NAMES = (beside_end, later_end, end_called_lower, bends_elsewhere)
 OF_SHAPES = (
     beside_another,
     one_of_two_in_place,

@@ -92,6 +92,19 @@ def test_names_that_are_one_joint_off_make_nothing_sure_that_the_shape_denies(jo
     assert {bend for _, bend in sure(recognise(with_names_above(rig)))} <= right
 
 
+@pytest.mark.parametrize("last", ["palm", "clavicle"])
+def test_arms_whose_joints_have_the_names_of_the_next_are_not_sure_beside_no_legs(last: str) -> None:
+    """Before, they were sure at 0.98, "its shape agrees", or at 0.97 by their names alone."""
+    below = {"clavicle": "upper_arm", "upper_arm": "forearm", "forearm": "hand", "hand": last}
+    moved = {f"{one}.{side}": f"{two}.{side}" for one, two in below.items() for side in "LR"}
+    legless = rig_with([each for each in MAN if each[0][:-2] not in ("thigh", "shin", "foot", "toe")])
+    assert [name for name, _ in sure(recognise(legless))] == ["left arm", "right arm"]
+    layout = recognise(called(legless, moved))
+    assert sure(layout) == []
+    why = f"forearm.L - hand.L - {last}.L bend much more as a limb does, and names may be one joint off"
+    assert f"the left arm is not sure: {why}" in layout.remarks
+
+
 @pytest.mark.parametrize("wrong", [exchanged, one_off])
 @pytest.mark.slow
 def test_whatever_names_call_a_limb_its_shape_alone_is_not_sure_of_another(
