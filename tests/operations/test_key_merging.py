@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pxr import Gf, Usd, UsdGeom
 
 from rigtri.model.animation import Interpolation, Path, Track
 from rigtri.operations.take_clips.key_merging import merged, thinned
@@ -90,3 +91,27 @@ def test_two_keys_stay() -> None:
     still = track([0.0, 1.0], [0.0, 0.0])
     assert thinned(still, 1.0) is still
     assert thinned(track([0.0, 1.0, 2.0], [0.0, 0.0, 0.0], "STEP"), 1.0).times.tolist() == [0, 1, 2]
+
+
+def test_frames_stay_where_openusd_would_show_a_slow_rotation_otherwise() -> None:
+    """Before, a control that passes its rest slowly was 3.1e-3 off at the frame in between, without a key."""
+    times = np.array([0.0, 1.0, 1.9375, 2.0, 2.0625, 3.0, 4.0])
+    angles = np.clip(0.06 * (times - 2.0), -0.00375, 0.00375)
+    x = np.full(len(times), 1e-8)  # as the rounding of Euler angles is
+    turns = np.stack([x, 0 * x, np.sin(angles / 2), np.cos(angles / 2)], axis=1)
+    swing = Track(0, "rotation", "LINEAR", times, turns)
+    thin, found = thinned(swing, 1e-6), thinned(swing, 1e-6, frames=True)
+    assert thin.times.tolist() == [0.0, 1.9375, 2.0625, 4.0]
+    assert found.times.tolist() == [0.0, 1.9375, 2.0, 2.0625, 4.0]
+    assert np.abs(np.array(shown(thin, 2.0)) - np.eye(3)).max() > 3e-3
+    assert np.abs(np.array(shown(found, 2.0)) - np.eye(3)).max() < 1e-7
+
+
+def shown(keys: Track, time: float) -> Gf.Matrix3d:
+    """The rotation of an orient op with these samples, as OpenUSD evaluates it."""
+    prim = UsdGeom.Xform.Define(stage := Usd.Stage.CreateInMemory(), "/a")
+    op = prim.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
+    for at, (x, y, z, w) in zip(keys.times.tolist(), keys.values.tolist(), strict=True):
+        op.Set(Gf.Quatd(w, x, y, z), at)
+    assert stage
+    return prim.GetLocalTransformation(time).ExtractRotationMatrix()

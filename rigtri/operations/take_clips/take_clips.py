@@ -262,13 +262,15 @@ class _Taking:
     def _fresh(self, theirs: Track) -> Track | None:
         """What a track at EDITED's times becomes here; None where the rig has it already."""
         now = self.clock.to_rig_time(theirs)
-        if self.rig.rules.raw_quaternions != self.both.other.rules.raw_quaternions:
+        raw = self.rig.rules.raw_quaternions
+        if raw != self.both.other.rules.raw_quaternions:
             (now,), _ = unit_rotations([now])  # one of the formats would show others as a scale
         self.spans[now.node, now.path] = float(now.times[0]), float(now.times[-1])
         old = self._old(now.node, now.path)
         was = old or Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
+        bound, frames = self._thin(now), raw and not self.rig.is_joint[now.node]
         if was.values.shape[-1] != now.values.shape[-1]:
-            return thinned(now, self._thin(now))
+            return thinned(now, bound, frames=frames)
         now, beside = self.tails.taken_out(was, now, self.seen.tolerances.of(theirs), self.both.size)
         changed, far = self.seen.changes(was, now, theirs)
         if not changed.any():
@@ -284,8 +286,8 @@ class _Taking:
             self.same += 1
             return None
         if self.ranges is not None and self.ranges.whole:
-            return thinned(now, self._thin(now))
-        return merged(was, now, changed, missed=MISSED, bound=self._thin(now))
+            return thinned(now, bound, frames=frames)
+        return merged(was, now, changed, missed=MISSED, bound=bound, frames=frames)
 
     def _thin(self, track: Track) -> float:
         """How far keys of a track that are left out may be off."""
