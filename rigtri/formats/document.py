@@ -20,6 +20,8 @@ GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
 # What three.js makes of points with more joints than it has room for.
 FOUR = "vertices with more than four joints are shown with the four that weigh most, or come first"
 USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+# The warnings of what a file refers to, and that is not there or cannot be read.
+MISSING = ("unresolved", "unread-layer")
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,8 @@ class FileOptions:
     )
     allow_missing: bool = option(
         False,
-        help="USD: leave out damaged layers, as missing ones always are, with a warning.",
+        help="USD: leave out damaged layers, as missing ones always are, with a warning, and convert a file "
+        "of which nothing is left.",
         group="safety",
         rare=True,
     )

@@ -14,7 +14,7 @@ from rigtri.evaluation.timelines import matching_clips
 from rigtri.files.input_stream import opened
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input
 from rigtri.formats import ReadOptions, read
-from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES
+from rigtri.formats.document import GLTF_SUFFIXES, MISSING, USD_SUFFIXES
 from rigtri.formats.registry import need_usd, unknown_format
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.options import check
@@ -65,9 +65,9 @@ def convert(
 def convert_file(request: EditRequest, options: ConvertOptions, report: Report) -> Outcome:
     """Write a file in the other format, measured before it takes its name.
 
-    Raises FileError for what cannot be read or written, UsageError for a target of the same format or one
-    that exists, DeviationError where a point would be farther off than the tolerance, NameNotFoundError for a
-    clip that is not there, and with ``strict`` GeometryError for anything that is lost.
+    Raises FileError for what cannot be read or written or is missing altogether, UsageError for a target of
+    the same format or one that exists, DeviationError where a point would be farther off than the tolerance,
+    NameNotFoundError for a clip that is not there, and with ``strict`` GeometryError for anything lost.
     """
     need_usd()
     clock = Clock()
@@ -80,7 +80,7 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
         needed = list(document.needed())
         for place in (final, *request.side_files):
             check_not_an_input(place, [(path, "the input"), *needed])
-        conversion = _conversion(document, path, options)
+        conversion = _conversion(document, path, request, options)
         rig = _chosen(conversion.rig, options.clip)
         clock.lap("read")
         with working_folder(final, request) as folder:
@@ -124,6 +124,15 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
             return outcome
 
 
+def _refuse_nothing(path: Path, warnings: Sequence[Notice], scene: Any) -> None:
+    """FileError where there is nothing to convert, and what the file refers to was not found."""
+    missing = [notice.text for notice in warnings if notice.code in MISSING]
+    shown = scene.primitives or scene.cameras or scene.lights or scene.lost
+    if missing and not (shown or scene.rig.is_joint.any() or any(clip.tracks for clip in scene.rig.clips)):
+        text = f"{path}: there is nothing to convert in it. {'. '.join(missing)}"
+        raise FileError(f"{text}. Put that in place, or convert what is left with --allow-missing")
+
+
 def _why(rig: Rig, conversion: Any, found: Comparison) -> str:
     """What to do about a file that would look different. rig: of the source."""
     return (
@@ -134,8 +143,8 @@ def _why(rig: Rig, conversion: Any, found: Comparison) -> str:
     )
 
 
-def _conversion(document: Any, path: Path, options: ConvertOptions) -> Any:
-    """The way to the other format."""
+def _conversion(document: Any, path: Path, request: EditRequest, options: ConvertOptions) -> Any:
+    """The way to the other format. FileError where all that there is to convert is missing."""
     from rigtri.formats.gltf.document import GltfDocument
 
     if isinstance(document, GltfDocument):
@@ -145,7 +154,10 @@ def _conversion(document: Any, path: Path, options: ConvertOptions) -> Any:
         return ToUsd(document, UsdLook(options.fps, options.up_axis.upper(), options.meters_per_unit))
     from rigtri.export.conversion.to_gltf import ToGltf
 
-    return ToGltf(document, path.stem)
+    found = ToGltf(document, path.stem)
+    if not request.options.allow_missing:
+        _refuse_nothing(path, document.warnings, found.scene)
+    return found
 
 
 def verify_converted(before: Source, after: Source) -> Comparison | None:

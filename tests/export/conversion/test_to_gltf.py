@@ -50,6 +50,42 @@ def test_openusd_prints_nothing_about_a_stage_that_lacks_what_it_names(
     assert capfd.readouterr().err == ""
 
 
+ARC = 'def Xform "A" ({} = @./gone.usda@)\n{{\n}}\n'
+CUBE = 'def Cube "B"\n{\n}\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "suffix"),
+    [
+        (ARC.format("references"), ".usda"),
+        (ARC.format("payload"), ".usda"),
+        ("(subLayers = [@./gone.usda@])\n", ".usda"),
+        (ARC.format("references"), ".usdz"),
+    ],
+)
+def test_nothing_is_converted_where_all_that_a_file_refers_to_is_missing(
+    text: str, suffix: str, tmp_path: Path
+) -> None:
+    """Before, an empty file with a warning."""
+    source, out = tmp_path / f"in{suffix}", tmp_path / "out.glb"
+
+    def written(text: str) -> None:
+        layer = source.with_suffix(".usda")
+        layer.write_text(f"#usda 1.0\n{text}", "utf-8")
+        if suffix == ".usdz":
+            with Sdf.ZipFileWriter.CreateNew(str(source)) as package:
+                package.AddFile(str(layer), layer.name)
+
+    written(text)
+    assert "gone.usda" in cli("convert", source, "-o", out, code=3).stderr
+    assert not out.exists()
+    cli("convert", source, "-o", out, "--allow-missing", code=0)
+    written(text + CUBE)  # what is there is converted, with a warning
+    assert "gone.usda" in cli("convert", source, "-o", out, "--overwrite", code=0).stderr
+    written('def Xform "A"\n{\n}\n')  # nothing is missing here
+    cli("convert", source, "-o", out, "--overwrite", code=0)
+
+
 def test_an_animation_of_empty_samples_is_no_clip(tmp_path: Path) -> None:
     """Before, a TypeError."""
     empty = "quatf[] rotations.timeSamples = { 0: [], 5: [] }"
