@@ -13,9 +13,10 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import BENDS, UNLIKELY, Chain, Kind, LimbKind
-from rigtri.recognition.limb_words import LimbWords
+from rigtri.recognition.limb_words import LimbWords, limb_words
 from rigtri.recognition.name_parsing import parse_name
 from rigtri.recognition.name_readings import Reading
+from rigtri.recognition.naming_schemes import Scheme
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_analysis import Shape
 
@@ -128,8 +129,14 @@ class Draft:
         return 2 * len([hand for hand in hands if hand < 0.0]) > len(hands)
 
     def side_in_names(self, joints: Sequence[int]) -> Side:
-        """The side that names of joints say, "" where they say none or both."""
-        sides = {parse_name(self.tree.rig.names[joint]).side for joint in joints} - {""}
+        """The side that names of joints say, "" where they say none or both.
+
+        Words that the scheme of most names alone takes for sides count where no others are said.
+        """
+        names = self.tree.rig.names
+        sides = {parse_name(names[joint]).side for joint in joints} - {""}
+        if not sides and self.reading is not None and self.reading.scheme.own_sides:
+            sides = {_own_side(names[joint], self.reading.scheme) for joint in joints} - {""}
         return sides.pop() if len(sides) == 1 else ""
 
     def named_side(self, joints: Sequence[int], others: Sequence[int]) -> Side:
@@ -151,6 +158,15 @@ class Draft:
         self.up = up.unit
         self.facing = (ahead - self.up * ahead.dot(self.up)).unit
         self.left = self.up.cross(self.facing)
+
+
+def _own_side(name: str, scheme: Scheme) -> Side:
+    """The side for which a scheme alone takes a word of a name.
+
+    That may be a letter, which codes have, too: it counts in names of bones and of limbs.
+    """
+    parsed = scheme.read(parse_name(name))
+    return parsed.side if scheme.bone(parsed)[0] or limb_words(name).levels else ""
 
 
 def once(question: Callable[[Draft], A]) -> Callable[[Draft], A]:

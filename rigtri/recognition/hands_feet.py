@@ -371,7 +371,7 @@ def _hand_at(draft: Draft, node: int) -> _Hand | None:
     if len(named) < 3 and (_is_body_named(draft) or not _like_fingers(draft, node, chains)):
         return None
     why = NAMES if named else f"{len(chains)} short chains begin at it"
-    side = parse_name(tree.rig.names[node]).side
+    side = draft.side_in_names([node])
     return _Hand(node, side, chains, covered, len(named) >= 3, why)
 
 

@@ -338,6 +338,11 @@ DUTY = {
 }
 
 
+def in_duty(name: str) -> str:
+    word, _, side = name.partition(".")
+    return DUTY.get(word, name).format({"L": "le", "R": "ri"}.get(side, ""))
+
+
 @pytest.mark.parametrize("worn", ["Couter.{} Vambrace.{} Gauntlet.{}", "zolg.{} upperarm_mipe.{} Tekko.{}"])
 def test_names_of_call_of_duty_say_sides_and_which_arm_is_worn(worn: str) -> None:
     """Before, the armour was the arm at 0.93, or the arms were on the other side each at 0.93."""
@@ -347,17 +352,33 @@ def test_names_of_call_of_duty_say_sides_and_which_arm_is_worn(worn: str) -> Non
         x, y, z = at[bone]
         chain.append((name, chain[-1][0] if chain else "clavicle.L", (x + 0.01, y, z + 0.03)))
 
-    def called(name: str) -> str:
-        word, _, side = name.partition(".")
-        return DUTY.get(word, name).format({"L": "le", "R": "ri"}.get(side, ""))
-
-    rig = rig_with([(called(a), called(b) if b else "", place) for a, b, place in [*BONES, *both(chain)]])
+    rig = rig_with([(in_duty(a), in_duty(b) if b else "", place) for a, b, place in [*BONES, *both(chain)]])
     (man,) = recognise(rig).characters
     found = {limb.name: [rig.names[k] for k in limb.bend] for limb in man.limbs if limb.is_sure}
     assert found.keys() == LIMBS
     assert found["left arm"] == ["j_shoulder_le", "j_elbow_le", "j_wrist_le"]
     assert found["right leg"] == ["j_hip_ri", "j_knee_ri", "j_ankle_ri"]
     assert man.bones["leftToes"] == rig.names.index("j_ball_le")
+
+
+@pytest.mark.parametrize(
+    "lost", ["upper_arm hand shin", "forearm thigh foot", "upper_arm forearm thigh shin"]
+)
+def test_sides_of_call_of_duty_count_where_half_of_the_names_are_missing(lost: str) -> None:
+    """Before, where no limb had all three names, feet and knees told left: here they say the other way.
+
+    Joints without a name have codes, ``7le3``; a side in these is none.
+    """
+    missing, other = lost.split(), {"L": "R", "R": "L"}
+    names = [f"{name[:-1]}{other.get(name[-1], name[-1])}" if "." in name else name for name, _, _ in MAN]
+    names = [
+        f"{k}le{k}" if name.partition(".")[0] in missing else in_duty(name) for k, name in enumerate(names)
+    ]
+    rig = replace(rig_with(MAN), names=tuple(names))
+    layout = recognise(rig)
+    sides = {MAN[limb.bend[0]][0][-1]: limb.side for limb in layout.characters[0].limbs if limb.is_sure}
+    assert sides == {"L": "right", "R": "left"}
+    assert layout.remarks[0].startswith("what its names call left is on the right of where it faces")
 
 
 # Words of bones that no scheme has, and sides that none reads.
