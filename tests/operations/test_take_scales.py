@@ -116,3 +116,12 @@ def test_scales_that_a_sparse_writer_leaves_out_are_the_rigs_and_those_that_it_w
     (track,) = (t for t in found.clips[0].tracks if t.path == "scale")
     there = track.values[np.isin(track.times, times), 0]
     assert np.abs(there - np.array(scales))[taken].max(initial=0.0) <= 2.0**-11
+
+
+def test_scales_of_which_no_sample_is_written_are_the_rigs() -> None:
+    """Before, a file that nobody had edited gave all frames the scale of the first one."""
+    rig = keyed([1.0 + 0.0003 * frame for frame in range(25)], FRAMES)
+    still = keyed([1.0], FRAMES[:1])
+    assert take_clips(rig, options=TakeClipsOptions(from_=still), report=Report()) is rig
+    other = keyed([1.004], FRAMES[:1])
+    assert take_clips(rig, options=TakeClipsOptions(from_=other), report=Report()) is not rig

@@ -111,7 +111,7 @@ class Tolerances:
             return np.asarray(lost)
         now = np.abs(key_values(track)).max(axis=1, initial=0.0)
         lost = lost + _HALF * now
-        if own is not None and 1 < len(own.times) < len(self.transfer.frames):
+        if own is not None and len(own.times) < len(self.transfer.frames):
             # In the unit of their scales, which is not ours where a size stands between.
             sparse = _SPARSE_HALF * now.max() / max(float(np.abs(own.values).max()), _FLOAT)
             lost = lost + np.where(in_gaps | _repeats(own, track, self.transfer.frames[0]), sparse, 0.0)
