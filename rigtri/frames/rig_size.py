@@ -16,7 +16,7 @@ from rigtri.evaluation.skinning import deformed_parts
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.characters import characters
-from rigtri.model.mesh import Mesh
+from rigtri.model.mesh import Mesh, each_place
 from rigtri.model.rig import Rig
 
 # The share of its distance from the origin that a character is as large as at least: a chain of some ten
@@ -86,7 +86,7 @@ def _measured(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> float:
 def _box(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> tuple[Floats, Floats]:
     """The lows and highs, (3,), of the points of meshes; lows above highs where there are none."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for mesh in meshes:
+    for mesh in each_place(meshes):
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             (morph,) = morph_weights(mesh, None, np.zeros(1))
             for points in deformed_parts(mesh, rig, world, morph):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -118,6 +118,18 @@ class Mesh:
                 high[own, axis] = np.maximum(high[own, axis], np.maximum.reduceat(highs, starts))
         return low, high
 
+    @property
+    def moved_as(self) -> Hashable:
+        """What is the same of meshes that are in one place in all poses, as long as both are there.
+
+        Instances that a skin moves, wherever their nodes are: a reader gives them the same arrays. Morph
+        weights are of each node.
+        """
+        if self.skin is None or not self.joints.shape[1] or len(self.morphs):
+            return id(self)
+        arrays = self.points, self.joints, self.weights, self.bind, self.box
+        return (self.skin, self.dual_quaternion, self.raw_weights, *map(id, arrays))
+
     def fits(self, skins: Sequence[Skin]) -> bool:
         """Whether all joints that it names are joints of its skin."""
         if self.skin is None:
@@ -130,6 +142,14 @@ class Mesh:
     def surface_now(self) -> Surface | None:
         """Faces and normals; None when nobody can tell."""
         return None if self.surface is None else self.surface()
+
+
+def each_place(meshes: Iterable[Mesh]) -> list[Mesh]:
+    """The meshes without those that are wherever an earlier one of them is."""
+    found: dict[Hashable, Mesh] = {}
+    for mesh in meshes:
+        found.setdefault(mesh.moved_as, mesh)
+    return list(found.values())
 
 
 def _moved(joints: Integers, weights: Floats) -> tuple[Integers, Integers]:

@@ -18,6 +18,7 @@ from rigtri.maths.ranking import first_largest
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.characters import characters
+from rigtri.model.mesh import each_place
 from rigtri.model.metadata import TwistRecord
 from rigtri.operations.aim_targets import Aim
 from rigtri.operations.skin_cuts import (
@@ -177,7 +178,7 @@ class SkinSections:
         # By the joint that a mesh is, or is below.
         self._by_joint: dict[int, list[SkinnedMesh]] = {}
         joints = set(tree.joints)
-        for mesh in rig.meshes:
+        for mesh in each_place(rig.meshes):
             if mesh.skin is not None and mesh.joints.shape[1]:
                 self._by_skin.setdefault(mesh.skin, []).append(SkinnedMesh(rig, mesh))
             else:

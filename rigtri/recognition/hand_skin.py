@@ -12,7 +12,7 @@ from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import multiply, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, normalise, perpendicular
-from rigtri.model.mesh import Mesh
+from rigtri.model.mesh import Mesh, each_place
 from rigtri.model.rig import Rig
 
 # A hand is flat that is thinner than this part of its width. Of real hands with fingers the part is
@@ -53,7 +53,7 @@ def _is_flat(points: Floats, wide: Floats, thick: Floats) -> bool:
 def _moved(rig: Rig, joints: Sequence[int], world: Floats) -> Iterator[Floats]:
     """The points that joints move more than all others do, as they are in a pose, (v, 3) each."""
     try:
-        meshes = [mesh for mesh in rig.content.outlines if mesh.fits(rig.skins)]
+        meshes = [mesh for mesh in each_place(rig.content.outlines) if mesh.fits(rig.skins)]
     except FileError:
         return
     for mesh in meshes:

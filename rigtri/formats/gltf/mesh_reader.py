@@ -60,16 +60,21 @@ class MeshReader:
     def read(self, skins: Sequence[Skin], crowd: Crowd = "points") -> list[Mesh]:
         """One Mesh for each primitive of each node that shows a mesh.
 
-        crowd: what to read of `crowd`, all points or outlines.
+        crowd: what to read of `crowd`, all points or outlines. Instances have the same arrays.
         """
-        found = []
+        found, known = [], dict[tuple[object, ...], Mesh | None]()
         for node, primitives in self._shown:
             for number, primitive in enumerate(primitives):
+                boxed, raw = crowd != "points" and (node, number) in self.crowd, self._nodes[node]
+                same = id(primitive.raw), boxed, *(repr(raw.get(each)) for each in ("skin", "weights"))
                 try:
-                    if crowd != "points" and (node, number) in self.crowd:
+                    if (one := known.get(same)) is not None:
+                        mesh: Mesh | None = replace(one, **self._named(node, number))
+                    elif boxed:
                         mesh = self._outline(node, number, primitive, skins, stated=crowd == "stated")
                     else:
                         mesh = self._mesh(node, number, primitive, skins)
+                    known[same] = mesh
                 except FileError as error:
                     self._notice(f"{error}")
                 else:
@@ -167,17 +172,15 @@ class MeshReader:
 
     def weighted(self, number: int, count: int) -> Booleans:
         """Which of the ``count`` joints of skin ``number`` move any point; all where that is unknown."""
-        moves, known = np.zeros(count, dtype=bool), False
-        for node, primitives in self._shown:
-            if self._nodes[node].get("skin") != number:
-                continue
-            for primitive in primitives:
-                try:
-                    self._mark_moved(primitive, moves)
-                except FileError:
-                    return np.ones(count, dtype=bool)
-                known = True
-        return moves if known else np.ones(count, dtype=bool)
+        moves = np.zeros(count, dtype=bool)
+        shown = (primitives for node, primitives in self._shown if self._nodes[node].get("skin") == number)
+        bound = {id(primitive.raw): primitive for primitives in shown for primitive in primitives}
+        for primitive in bound.values():
+            try:
+                self._mark_moved(primitive, moves)
+            except FileError:
+                return np.ones(count, dtype=bool)
+        return moves if bound else np.ones(count, dtype=bool)
 
     def _mark_moved(self, primitive: Value, moves: Booleans) -> None:
         """Mark the joints that move a point, until all are marked."""
@@ -234,10 +237,8 @@ class MeshReader:
             if len(joints) != len(points):
                 primitive.fail(f"has {len(points)} positions and {len(joints)} sets of joints")
         morphs = self._morphs(primitive, points, some)
-        name = name_in(raw) or name_in(mesh) or f"#{node}"
         return Mesh(
-            name=f"{name}/{number}",
-            node=self._tree.place[node],
+            **self._named(node, number),
             points=points,
             skin=skin,
             joints=joints,
@@ -247,6 +248,12 @@ class MeshReader:
             morph_names=_target_names((mesh, primitive.raw), len(morphs)),
             surface=lambda: self._surface(primitive, len(points)),
         )
+
+    def _named(self, node: int, number: int) -> dict[str, Any]:
+        """What a primitive has for itself of what a node shows."""
+        raw = self._nodes[node]
+        name = name_in(raw) or name_in(self._meshes[int(raw["mesh"])]) or f"#{node}"
+        return {"name": f"{name}/{number}", "node": self._tree.place[node]}
 
     def _surface(self, primitive: Value, points: int) -> Surface | None:
         """Faces, normals and other values; None where they cannot be read."""

@@ -21,7 +21,7 @@ from rigtri.progress import counted
 from rigtri.verification.compare.correspondence import Correspondence
 from rigtri.verification.compare.deviation import Deviation
 from rigtri.verification.compare.probe_selection import box_corners, frames, origins
-from rigtri.verification.compare.probes import FramePoints, Probe, SampledPoses, mesh_points
+from rigtri.verification.compare.probes import FramePoints, Probe, SampledPoses, points_of
 from rigtri.verification.compare.unit_rotations import denormalisation
 from rigtri.verification.compare.verdict import Comparison, Motion
 
@@ -126,7 +126,7 @@ def _measured(
 ) -> Deviation:
     before, after = pair.before, pair.after
     mine = [mesh for mesh, _ in pair.meshes]
-    points = [mesh_points(before, after, *meshes) for meshes in pair.meshes]
+    points = points_of(before, after, pair.meshes)
     none = np.full(len(before.skins), -1), np.full(len(before.clips), -1)
     kinds = []
     for hidden in ([], list(pair.of_first)):

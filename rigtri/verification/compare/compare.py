@@ -30,7 +30,7 @@ from rigtri.verification.compare.probe_selection import (
     rigid_corners,
     skin_corners,
 )
-from rigtri.verification.compare.probes import Probe, mesh_points, mesh_title
+from rigtri.verification.compare.probes import Probe, mesh_title, points_of
 from rigtri.verification.compare.resting_children import left_their_rest
 from rigtri.verification.compare.scene_facts import (
     SceneFacts,
@@ -182,7 +182,7 @@ def _mesh_probes(
 ) -> tuple[list[Probe], list[str]]:
     """The vertices of the meshes of both, and the meshes that the second lacks."""
     pairs, lost = mesh_pairs(mine, m, meshes, others)
-    probes: list[Probe] = [mesh_points(mine, theirs, a, b) for a, b in pairs]
+    probes: list[Probe] = [*points_of(mine, theirs, pairs)]
     # Skins whose points nobody can read (Draco), by the places of their joints.
     read = {mesh.skin for mesh in meshes}
     hidden = [k not in read and (skin.drawn is True or not meshes) for k, skin in enumerate(mine.skins)]

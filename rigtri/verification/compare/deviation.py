@@ -175,7 +175,8 @@ def _live(probe: Probe, moved: Booleans, count: int, weighed: Collection[int]) -
         return np.ones(len(probe.titles), dtype=bool)
     (mine, theirs), (mesh, other) = probe.nodes, probe.meshes
     held = bool(moved[mine].any() or moved[theirs + count].any())
-    return np.array([held or mesh.node in weighed or other.node + count in weighed])
+    weighs = mesh.node in weighed or other.node + count in weighed
+    return np.full(len(probe.titles), held or weighs)
 
 
 def measure(

@@ -28,7 +28,7 @@ from rigtri.verification.compare.probe_selection import (
     origins,
     rotations,
 )
-from rigtri.verification.compare.probes import MeshPoints
+from rigtri.verification.compare.probes import MeshPoints, in_places
 from rigtri.verification.compare.verdict import Motion
 
 
@@ -80,13 +80,14 @@ def _changed_points(
     mine: Rig, theirs: Rig, m: Correspondence, pairs: Sequence[tuple[Mesh, Mesh]]
 ) -> Iterator[MeshPoints]:
     """The points of meshes that other joints, weights or morphs move now, or that are others themselves."""
-    for mesh, other in pairs:
+    for (mesh, other), others in in_places(mine, pairs):
         rows = _changed(mine, theirs, m, mesh, other)
         morphs = len(mesh.morphs) and mesh.morphs.shape == other.morphs.shape
         if morphs and _morphs_otherwise(mine, theirs, m, mesh, other):
             rows = rows | (mesh.morphs != 0).any(axis=(0, 2))
         if rows.any():
-            yield MeshPoints((mine, theirs), (some_points(mesh, rows), some_points(other, rows)))
+            some = some_points(mesh, rows), some_points(other, rows)
+            yield MeshPoints((mine, theirs), some, instances=others)
 
 
 def _changed(mine: Rig, theirs: Rig, m: Correspondence, mesh: Mesh, other: Mesh) -> Booleans:

@@ -18,7 +18,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, other_rows
 from rigtri.model.bounding_boxes import box_of_joints, boxes, corners, extent
-from rigtri.model.mesh import Mesh
+from rigtri.model.mesh import Mesh, each_place
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.verification.compare.correspondence import (
@@ -111,7 +111,7 @@ def skin_corners(
         if not differ.any():
             continue
         owner = mine.name or f"skin #{number}"
-        own, bound = np.isin(mine.joints, loose), [x for x in meshes if x.skin == number]
+        own, bound = np.isin(mine.joints, loose), each_place(x for x in meshes if x.skin == number)
         there = theirs.inverse_bind[:count]
         if not bound:
             there = _between_skins(before, after, mine, replace(theirs, joints=joints, inverse_bind=there))
@@ -286,7 +286,7 @@ def _drawn(rig: Rig, meshes: Sequence[Mesh]) -> Booleans:
     for number, skin in enumerate(rig.skins):
         if number not in read:  # all of its joints are watched
             found[skin.joints] = True
-    for mesh in meshes:
+    for mesh in each_place(meshes):
         if mesh.skin is None or not mesh.joints.shape[1]:
             found[mesh.node] = True
         else:

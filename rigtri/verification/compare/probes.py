@@ -6,8 +6,8 @@ in the other: rows at times. Verification only, so matrix products are BLAS's.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -165,22 +165,30 @@ def _broken(world: Floats, nodes: Integers, points: Floats) -> Booleans:
 
 @dataclass(frozen=True, eq=False)
 class MeshPoints:
-    """All points of one mesh in both rigs, moved by the plain evaluation of `rigtri.evaluation.sampling`."""
+    """All points of one mesh in both rigs, moved by the plain evaluation of `rigtri.evaluation.sampling`.
+
+    instances: the titles of others that are in its place in both, a row each.
+    """
 
     rigs: tuple[Rig, Rig]
     meshes: tuple[Mesh, Mesh]
+    instances: tuple[str, ...] = field(default=(), kw_only=True)
 
     @property
     def titles(self) -> Sequence[str]:
-        return [f"mesh {mesh_title(self.rigs[0], self.meshes[0])}"]
+        return [f"mesh {owner}" for owner in self.owners]
 
     @property
     def owners(self) -> Sequence[str]:
-        return [mesh_title(self.rigs[0], self.meshes[0])]
+        return [mesh_title(self.rigs[0], self.meshes[0]), *self.instances]
 
     @property
     def placed(self) -> Integers:
-        return np.array([placing_node(self.rigs[0], self.meshes[0])])
+        return np.full(1 + len(self.instances), placing_node(self.rigs[0], self.meshes[0]))
+
+    def _rows(self, distances: Floats) -> Floats:
+        """Distances, (f,), as those of the mesh and all its instances, (r, f)."""
+        return np.broadcast_to(distances, (1 + len(self.instances), len(distances)))
 
     @cached_property
     def nodes(self) -> tuple[Integers, Integers]:
@@ -202,7 +210,7 @@ class MeshPoints:
             distance = np.where(here & there, length(mine - theirs), 0.0)
         distance = np.where(here == there, distance, np.inf)
         seen = np.any(here | there, axis=1) | (not here.shape[1])
-        return np.where(seen, distance.max(axis=1, initial=0.0), np.nan).reshape(1, -1)
+        return self._rows(np.where(seen, distance.max(axis=1, initial=0.0), np.nan))
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,11 +234,29 @@ class LinearMeshPoints(MeshPoints):
             moved = weighted @ apart[columns].swapaxes(2, 3).reshape(len(columns) * 4, times * 3)
             moved = moved.reshape(-1, times, 3)
             square = np.maximum(square, np.einsum("vfi,vfi->vf", moved, moved).max(axis=0, initial=0.0))
-        return np.sqrt(square).reshape(1, -1)
+        return self._rows(np.sqrt(square))
 
     def _morphs(self, poses: SampledPoses) -> bool:
         sides = zip(self.meshes, poses.clips, strict=True)
         return any(sampling.morph_weights(m, clip, poses.times).any() for m, clip in sides)
+
+
+def points_of(before: Rig, after: Rig, pairs: Iterable[tuple[Mesh, Mesh]]) -> list[MeshPoints]:
+    """`mesh_points` of pairs of meshes; of instances that are in one place in both, once."""
+    return [
+        replace(mesh_points(before, after, *pair), instances=others)
+        for pair, others in in_places(before, pairs)
+    ]
+
+
+def in_places(
+    before: Rig, pairs: Iterable[tuple[Mesh, Mesh]]
+) -> list[tuple[tuple[Mesh, Mesh], tuple[str, ...]]]:
+    """Pairs of meshes, of instances in one place in both the first, each with the titles of the others."""
+    places: dict[Hashable, list[tuple[Mesh, Mesh]]] = {}
+    for mine, theirs in pairs:
+        places.setdefault((mine.moved_as, theirs.moved_as), []).append((mine, theirs))
+    return [(pairs[0], tuple(mesh_title(before, a) for a, _ in pairs[1:])) for pairs in places.values()]
 
 
 def mesh_points(before: Rig, after: Rig, mine: Mesh, theirs: Mesh) -> MeshPoints:
