@@ -236,12 +236,12 @@ def _warn_misplaced(rig: Rig, report: Report) -> None:
             report.warn("sides", f"{text}: clips of others move the limbs of the other side")
         for found, what, follows in (
             (
-                misplaced(rig, body),
+                misplaced(rig, body.bones),
                 "Not below the joints that a standard skeleton has above them",
                 "Clips of others do not fit these",
             ),
             (
-                below_others(rig, body),
+                below_others(rig, body.bones),
                 "Below joints that a standard skeleton does not have above them",
                 "In an engine clips of others turn these along",
             ),

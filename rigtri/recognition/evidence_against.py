@@ -41,6 +41,7 @@ from rigtri.recognition.inanimate import (
 )
 from rigtri.recognition.limb_ends import HAND
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
+from rigtri.recognition.map_doubts import denied_by_map
 from rigtri.recognition.name_parsing import numbers_in, parse_name
 from rigtri.recognition.name_readings import follows_in_line
 from rigtri.recognition.names_of_several import named_twice, one_of_several
@@ -82,7 +83,7 @@ _ALL_LIMBS = 4
 def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
     """The limbs, those that evidence contradicts less than sure; a remark says each contradiction."""
     if draft.certain:
-        return list(found)
+        return [unsure(draft, each, why) if (why := denied_by_map(draft, each)) else each for each in found]
     against = [_contradiction(draft, each, found) for each in found]
     doubts = {id(each): why for each, why in zip(found, against, strict=True)}
     denied, weighed = denied_directions(draft, found), []
@@ -179,8 +180,7 @@ def _beyond_the_known(draft: Draft, each: Found, found: Sequence[Found]) -> str:
 def _other_side(draft: Draft, each: Found) -> str:
     """A name that says another side than the limb has."""
     for node in each.joints:
-        which = parse_name(draft.tree.rig.names[node]).side
-        if which and which != each.side:
+        if (which := parse_name(draft.tree.rig.names[node]).side) and which != each.side:
             return f"the name of {_title(draft, node)} says {which}"
     return ""
 

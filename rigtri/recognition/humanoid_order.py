@@ -5,10 +5,10 @@ Source: VRMC_vrm 1.0, humanoid.md (parent-child relationships of humanoid bones)
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from rigtri.model.rig import Rig
-from rigtri.recognition.layout import FINGERS, PHALANGES, Character
+from rigtri.recognition.layout import FINGERS, PHALANGES
 
 _TRUNK = {
     "hips": "",
@@ -50,26 +50,32 @@ ABOVE: Mapping[str, str] = _above(("Metacarpal", "Proximal", "Distal"))
 ABOVE_0: Mapping[str, str] = _above(PHALANGES)
 
 
-def misplaced(rig: Rig, character: Character) -> Iterator[tuple[int, int]]:
-    """The joints of bones that are not below the joint of the bone above them, with that joint."""
-    bones = character.bones
+def misplaced(rig: Rig, bones: Mapping[str, int]) -> Iterator[tuple[int, int]]:
+    """The joints of bones that are not below the joint of the bone above them, with that joint.
+
+    bones: joints by bone.
+    """
     for bone, node in bones.items():
-        parent = next((each for each in _all_above(bone) if each in bones), "")
+        parent = next((each for each in _all_above(bone, bones) if each in bones), "")
         if parent and bones[parent] not in rig.path_to_root(node):
             yield node, bones[parent]
 
 
-def below_others(rig: Rig, character: Character) -> Iterator[tuple[int, int]]:
-    """The joints of bones right below one that is none of those above them in a humanoid, with that joint."""
-    bone_of = {node: bone for bone, node in character.bones.items()}
-    for bone, node in character.bones.items():
+def below_others(rig: Rig, bones: Mapping[str, int]) -> Iterator[tuple[int, int]]:
+    """The joints of bones right below one that is none of those above them in a humanoid, with that joint.
+
+    bones: joints by bone.
+    """
+    bone_of = {node: bone for bone, node in bones.items()}
+    for bone, node in bones.items():
         above = next((each for each in rig.path_to_root(node)[1:] if each in bone_of), -1)
-        allowed = {*_all_above(bone)}
+        allowed = {*_all_above(bone, bones)}
         if above >= 0 and allowed and bone_of[above] not in allowed:
             yield node, above
 
 
-def _all_above(bone: str) -> Iterator[str]:
-    """The bones above one, the nearest first."""
-    while bone := ABOVE.get(bone, ""):
+def _all_above(bone: str, bones: Collection[str]) -> Iterator[str]:
+    """The bones above one, the nearest first; a thumb has the segments of VRM 0 where these bones do."""
+    above = ABOVE_0 if "leftThumbIntermediate" in bones or "rightThumbIntermediate" in bones else ABOVE
+    while bone := above.get(bone, ""):
         yield bone

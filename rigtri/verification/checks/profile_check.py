@@ -263,9 +263,9 @@ def _placed(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, i
     if usual is not None and any(body.facing) and dot(np.array(body.facing), np.array(usual)) < _AHEAD:
         faces, ahead = direction_text(body.facing), direction_text(usual)
         yield "facing", body.root, f"it faces {faces}, and {engine.title} takes {ahead} for ahead"
-    for node, above in misplaced(rig, body):
+    for node, above in misplaced(rig, body.bones):
         yield "hierarchy", node, f"it is not below {rig.title(above)}"
-    for node, above in below_others(rig, body):
+    for node, above in below_others(rig, body.bones):
         yield "hierarchy", node, f"it is below {rig.title(above)}, which turns it along in clips of others"
 
 
