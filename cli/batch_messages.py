@@ -33,6 +33,9 @@ def print_selection(
     if found.left_out:
         text = f"{counted(found.left_out, 'file')} in {values['out_dir']} skipped: outputs are not inputs"
         click.echo(plain(text, one_line=True), err=True)
+    if found.strange:
+        text = f"{counted(found.strange, 'file')} that patterns match left out: no glTF, VRM or USD by name"
+        click.echo(plain(text, one_line=True), err=True)
     if shard is not None:
         whose = "" if values["shard"] else " (of the SLURM array; --shard 1/1 does all)"
         click.echo(f"part {shard}{whose}: {len(chosen)} of {counted(len(found.entries), 'file')}", err=True)

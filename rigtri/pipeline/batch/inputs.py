@@ -14,6 +14,7 @@ from pathlib import Path
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.relative_path import relative_path
 from rigtri.files.text_files import stdin_text, text_of
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
 from rigtri.pipeline.batch import job_files, urls
 from rigtri.pipeline.batch.job_files import Fits, Input
 from rigtri.text import display_name
@@ -41,10 +42,12 @@ class Entry:
 
 @dataclass(frozen=True)
 class Found:
-    """The entries of a batch, each once, sorted by their source; and inputs left out as outputs."""
+    """The entries of a batch, each once, sorted by their source; how many files that a pattern matches are
+    left out as outputs, and how many because they are no rig files."""
 
     entries: tuple[Entry, ...]
     left_out: int
+    strange: int = 0
 
 
 def entries(
@@ -70,7 +73,9 @@ def entries(
     UsageError for a word that names nothing, FileError for lists that cannot be read; all at once.
     """
     faults: list[RigtriError] = []
-    inputs, left_out = _without_outputs(_named(words, faults), out_dir)
+    every, left_out = _without_outputs(_named(words, faults), out_dir)
+    inputs = _without_companions(every)
+    strange = len(every) - len(inputs)
     if job is not None:
         with _kept(faults):
             inputs += _of_job(job, faults, fits)
@@ -85,7 +90,8 @@ def entries(
     placed = (_entry(item, out_dir, layers, suffix) for item in inputs)
     for entry in placed:  # a file may be spelled in two ways
         each.setdefault((located(entry.source), located(entry.target), entry.variables), entry)
-    return Found(tuple(sorted(each.values(), key=lambda entry: (entry.source, entry.target))), left_out)
+    done = tuple(sorted(each.values(), key=lambda entry: (entry.source, entry.target)))
+    return Found(done, left_out, strange)
 
 
 def at_line(line: str, what: str) -> str:
@@ -248,6 +254,17 @@ def _shared(names: Sequence[str]) -> str:
         return os.path.commonpath([os.path.dirname(os.path.abspath(name)) for name in names])
     except ValueError:  # drives of Windows
         raise UsageError("the files lie on several drives; give each drive a batch of its own") from None
+
+
+def _without_companions(named: list[Input]) -> list[Input]:
+    """The inputs without what patterns match beside rig files, such as their buffers and images.
+
+    Where they match nothing else, all stay, and are refused by name.
+    """
+    is_rig = [item.source.lower().endswith(GLTF_SUFFIXES + USD_SUFFIXES) for item in named]
+    if not any(item.found and rig for item, rig in zip(named, is_rig, strict=True)):
+        return named
+    return [item for item, rig in zip(named, is_rig, strict=True) if rig or not item.found]
 
 
 def _without_outputs(named: list[Input], out_dir: Path | str | None) -> tuple[list[Input], int]:

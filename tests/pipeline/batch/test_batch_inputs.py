@@ -128,6 +128,17 @@ def test_outputs_of_an_earlier_run_are_no_inputs_of_a_pattern(tree: Path) -> Non
         entries(["in/out/**/*.glb"], out_dir=out)
 
 
+def test_what_a_pattern_matches_beside_rig_files_is_left_out_and_what_is_named_is_refused(tree: Path) -> None:
+    """Before, one buffer or image beside a .gltf stopped the whole batch."""
+    Path("in/a.bin").touch()
+    found = entries(["in/**/*.*"], out_dir="out")
+    assert "in/a.bin" not in {entry.source for entry in found.entries}
+    assert {"in/a.glb", "in/sub/a.glb"} <= {entry.source for entry in found.entries}
+    assert found.strange >= 1
+    for words in (["in/*.bin"], ["in/*.glb", "in/a.bin"]):
+        assert "in/a.bin" in {entry.source for entry in entries(words, out_dir="out").entries}
+
+
 def test_a_job_file_reports_more_for_each_file(tree: Path) -> None:
     job = Path("in/job.jsonl")
     lines = [
