@@ -8,7 +8,7 @@ Source: "Matrix parent constraint" (twist distribution, announced).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -82,9 +82,13 @@ def twist_joints(rig: Rig) -> list[TwistJoint]:
     return [twist_of(rig, node, record) for node, record in sorted(rig.records(TwistRecord).items())]
 
 
-def untwisted(rig: Rig) -> Rig:
-    """The rig with its twist joints as they stand without twist, where their rest pose has some."""
-    stood = {n: r.standing for n, r in rig.records(TwistRecord).items() if r.standing is not None}
+def untwisted(rig: Rig, among: Collection[int] | None = None) -> Rig:
+    """The rig with its twist joints as they stand without twist, where their rest pose has some.
+
+    among: nodes of which twist joints are meant; None for all.
+    """
+    twists = {n: r for n, r in rig.records(TwistRecord).items() if among is None or n in among}
+    stood = {n: r.standing for n, r in twists.items() if r.standing is not None}
     if not stood:
         return rig
     nodes, turns = list(stood), np.array([*stood.values()])

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import UsageError
+from rigtri.evaluation.twist_joints import untwisted
 from rigtri.maths.arrays import Booleans
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
@@ -23,6 +24,7 @@ def without_nodes(rig: Rig, gone: Collection[int], folds: Sequence[JointMerge]) 
     skin wait to be shared with twist joints, which that counts by its rows.
     """
     gone = frozenset(gone)
+    rig = untwisted(rig, gone)  # the result is compared with them so, and what is known of twist goes
     sharing = {each.skin for each in rig.pending.weight_redistributions}
     if any(fold.skin in sharing for fold in folds):
         raise UsageError(

@@ -76,10 +76,10 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     folds = _folds(rig, gone)
     bare = replace(
         rig,
-        metadata=metadata,
+        metadata={node: stored for node, stored in rig.metadata.items() if node in stay | gone},
         node_constraints=_others(rig),
         # Each redistribution is among joints of ours.
-        pending=replace(rig.pending, weight_redistributions=(), joint_merges=(), restored=restored),
+        pending=replace(rig.pending, weight_redistributions=(), restored=restored),
     )
     return without_nodes(bare, gone, folds)
 

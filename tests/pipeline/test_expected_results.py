@@ -259,3 +259,45 @@ def test_joints_go_and_scales_above_the_others_are_frozen_in_one_edit(
     assert verify(read(out), read(one)).deviation < 1e-7
     with pytest.raises(DeviationError):  # what merge-joints alone does not allow
         edit.edit(source, one, in_turn(*steps), tolerance=0.005, overwrite=True)
+
+
+def stripped(rig: Rig, report: Report) -> Rig:
+    return rigtri.strip(rig, report=report)
+
+
+def rested(rig: Rig, report: Report) -> Rig:
+    return rigtri.set_rest(rig, pose="walk@0.5", report=report)
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize(
+    "steps",
+    [(rested, stripped), (stripped, rested, oriented), (without_fingers, stripped)],
+)
+def test_twist_joints_with_weights_go_and_others_rest_otherwise_or_merge_in_one_edit(
+    steps: tuple[edit.Step, ...], suffix: str, tmp_path: Path
+) -> None:
+    """Before, they were expected to rest with the twist of the new pose, or merges were forgotten."""
+    twisted, out, one = (tmp_path / f"{name}{suffix}" for name in ("twisted", "out", "one"))
+    rig = rigtri.add_twist(rigtri.read(SAMPLES / f"biped{suffix}"), limbs="auto", split_weights=True)
+    # A rest pose in which they have some twist already, beside that which is theirs.
+    rigtri.write(rigtri.set_rest(rig, pose="walk@0.2"), twisted, verify=False)
+    here = twisted
+    for number, step in enumerate(steps):
+        out = tmp_path / f"{number}{suffix}"
+        edit.edit(here, out, step, tolerance=0.02)
+        here = out
+    edit.edit(twisted, one, in_turn(*steps), tolerance=0.02)
+    assert verify(read(out), read(one)).deviation < 1e-7
+
+
+def test_what_a_merge_moves_is_measured_beside_twist_joints_that_go(tmp_path: Path) -> None:
+    twisted, out = tmp_path / "twisted.glb", tmp_path / "out.glb"
+    rigtri.write(
+        rigtri.add_twist(rigtri.read(SAMPLES / "biped.glb"), limbs="auto", split_weights=True),
+        twisted,
+        verify=False,
+    )
+    with pytest.raises(DeviationError):
+        edit.edit(twisted, out, in_turn(without_fingers, rested, stripped), tolerance=0.005)

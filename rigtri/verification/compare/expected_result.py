@@ -171,12 +171,13 @@ def declared_differences(
     result = replace(result, motion=motion)
     if not (expected.reposed and expected.keeps_clips):
         return result
-    if expected.rig.pending.weight_redistributions:
+    shared = bool(expected.rig.pending.weight_redistributions)
+    if shared or expected._takes_twist:
         from rigtri.verification.compare.without_twist import without_twist
 
-        motion = apart(without_twist(before), without_twist(after), other_points=False)
-    elif expected.morph_changes:
-        motion = apart(before, after, other_points=False)
+        before, after = without_twist(before), without_twist(after)
+    if shared or expected._takes_twist or expected.morph_changes:
+        motion = apart(before, after, other_points=not (shared or expected.morph_changes))
     # What a USD animation holds without time is no motion, but what is seen at rest.
     moved = [
         f"clip '{name}' moves otherwise by up to {far:.2g}"
@@ -280,8 +281,14 @@ def _as_edited(source: Source, rig: Rig, keeps_clips: bool) -> Source:
         clips.append(replace(clip, tracks=tuple(tracks)))
     resting = rig.pending.morph_weights.items()
     weights = {place[key]: one for node, one in resting if (key := rig.keys[node]) in place}
+    # Twist joints that go stand without twist in `rig`, in its frames.
+    twists = {k: before.metadata[k] for k in before.nodes_of("twist") if at[k] in rig.pending.removed}
+    standing = {
+        k: {key: value for key, value in each.items() if key != "standing"} for k, each in twists.items()
+    }
     moved = replace(
         before,
+        metadata={**before.metadata, **standing},
         clips=tuple(clips),
         skins=tuple(_bound_as_edited(skin, at, rig) for skin in before.skins),
         pending=replace(before.pending, morph_weights=weights, bind_sizes=rig.pending.bind_sizes),
