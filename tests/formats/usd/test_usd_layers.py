@@ -188,6 +188,30 @@ def test_clips_that_no_samples_can_represent_are_refused_with_layer_and_path(tmp
         read(source)
 
 
+TWO = EXPLICIT + "double2[] active = [(0, 0), (4, 1)]\ndouble2[] times = [(0, 0), (4, 4), (4, 0), (8, 4)]"
+
+
+@pytest.mark.parametrize("lost", ["part.001.usda", "part.002.usda"])
+def test_a_missing_value_clip_is_an_error_where_the_animation_needs_it(lost: str, tmp_path: Path) -> None:
+    """Before, nothing was said, and what the output holds hid the clip when it was there again."""
+    source = clipped(tmp_path, LONG, TWO)
+    (tmp_path / "clips" / lost).unlink()
+    with pytest.raises(FileError, match=rf"{lost}: no such file, .*</Root/Anim.rotations> needs it"):
+        read(source)
+    (notice,) = read(source, allow_missing=True).warnings
+    assert notice.code == "unresolved"
+    assert notice.text == f"1 value clip that this one plays was not found: ./clips/{lost}"
+
+
+@pytest.mark.parametrize("how", ["stronger", "unplayed"])
+def test_a_missing_value_clip_that_moves_nothing_is_no_error(how: str, tmp_path: Path) -> None:
+    body = f"quatf[] rotations = {THIRD}" if how == "stronger" else ""
+    clips = TWO if how == "stronger" else EXPLICIT + "double2[] active = [(0, 0)]"
+    source = clipped(tmp_path, LONG, clips, body=body)
+    (tmp_path / "clips" / "part.002.usda").unlink()
+    assert [notice.code for notice in read(source).warnings] == ["unresolved"] * (how == "stronger")
+
+
 def test_opinions_of_relocated_inherited_and_specialized_prims_are_overridden(tmp_path: Path) -> None:
     save(tmp_path, scene(skeleton(), animation(), MESH), "hero.usda")
     text = """#usda 1.0

@@ -75,6 +75,21 @@ def test_a_crate_that_is_cut_off_is_refused_with_the_reason_of_usd(
 
 
 @pytest.mark.parametrize("arc", ARCS)
+@pytest.mark.parametrize("content", ["", "version https://git-lfs.github.com/spec/v1\n"])
+def test_a_usd_layer_without_content_of_usd_is_an_error_as_others_are(
+    arc: str, content: str, tmp_path: Path
+) -> None:
+    """Before, only those called .usda and .usdc were; a .usd was "not found"."""
+    save(tmp_path, WHOLE, "whole.usda")
+    save(tmp_path, content, "part.usd")
+    shot = save(tmp_path, ARCS[arc].replace("part.usda", "part.usd"), "shot.usda")
+    with pytest.raises(FileError, match=r"part\.usd: USD cannot read this layer, .* neither as a crate"):
+        read(shot)
+    (notice,) = read(shot, allow_missing=True).warnings
+    assert notice.code == "unread-layer"
+
+
+@pytest.mark.parametrize("arc", ARCS)
 def test_a_layer_that_is_not_there_is_a_warning(arc: str, tmp_path: Path) -> None:
     save(tmp_path, WHOLE, "whole.usda")
     (notice,) = read(save(tmp_path, ARCS[arc], "shot.usda")).warnings

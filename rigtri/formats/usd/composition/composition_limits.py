@@ -38,17 +38,19 @@ Kind = frozenset[tuple[Site, int]]
 _RANGE = ("templateStartTime", "templateEndTime", "templateStride")
 
 
-def check(path: Path, layers: Sequence[Any]) -> None:
-    """FileError where a file would have more prims or clips than anyone can read.
+def check(path: Path, layers: Sequence[Any]) -> bool:
+    """FileError where a file would have more prims or clips than anyone can read; whether it has any clips.
 
     layers: all that are composed of it, open; the first is its own.
     """
-    if layers:
-        _check_clips(path, layers)
-        _Count(path, layers[0]).check()
+    if not layers:
+        return False
+    has_clips = _check_clips(path, layers)
+    _Count(path, layers[0]).check()
+    return has_clips
 
 
-def _check_clips(path: Path, layers: Sequence[Any]) -> None:
+def _check_clips(path: Path, layers: Sequence[Any]) -> bool:
     """The same for value clips; a template that one layer has in part may be completed by any other."""
     ranges: list[dict[str, float]] = []
 
@@ -73,6 +75,7 @@ def _check_clips(path: Path, layers: Sequence[Any]) -> None:
                 f"{path}: the template of its value clips names files from {first:g} to {last:g} in steps of "
                 f"{step:g}, more than {MOST_CLIPS}. Correct {', '.join(_RANGE)}"
             )
+    return bool(ranges)
 
 
 @dataclass

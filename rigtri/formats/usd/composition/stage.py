@@ -23,7 +23,13 @@ from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 from rigtri.errors import FileError
 from rigtri.files.text_files import check_utf8_path
 from rigtri.formats.usd import codeless_schemas
-from rigtri.formats.usd.composition import composition_limits, external_paths, layer_content, layers
+from rigtri.formats.usd.composition import (
+    composition_limits,
+    external_paths,
+    layer_content,
+    layers,
+    missing_clips,
+)
 from rigtri.formats.usd.composition.shared_instances import is_own_class
 from rigtri.formats.usd.composition.value_types import demand
 from rigtri.formats.usd.composition.variable_expressions import variables_of
@@ -43,6 +49,7 @@ MARK = "rigtri"
 # How OpenUSD 24 to 26 reports a layer that it leaves out, its reason behind `--` where there is a file, and
 # an arc to a prim that is not there.
 _LAYER = re.compile(r"(?:In <[^>]*>: )?Could not (?:load sublayer|open asset) @(.*?)@ ")
+_NO_LAYER = "it begins neither as a crate nor as text of USD does"
 _PRIM = re.compile(r"In <[^>]*>: Unresolved \w+ prim path @(.*?)@<(.*?)>")
 # A cycle of arcs or of sublayers, and a time offset that is none; the layer of the session is of no interest.
 _BROKEN = re.compile(r"(?:In <[^>]*>: )?(Cycle detected|Sublayer hierarchy .* has cycles|Invalid .*offset )")
@@ -130,7 +137,7 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
         layer_content.check(str(path))
         held = [layers.fresh(path)]  # first: what is looked at before is read again
         checked = external_paths.check(path, allow_external=allow_external, allow_missing=allow_missing)
-        composition_limits.check(path, checked)
+        has_clips = composition_limits.check(path, checked)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
         del held, checked  # they had to stay open until the stage has them
     if not stage:
@@ -142,7 +149,11 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
                 external_paths.check_outside(layer.realPath, path, name, allow_external=allow_external)
             _refuse_nan_times(layer)
             _check_numbers(layer, _CLOCK if layer != stage.GetRootLayer() else (*_CLOCK, *_OF_STAGE))
-    return stage, _lacking(texts, path.parent, allow_missing=allow_missing)
+        lacking = _lacking(texts, path.parent, allow_missing=allow_missing)
+        return stage, [
+            *lacking,
+            *missing_clips.check(stage, allow_missing=allow_missing),
+        ] if has_clips else lacking
 
 
 def _refuse_nan_times(layer: Any) -> None:
@@ -278,6 +289,8 @@ def _lacking(texts: list[str], folder: Path, *, allow_missing: bool) -> list[Not
     for text in texts:
         if layer := _LAYER.match(text):
             name, why = _seen_from(folder, layer[1]), _TRAILING.sub("", text.partition(" -- ")[2])
+            if not why and Path(layer[1]).is_file():
+                why = _NO_LAYER
             unread.add((name, _shortened(" ".join(why.split())))) if why else missing.add(name)
         elif prim := _PRIM.match(text):
             prims.add(f"<{prim[2]}> of {_seen_from(folder, prim[1])}")
