@@ -572,6 +572,22 @@ def test_joints_are_renamed_in_the_influences_of_every_variant(tmp_path: Path) -
         assert "and other variant sets bind </Root/Skin> each by other joints" in printed
 
 
+@pytest.mark.parametrize("order", ["", 'uniform token[] skel:joints = ["a/b", "a", "a/b/c"]'])
+def test_joints_are_renamed_below_hats_that_no_agent_of_a_crowd_wears(order: str, tmp_path: Path) -> None:
+    hat = MESH.replace('"Skin"', '"Hat"').replace("rel skel:skeleton", f"{order}\nrel skel:skeleton")
+    hats = variant_set("hat", none="", hat=hat)
+    save(tmp_path, choosing(scene(skeleton(), animation(), MESH, hats), hat="none"), "parts/hero.usda")
+    agents = [instance(name).replace("instanceable = true", "") for name in ("One", "Two")]
+    source = save(tmp_path, shot(*agents), "crowd.usda")
+    out = tmp_path / "out.usda"
+    names = [f"/World/{agent}/Skel:a/b=knee" for agent in ("One", "Two")]
+    cli("rename-joints", source, "-o", out, *(word for name in names for word in ("--name", name)), code=0)
+    for agent, worn in product(("One", "Two"), ("none", "hat")):
+        assert apart(source, out, {"hat": worn}, f"/World/{agent}") < 1e-6
+        hat_of = selecting(out, f"/World/{agent}", {"hat": worn}).GetPrimAtPath(f"/World/{agent}/Hat")
+        assert bool(hat_of) == (worn == "hat")
+
+
 def test_a_root_is_added_above_joints_of_animations_that_other_variants_bind(tmp_path: Path) -> None:
     source, out = save(tmp_path, choosing(SCENES["binding"], clip="a")), tmp_path / "out.usda"
     cli("add-root", source, "-o", out, "--above", "a", code=0)

@@ -118,16 +118,17 @@ def _differs(orders: Mapping[tuple[Any, ...], _Order], chosen: tuple[Any, ...]) 
 
 def _order_edits(stage: Any, orders: Mapping[tuple[Any, ...], _Order]) -> Iterator[Edit]:
     """What writes the orders of one prim, where one variant set decides them in each of its variants."""
+    if not any(order.changed for order in orders.values()):
+        return
     base = orders.get(())
-    place = base.place if base else None
-    own = [chosen for chosen, order in orders.items() if order.place != place]
+    own = _deciding(orders)
     if not own:
         if base and base.changed:
             refuse(base.locked)
             yield from base.edits(base.prim)
         return
     sets = {chosen[0][0] for chosen in own}
-    inner = [c for c in own if c[1:] and (c[:-1] not in orders or orders[c[:-1]].place != orders[c].place)]
+    inner = [chosen for chosen in own if chosen[1:]]
     if len(sets) > 1 or inner:
         title = in_words(dict((inner or own)[0]), begin=True)
         raise FileError(
@@ -142,6 +143,14 @@ def _order_edits(stage: Any, orders: Mapping[tuple[Any, ...], _Order]) -> Iterat
             variants = SkeletonVariants(stage, str(order.prim), "", explore=False)
             state = VariantState(dict(chosen), {(above, name): variant}, {})
             yield from order.edits(inside_variants(order.prim, {(above, name)}, state, variants))
+
+
+def _deciding(orders: Mapping[tuple[Any, ...], _Order]) -> list[tuple[Any, ...]]:
+    """The choices of variants that bring an order of their own: what is chosen beside them changes none."""
+    base = orders.get(())
+    place = base.place if base else None
+    own = {chosen: order.place for chosen, order in orders.items() if order.place != place}
+    return [c for c in own if not any(set(less) < set(c) and own[less] == own[c] for less in own)]
 
 
 def _author(prim: Any) -> Any:
