@@ -584,8 +584,8 @@ def test_joints_are_renamed_below_hats_that_no_agent_of_a_crowd_wears(order: str
     cli("rename-joints", source, "-o", out, *(word for name in names for word in ("--name", name)), code=0)
     for agent, worn in product(("One", "Two"), ("none", "hat")):
         assert apart(source, out, {"hat": worn}, f"/World/{agent}") < 1e-6
-        hat_of = selecting(out, f"/World/{agent}", {"hat": worn}).GetPrimAtPath(f"/World/{agent}/Hat")
-        assert bool(hat_of) == (worn == "hat")
+        stage = selecting(out, f"/World/{agent}", {"hat": worn})
+        assert bool(stage.GetPrimAtPath(f"/World/{agent}/Hat")) == (worn == "hat")
 
 
 def test_a_root_is_added_above_joints_of_animations_that_other_variants_bind(tmp_path: Path) -> None:
