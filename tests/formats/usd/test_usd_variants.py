@@ -152,6 +152,18 @@ def test_an_animation_of_another_variant_whose_joints_no_skeleton_has_is_told(tm
     assert "left as they were" in loose(source)
 
 
+def test_clips_that_a_variant_binds_are_edited_without_a_word_of_being_left(tmp_path: Path) -> None:
+    strange = animation("Other").replace('"a/b"', '"x/y"')
+    blocks = (skeleton(source=""), animation(), animation("Run", rotations=RUN), strange, MESH)
+    source = save(tmp_path, choosing(scene(*blocks, variant_set("clip", **BINDINGS)), clip="a"))
+    assert "No skeleton uses </Root/Other> in the selected variants" in loose(source)
+    out = edited(source, tmp_path)
+    assert Usd.Stage.Open(str(source)).GetAttributeAtPath("/Root/Run.rotations").Get() != (
+        Usd.Stage.Open(str(out)).GetAttributeAtPath("/Root/Run.rotations").Get()
+    )
+    assert apart(source, out, {"clip": "b"}) < 1e-5
+
+
 BINDINGS = {
     name: over("Skel", f"rel skel:animationSource = </Root/{clip}>")
     for name, clip in (("a", "Anim"), ("b", "Run"))

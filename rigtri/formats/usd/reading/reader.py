@@ -287,7 +287,7 @@ class _Reader:
             tokens = animation.tokens if animation is not None else ()
             users = fitting(path, tokens, known)
             if not self.one_state and any(elsewhere.has(user, path) for user in users):
-                users = []  # it is edited with the Skeleton of the variant that binds it
+                continue  # it is edited with the Skeleton of the variant that binds it
             (joined if users else left).append(f"<{path}>")
             if users and animation is not None:
                 self.animations[path] = replace(animation, idle=True)
