@@ -12,7 +12,7 @@ import pytest
 from crowds import alike, contents, instance, prototypes, shot
 from places import ci, every_other
 from program import cli
-from pxr import Usd, UsdSkel
+from pxr import Sdf, Usd, UsdSkel
 from usd_files import (
     MESH,
     animation,
@@ -328,6 +328,27 @@ def test_nested_variants_are_reoriented_in_every_combination(tmp_path: Path) -> 
         for mood in ("sad", "glad", ""):
             assert apart(source, out, {"clip": "b", **({"mood": mood} if mood else {})}) < 1e-5
         out.unlink()
+
+
+def test_new_keys_go_where_a_nested_set_shows_what_the_file_shows(tmp_path: Path) -> None:
+    lean = variant_set("lean", no="", yes=BINDINGS["b"])  # the stronger set "clip" hides it
+    head = '(\nvariants = { string lean = "no" }\nprepend variantSets = "lean"\n)'
+    hats = f'variantSet "hat" = {{\n"none" {{\n}}\n"hat" {head} {{\n{lean}\n}}\n}}'
+    clips = variant_set("clip", **BINDINGS)
+    text = scene(skeleton(source=""), animation(), animation("Run", rotations=RUN), MESH, clips, hats)
+    source = save(tmp_path, choosing(text, clip="a", hat="none"))
+    oriented, out = edited(source, tmp_path), tmp_path / "twisted.usda"
+    cli("add-twist", oriented, "-o", out, "--joint", "b", "--to", "c", code=0)
+    for clip, hat in product("ab", ({"hat": "none"}, {"hat": "hat"}, {"hat": "hat", "lean": "yes"})):
+        assert apart(source, out, {"clip": clip, **hat}) < 1e-6
+
+
+def test_an_opinion_is_placed_in_the_file_that_an_edit_is_made_of(tmp_path: Path) -> None:
+    source, opinions = save(tmp_path, choosing(SCENES["binding"], clip="a"), "hero.usda"), layers.empty()
+    Sdf.CreatePrimInLayer(opinions, "/Root/Anim")
+    stage = layers.over(opinions, layers.copy_of(layers.fresh(source)))
+    variants = SkeletonVariants(stage, "/Root/Skel", "/Root/Anim")
+    assert variants.place_of(variants.states[0], "/Root/Anim") == "</Root/Anim> of hero.usda"
 
 
 def test_two_sets_that_matter_are_reoriented_in_every_combination(tmp_path: Path) -> None:

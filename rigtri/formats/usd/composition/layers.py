@@ -21,6 +21,9 @@ from rigtri.formats.usd.composition.variable_expressions import evaluated, is_on
 
 Rename = Callable[[str], str]
 
+# The name of layers that are made without content.
+_EMPTY = ".usda"
+
 
 def encoding_of(layer: Any) -> str:
     """``usda`` or ``usdc``: how a layer's file is really written, whatever its suffix."""
@@ -49,7 +52,12 @@ def file_name(layer: Any) -> str:
 
 def empty() -> Any:
     """An anonymous layer without content."""
-    return Sdf.Layer.CreateAnonymous(".usda")
+    return Sdf.Layer.CreateAnonymous(_EMPTY)
+
+
+def is_of_file(layer: Any) -> bool:
+    """Whether a layer is a file or the copy of one; others hold opinions of an edit or a selection alone."""
+    return not (layer.anonymous and layer.GetDisplayName() == _EMPTY)
 
 
 def fresh(path: Path) -> Any:

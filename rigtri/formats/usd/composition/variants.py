@@ -12,6 +12,7 @@ from typing import Any
 from pxr import Sdf
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.animation_binding import SOURCE, idle_above
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import time_samples
@@ -99,10 +100,11 @@ class SkeletonVariants:
             raise FileError(f"{change}: {why_decided(path, self.depends[path], self.source)}")
 
     def place_of(self, state: VariantState, path: Any) -> str:
-        """The strongest opinion on a prim in a state: its path and its layer."""
+        """The strongest opinion of a file on a prim in a state: its path and its layer."""
         self.choose(state.chosen)
-        (spec, *_) = self.stage.GetPrimAtPath(path).GetPrimStack()
-        return f"<{spec.path}> of {spec.layer.identifier}"
+        stack = self.stage.GetPrimAtPath(path).GetPrimStack()
+        spec = next((spec for spec in stack if layers.is_of_file(spec.layer)), stack[0])
+        return f"<{spec.path}> of {layers.title(spec.layer)}"
 
     def find_states(self) -> list[tuple[VariantState, VariantState, VariantSet]]:
         """Find all states that one choice after the other leads to; the choices: each shows something else,

@@ -9,6 +9,7 @@ from typing import Any
 from pxr import Sdf
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.stage import DEFAULT, tokens_of, why_locked
 from rigtri.formats.usd.composition.variant_choices import VariantSet
 from rigtri.formats.usd.composition.variants import SkeletonVariants, VariantState, why_unselected
@@ -124,8 +125,8 @@ def refuse_shared(stage: Any, value: Setting) -> None:
     """FileError where an opinion that all variants share would hide that of one."""
     for spec in shared_opinions(stage, value.path):
         raise FileError(
-            f"<{value.path}> of {spec.layer.identifier} lies outside of the variants, and hides keys in one. "
-            "Give each variant a file of its own, or put a shot above the file and the variants there."
+            f"<{value.path}> of {layers.title(spec.layer)} lies outside of the variants, and hides keys in "
+            "one. Give each variant a file of its own, or put a shot above the file and the variants there."
         )
 
 

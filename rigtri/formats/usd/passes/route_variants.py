@@ -284,14 +284,17 @@ def _route(
 ) -> None:
     """Put what each state of a skeleton needs into ``result``, by the path that it is written to."""
     base = variants.states[0]
-    own = [path for path in result if variants.depends.get(path) and path in base.shown]
-    _put_alike([result.pop(path) for path in own], base, variants, result, expected)
+    of_base = [path for path in result if variants.depends.get(path) and path in base.shown]
+    own = [result.pop(path) for path in of_base]
     joints = Sdf.Path(variants.skeleton).AppendProperty("joints")
-    for state in variants.states[1:]:
-        if joints not in state.shown:
+    for state in variants.states:
+        if state is not base and joints not in state.shown:
             continue  # a variant without the skeleton has nothing to reorient
-        settings = reoriented.settings(variants, state)
-        expected.add(variants, state, settings)
+        # One may have further sets and show what the file's own does, which holds new keys, too.
+        is_same = not differing(state.shown, base.shown)
+        settings = own if is_same else reoriented.settings(variants, state)
+        if state is not base:
+            expected.add(variants, state, settings)
         _put_alike(settings, state, variants, result, expected)
 
 
