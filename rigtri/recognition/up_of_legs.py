@@ -109,7 +109,10 @@ def ups_of_pairs(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, flo
         return [(standing, 1.0)]
     ahead = (on - standing * on.dot(standing)).unit
     trails = down.dot(ahead) < -_ASIDE and out.dot(ahead) < -_BEHIND
-    if trails and on.dot(standing) < _LEVEL and on.dot(seat) > _LEANS and seat.dot(standing) == 0.0:
+    trails = trails and on.dot(standing) < _LEVEL and on.dot(seat) > _LEANS and seat.dot(standing) == 0.0
+    if trails and all(_end_below(tree, limbs, standing) for limbs in (legs, arms)):
+        return [(standing, 1.0)]  # paws of an animal that braces itself: wrists and hocks are behind them
+    if trails:
         # Neither feet nor hands are below a trunk that lies, so as the file has it the body falls.
         return [(seat, OTHER_UP)]
     # Legs of a body that sits go as far ahead as down, by 45°, and its trunk up, or it leans over arms that
@@ -174,6 +177,15 @@ def _feet_stand(tree: Tree, legs: Limbs, seat: Vector) -> bool:
         foot, shin = tip - places[-1], places[-1] - places[1]
         found.append(shin.unit.dot(-seat) > _STANDS and foot.unit.dot(thigh.unit) > _STANDS)
     return len(legs.at) == 3 and all(found)
+
+
+def _end_below(tree: Tree, limbs: Limbs, up: Vector) -> bool:
+    """Whether what is at the end of a pair stands below where its chains begin, whatever bends between."""
+    way = Vector()
+    for which, path in enumerate(limbs.pair.paths):
+        lowest = min(tree.branch(limbs.joints(which)[-1]), key=lambda node: tree.at[node].dot(up))
+        way += tree.at[lowest] - tree.at[path[0]]
+    return way.unit.dot(-up) > _STAND_ALONE
 
 
 def _kneels_on_hands(tree: Tree, legs: Limbs, arms: Limbs, up: Vector) -> bool:

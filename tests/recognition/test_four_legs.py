@@ -580,3 +580,19 @@ def test_a_front_leg_that_names_half_know_does_not_surely_end_beyond_its_wrist()
     bare = [joint for joint in pony() if not joint[0].startswith("stirrup")]
     _, limbs = character(bare, names)
     assert limbs.items() <= LEGS.items()
+
+
+@pytest.mark.parametrize("back", [0.3, 0.4])
+@pytest.mark.parametrize("named", [True, False])
+def test_an_animal_that_braces_itself_with_its_paws_behind_its_joints_stands_on_them(
+    back: float, named: bool
+) -> None:
+    """Before, wrists and hocks so far behind were those of a body that falls: it faced the ground, surely."""
+    behind = dict.fromkeys(("forearm", "hand", "finger", "toe"), back) | {"foot": back + 0.25}
+    braced = [
+        (name, above, (x, y, z - behind.get(name.partition(".")[0], 0.0))) for name, above, (x, y, z) in HORSE
+    ]
+    (found,) = recognise(rig_with(braced, named=named)).characters
+    assert found.form == "quadruped"
+    assert found.facing == (0.0, 0.0, 1.0)
+    assert found.up == (0.0, 1.0, 0.0)
