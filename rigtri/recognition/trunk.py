@@ -20,6 +20,8 @@ _SPINE = ("spine", "chest", "upperChest")
 _TAIL_JOINTS, _TAIL = 3, 0.3
 # From neck to head there are at most so many joints; of a longer chain, an elephant's trunk, none is sure.
 _UP_TO_HEAD, _GOES_ON = 5, 0.6
+# Ears and eyes go aside from a head by more than this (a sine).
+_ASIDE = 0.1
 # Of the trunk's bones, so many names make one; a crane may have a waist, too.
 _ENOUGH = 3
 # The last bone before a head is so long a part of the one above it; one to a face or a helmet is not.
@@ -296,7 +298,16 @@ def _up_to_head(draft: Draft, first: int) -> list[int]:
     if len(chain) > 1 and not tree.below[chain[-1]] and _is_end(draft, chain[-1]):
         chain.pop()
     # Of two joints neither need be a neck: which is the head is left open.
-    return chain[:-1] if len(chain) > 2 and _is_small(draft, chain) else chain
+    small = len(chain) > 2 and _is_small(draft, chain) and not _carries_pair(draft, chain[-1])
+    return chain[:-1] if small else chain
+
+
+def _carries_pair(draft: Draft, node: int) -> bool:
+    """Whether joints go to both sides of one, as ears or eyes do from a head and nothing does from a jaw."""
+    tree = draft.tree
+    ways = [tree.at[k] - tree.at[node] for k in tree.below[node]]
+    aside = [way.dot(draft.left) / (way.length or 1.0) for way in ways]
+    return min(aside, default=0.0) < -_ASIDE and max(aside, default=0.0) > _ASIDE
 
 
 def _is_on_head(draft: Draft, node: int) -> bool:

@@ -100,6 +100,16 @@ def test_without_names_what_moves_far_less_than_the_head_is_a_jaw() -> None:
     assert found(rig, BODY) == {"neck": ["neck"], "head": ["head"]}
 
 
+def test_without_names_a_small_head_with_ears_is_no_jaw() -> None:
+    """Before, of a long neck and a small head the neck's last joint was the head, at 0.85."""
+    ears: list[Joint] = [(f"ear{side}", "jaw", (x, 1.7, 0.06)) for side, x in (("L", 0.04), ("R", -0.04))]
+    joints = [*BODY, *ears]
+    rig = with_points(rig_with(joints, named=False), joints)
+    assert found(rig, joints) == {}
+    (character,) = recognise(rig).characters
+    assert [joints[k][0] for c in character.chains if c.kind == "head" for k in c.joints] == ["jaw"]
+
+
 def test_without_names_or_a_neck_a_head_with_a_jaw_is_not_sure() -> None:
     """A small head on a thick neck would look the same."""
     joints = [(name, "chest" if name == "head" else above, at) for name, above, at in BODY if name != "neck"]
