@@ -9,14 +9,16 @@ import math
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from numbers import Real
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rigtri.errors import UsageError
 from rigtri.limits import LARGEST, fits
 from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
 from rigtri.model.options import Kind, option
-from rigtri.model.rig import Rig
+
+if TYPE_CHECKING:
+    from rigtri.model.rig import Rig
 
 Vector = tuple[float, float, float]
 # Kinds of which one is a list itself: names in a row, or numbers; of the first also a mapping.

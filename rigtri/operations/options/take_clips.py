@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import Tolerance
 from rigtri.model.options import option
-from rigtri.model.rig import Rig
 from rigtri.operations.option_kinds import ClipNames, Clips, EditedFile, Names, OneCharacter
+
+if TYPE_CHECKING:
+    from rigtri.model.rig import Rig
 
 
 @dataclass(frozen=True, kw_only=True)
