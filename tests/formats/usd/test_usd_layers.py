@@ -203,6 +203,15 @@ def test_a_missing_value_clip_is_an_error_where_the_animation_needs_it(lost: str
     assert notice.text == f"1 value clip that this one plays was not found: ./clips/{lost}"
 
 
+def test_all_missing_value_clips_are_named_of_sets_that_begin_at_one_time(tmp_path: Path) -> None:
+    source = clipped(tmp_path, LONG, EXPLICIT + "double2[] active = [(0, 0)]")
+    other = "dictionary other = { asset[] assetPaths = [@./b.usda@]\ndouble2[] active = [(0, 0)] }"
+    source.write_text(source.read_text("utf-8").replace("dictionary default", f"{other}\ndictionary default"))
+    (tmp_path / "clips" / "part.001.usda").unlink()
+    notice, *_ = read(source, allow_missing=True).warnings
+    assert notice.text.startswith("2 value clips that this one plays were not found: ")
+
+
 @pytest.mark.parametrize("how", ["stronger", "unplayed"])
 def test_a_missing_value_clip_that_moves_nothing_is_no_error(how: str, tmp_path: Path) -> None:
     body = f"quatf[] rotations = {THIRD}" if how == "stronger" else ""

@@ -23,12 +23,13 @@ def check(stage: Any, *, allow_missing: bool) -> list[Notice]:
     for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()):
         if not prim.HasMetadata("clips"):
             continue
-        lost = dict(_missing(prim))
-        missing |= dict.fromkeys(lost.values())
-        needing = "" if allow_missing else _needing(prim, list(lost))
-        if needing:
+        lost = list(_missing(prim))
+        names = dict.fromkeys(name for _, name in lost)
+        missing |= names
+        times = [] if allow_missing else [time for time, _ in lost]
+        if needing := _needing(prim, times):
             raise FileError(
-                f"{and_more(list(lost.values()), 3)}: no such file, which <{prim.GetPath()}> has as a value "
+                f"{and_more([*names], 3)}: no such file, which <{prim.GetPath()}> has as a value "
                 f"clip, and {needing} needs it. Put it there; with --allow-missing it is left out, and "
                 "OUT plays nothing in its place even when it is there again"
             )
@@ -51,18 +52,22 @@ def _missing(prim: Any) -> Iterator[tuple[float, str]]:
 
 
 def _needing(prim: Any, times: list[float]) -> str:
-    """Which of the animations and of the prims that carry skeletons, from a prim down, clips move then."""
+    """Which array of animations, or op that places a skeleton, from a prim down, clips move at some times."""
     for each in Usd.PrimRange(prim, Usd.TraverseInstanceProxies()) if times else ():
-        if each.IsA(UsdSkel.Animation):
-            attributes = [each.GetAttribute(name) for name in _ARRAYS]
-        elif any(below.IsA(UsdSkel.Skeleton) for below in Usd.PrimRange(each, Usd.TraverseInstanceProxies())):
-            attributes = [op.GetAttr() for op in UsdGeom.Xformable(each).GetOrderedXformOps()]
-        else:
-            continue
-        for attribute in attributes:
-            if attribute and any(_is_of_clips(attribute, time) for time in times):
+        for attribute in _moving(each, prim):
+            if any(_is_of_clips(attribute, time) for time in times):
                 return f"<{attribute.GetPath()}>"
     return ""
+
+
+def _moving(each: Any, top: Any) -> Iterator[Any]:
+    """The arrays of an animation; the ops that place a Skeleton, of prims up to ``top``."""
+    if each.IsA(UsdSkel.Animation):
+        yield from filter(None, (each.GetAttribute(name) for name in _ARRAYS))
+    elif each.IsA(UsdSkel.Skeleton):
+        while each.GetPath().HasPrefix(top.GetPath()):
+            yield from (op.GetAttr() for op in UsdGeom.Xformable(each).GetOrderedXformOps())
+            each = each.GetParent()
 
 
 def _is_of_clips(attribute: Any, time: float) -> bool:
