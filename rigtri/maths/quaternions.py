@@ -42,6 +42,8 @@ __all__ = [
 IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
 # Stored rotations this near to unit were meant to be unit; float32 leaves 1e-7.
 NEARLY_UNIT = 1e-6
+# Between rotations whose cosine lacks less than this of 1, 0.51°, OpenUSD's `GfSlerp` goes straight.
+STRAIGHT = 1e-5
 # A rotation whose part about an axis is shorter than this swings by 180°: it has no twist.
 HALF_ROUND = 1e-9
 # Of four times the square of each component: the signs of xx, yy and zz.
@@ -412,7 +414,7 @@ def gf_slerp(a: Floats, b: Floats, share: Floats) -> Floats:
     cosine = (x + y + z + w).astype(np.float64)
     sign, cosine = np.where(cosine < 0.0, -1.0, 1.0), np.abs(cosine)
     from_a, from_b = 1.0 - share, share.copy()
-    far = np.flatnonzero(1.0 - cosine > 1e-5)
+    far = np.flatnonzero(1.0 - cosine > STRAIGHT)
     cosine, some = cosine[far], share[far]
     whole = np.sqrt((1.0 - cosine) * (1.0 + cosine))
     angle = arc_tangent(whole, cosine)

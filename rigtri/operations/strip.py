@@ -62,8 +62,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
         report.morph_changes.setdefault(rig.keys[node], set()).update(columns)
     holders = frozenset[int]() if options.splits else rig.holders
     stay = (holders - gone) | kept
-    metadata = {node: stored for node, stored in rig.metadata.items() if node in stay}
-    for node in (node for node in rig.metadata if node not in gone and node not in metadata):
+    for node in (node for node in rig.metadata if node not in stay | gone):
         report.removed.append({"node": rig.address(node), "type": rig.type_of(node), "kept": True})
     restored = rig.rules.overlaid & kept
     for node in sorted(restored):

@@ -298,16 +298,19 @@ def _up_to_head(draft: Draft, first: int) -> list[int]:
     if len(chain) > 1 and not tree.below[chain[-1]] and _is_end(draft, chain[-1]):
         chain.pop()
     # Of two joints neither need be a neck: which is the head is left open.
-    small = len(chain) > 2 and _is_small(draft, chain) and not _carries_pair(draft, chain[-1])
+    small = len(chain) > 2 and _is_small(draft, chain) and not _carries_pair(draft, chain[-1], _ASIDE)
     return chain[:-1] if small else chain
 
 
-def _carries_pair(draft: Draft, node: int) -> bool:
-    """Whether joints go to both sides of one, as ears or eyes do from a head and nothing does from a jaw."""
+def _carries_pair(draft: Draft, node: int, by: float) -> bool:
+    """Whether joints go to both sides of one, as ears or eyes do from a head and nothing does from a jaw.
+
+    by: how far at least, a sine.
+    """
     tree = draft.tree
     ways = [tree.at[k] - tree.at[node] for k in tree.below[node]]
     aside = [way.dot(draft.left) / (way.length or 1.0) for way in ways]
-    return min(aside, default=0.0) < -_ASIDE and max(aside, default=0.0) > _ASIDE
+    return min(aside, default=0.0) < -by and max(aside, default=0.0) > by
 
 
 def _is_on_head(draft: Draft, node: int) -> bool:
@@ -326,9 +329,7 @@ def _is_head(draft: Draft, chain: Sequence[int]) -> bool:
     if any(_is_on_head(draft, node) for node in below):
         return True
     last, before = (tree.bone[node] for node in (chain[-1], chain[-2]))
-    aside = [(tree.at[node] - tree.at[chain[-1]]).dot(draft.left) for node in below]
-    even = _LEAST_EVEN * before < last < _MOST_EVEN * before
-    return even and min(aside, default=0.0) < 0.0 < max(aside, default=0.0)
+    return _LEAST_EVEN * before < last < _MOST_EVEN * before and _carries_pair(draft, chain[-1], 0.0)
 
 
 def _is_small(draft: Draft, chain: Sequence[int]) -> bool:

@@ -20,7 +20,7 @@ from rigtri.export.conversion.usd_samples import sample_times, time_codes
 from rigtri.export.conversion.usd_skeletons import Skeleton
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.frames.rig_size import size_of
-from rigtri.maths.quaternions import angle_between, dot, make_continuous, normalise, slerp, unit
+from rigtri.maths.quaternions import STRAIGHT, angle_between, dot, make_continuous, normalise, slerp, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
@@ -29,8 +29,6 @@ from rigtri.text import and_more
 # More samples than this, and than these for each key, are told: files become large.
 _MANY, _PER_KEY = 10_000, 100
 _ANIMATED = ("translations", "rotations", "scales", "blendShapeWeights")
-# Quaternions whose product is above this are less than 0.51° apart: OpenUSD goes straight between them.
-_STRAIGHT = 0.99999
 # So many radians off the arcs between orient samples need no word: what a conversion may be off.
 EVEN = 1e-5
 _SETTERS: Mapping[Path, Callable[[Floats], Any]] = {
@@ -244,7 +242,7 @@ def unevenness(turns: Floats) -> float:
     part alone: a quarter of the way from no rotation it is half way. Source: GfSlerp, GfRotation (26.11).
     """
     one, other = turns[:-1], turns[1:]
-    near = dot(one, other) > _STRAIGHT
+    near = dot(one, other) > 1.0 - STRAIGHT
     worst = 0.0
     for share in (0.25, 0.5, 0.75):
         played = (1.0 - share) * one[near] + share * other[near]

@@ -9,12 +9,9 @@ import numpy as np
 from rigtri.evaluation.key_reduction import reduce_keys
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.arrays import Booleans, Integers
-from rigtri.maths.quaternions import angle_between, dot, make_continuous, unit
+from rigtri.maths.quaternions import STRAIGHT, angle_between, dot, make_continuous, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
-
-# OpenUSD evaluates an orient op between keys of a larger cosine wrongly, by up to half of their angle.
-_SLOW = 0.99999
 
 
 def merged(
@@ -107,8 +104,11 @@ def _needed(path: Path, times: Floats, values: Floats, bound: float, frames: boo
 
 
 def _slow_frames(times: Floats, turns: Floats, keys: Integers, bound: float) -> Integers:
-    """Which of the values at whole times, no keys, OpenUSD would show by more than a bound off."""
+    """Which of the values at whole times, no keys, OpenUSD would show by more than a bound off.
+
+    Where it goes straight it evaluates an orient op wrongly, by up to half of the angle between the keys.
+    """
     at = np.setdiff1d(np.flatnonzero(times == np.round(times)), keys)
     right = np.searchsorted(keys, at)
     start, end = turns[keys[right - 1]], turns[keys[right]]
-    return at[(np.abs(dot(start, end)) > _SLOW) & (angle_between(start, end) > 2.0 * bound)]
+    return at[(np.abs(dot(start, end)) > 1.0 - STRAIGHT) & (angle_between(start, end) > 2.0 * bound)]

@@ -7,15 +7,15 @@ from itertools import chain
 import numpy as np
 
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.quaternions import off_unit
+from rigtri.maths.quaternions import STRAIGHT, off_unit
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.verdict import UNIT
 
 # Where quaternions are shown as they are: a rotation doubles their error, and a chain of joints adds it up.
 UNIT_AS_SHOWN = 2e-7
-# A key that an edit adds between two of a larger cosine than 0.99999 stands on their chord, where these are
-# not unit, as OpenUSD's `GfSlerp` has it: halfway, shorter by a quarter of what the cosine lacks.
-_CHORD = 0.00001 / 4.0
+# A key that an edit adds between two that OpenUSD goes straight between stands on their chord, where these
+# are not unit: halfway, shorter by a quarter of what the cosine lacks.
+_CHORD = STRAIGHT / 4.0
 
 
 def denormalisation(rig: Rig, nodes: Booleans | None = None) -> float:

@@ -49,8 +49,9 @@ MARK = "rigtri"
 # How OpenUSD 24 to 26 reports a layer that it leaves out, its reason behind `--` where there is a file, and
 # an arc to a prim that is not there.
 _LAYER = re.compile(r"(?:In <[^>]*>: )?Could not (?:load sublayer|open asset) @(.*?)@ ")
-_NO_LAYER = "it begins neither as a crate nor as text of USD does"
 _PRIM = re.compile(r"In <[^>]*>: Unresolved \w+ prim path @(.*?)@<(.*?)>")
+# Why a layer that is there has no reason of OpenUSD.
+_NO_LAYER = "it begins neither as a crate nor as text of USD does"
 # A cycle of arcs or of sublayers, and a time offset that is none; the layer of the session is of no interest.
 _BROKEN = re.compile(r"(?:In <[^>]*>: )?(Cycle detected|Sublayer hierarchy .* has cycles|Invalid .*offset )")
 _SESSION, _IDENTIFIER = re.compile(r",@anon:[^@]*@"), re.compile(r"@([^@]*)@")
@@ -150,10 +151,9 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
             _refuse_nan_times(layer)
             _check_numbers(layer, _CLOCK if layer != stage.GetRootLayer() else (*_CLOCK, *_OF_STAGE))
         lacking = _lacking(texts, path.parent, allow_missing=allow_missing)
-        return stage, [
-            *lacking,
-            *missing_clips.check(stage, allow_missing=allow_missing),
-        ] if has_clips else lacking
+        if has_clips:
+            lacking += missing_clips.check(stage, allow_missing=allow_missing)
+    return stage, lacking
 
 
 def _refuse_nan_times(layer: Any) -> None:

@@ -70,8 +70,8 @@ def _counting(variants: SkeletonVariants, state: VariantState) -> dict[Any, Any]
     """Where the values come from of the skeleton, of what it plays, and of what variants decide."""
     shown = state.shown.items()
     played = {target for path, targets in shown if path.name == SOURCE for target in targets}
-    prims = {variants.skeleton, *played}
-    return {path: v for path, v in shown if str(path.GetPrimPath()) in prims or path in _decided(variants)}
+    prims, decided = {variants.skeleton, *played}, _decided(variants)
+    return {path: v for path, v in shown if str(path.GetPrimPath()) in prims or path in decided}
 
 
 def _key(change: Hashable, counting: Mapping[Any, Any]) -> Hashable:
